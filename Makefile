@@ -30,11 +30,14 @@ $(VENV)/full: requirements.lock $(VENV)/core
 	$(PIP) --require-hashes -r requirements.lock
 	@touch $@
 
+# A file's tests share what is expensive, so they stay on one worker; the order is that of tests/conftest.py.
+PYTEST := $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
+
 test: setup
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow and not thorough"
+	$(PYTEST) -m "not slow and not thorough"
 
 test-thorough: setup
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m "thorough and not slow"
+	$(PYTEST) -m "thorough and not slow"
 
 test-slow: setup
 	$(BIN)/python -m pytest -m slow

@@ -3,8 +3,12 @@
 Ctrl-C ends it in one line and with exit code 130 at any instant from here on: nothing else is imported earlier.
 """
 
-import os
 import sys
+
+if __name__ == "__main__" and not sys.flags.safe_path:  # as for the script: nothing comes from the working folder
+    del sys.path[0]
+
+import os
 from typing import TYPE_CHECKING, Any, NoReturn
 
 if TYPE_CHECKING:

@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray
+from tests.words import wording
 
 import vvdp
 from vvdp.base.errors import ConfigError
@@ -95,12 +96,12 @@ def test_a_saved_run_opens_as_it_was_and_its_file_in_xarray(run, tmp_path):
         assert states["load_line"].dims == ("time",)
     with h5py.File(directory / "result.h5") as file:
         assert file.attrs["system"] == "prototype"
-    with pytest.raises(ConfigError, match="already exists"):
+    with pytest.raises(ConfigError, match=wording.files.already_exists):
         run.save(tmp_path / "out")
 
 
 def test_what_is_no_result_is_refused(tmp_path):
-    with pytest.raises(ConfigError, match="not a result directory"):
+    with pytest.raises(ConfigError, match=wording.files.is_no_result):
         vvdp.open(tmp_path)
 
 
@@ -111,13 +112,13 @@ def test_plots_are_figures_of_charts_or_series(run):
     assert len(run.plot().axes) == 3
     assert {"speed", "load_pressure"} <= set(run.names)
     assert run.result is run.result
-    with pytest.raises(ConfigError, match="did you mean 'load_pressure'"):
+    with pytest.raises(ConfigError, match=wording.files.did_you_mean.format(name="load_pressure")):
         run.plot("load_presure")
 
 
 def test_notebooks_see_a_drawing_and_numbers(run):
     assert "<svg" in run.system._repr_html_()
-    assert "PWM frequency" in run._repr_html_()
+    assert wording.run.pwm_frequency in run._repr_html_()
 
 
 def test_a_run_until_a_number_of_seconds_is_that_of_the_text(run):

@@ -7,11 +7,13 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.words import wording
 
 import vvdp
 from vvdp.base import files
 from vvdp.base.errors import ConfigError, WriteError
-from vvdp.base.files import HOST, clear_unfinished, result_directory, write_whole
+from vvdp.base.files import HOST, clear_unfinished, list_all, result_directory, write_whole
+from vvdp.base.manifest import LIST
 
 SOURCE = str(Path(vvdp.__file__).parents[1])
 TOKEN = "0123456789abcdef"
@@ -28,6 +30,7 @@ def dead():
 def make_results(directory, text):
     directory.mkdir(parents=True)
     (directory / "meta.json").write_text(text)
+    list_all(directory)
 
 
 def write_results(directory, text, *, force=False):
@@ -36,8 +39,9 @@ def write_results(directory, text, *, force=False):
 
 
 def content(folder):
-    """All files below a folder by their path in it."""
-    return {str(path.relative_to(folder)): path.read_text() for path in folder.rglob("*") if path.is_file()}
+    """All files below a folder but lists of files, by their path in it."""
+    files = (path for path in folder.rglob("*") if path.is_file() and path.name != LIST)
+    return {str(path.relative_to(folder)): path.read_text() for path in files}
 
 
 def test_a_file_replaces_another_and_leaves_nothing_beside(tmp_path):
@@ -56,7 +60,7 @@ def test_a_file_that_cannot_be_written_leaves_the_earlier_one(tmp_path, monkeypa
     monkeypatch.setattr(*{"fsync": (os, "fsync"), "replace": (Path, "replace")}[where], full)
     with pytest.raises(WriteError) as refused:
         write_whole(tmp_path / "a", "second")
-    assert str(refused.value) == f"{tmp_path / 'a'}: cannot be written (No space left on device)"
+    assert str(refused.value) == f"{tmp_path / 'a'}: {wording.files.cannot_write} (No space left on device)"
     assert refused.value.errno == errno.ENOSPC
     assert content(tmp_path) == {"a": "first"}
 
@@ -83,26 +87,26 @@ def test_what_ends_early_leaves_nothing_and_what_was_there(tmp_path, end):
 def test_a_disk_that_fails_is_told_with_the_name_that_was_asked_for(tmp_path):
     with pytest.raises(WriteError) as refused, result_directory(tmp_path / "out") as folder:
         raise OSError(errno.ENOSPC, "No space left on device", str(folder / "figure.png"))
-    assert str(refused.value) == f"{tmp_path / 'out'}: cannot be written (No space left on device)"
+    assert str(refused.value) == f"{tmp_path / 'out'}: {wording.files.cannot_write} (No space left on device)"
     assert content(tmp_path) == {}
 
 
 def test_force_replaces_results_and_nothing_else(tmp_path):
     make_results(tmp_path / "out", "old")
-    with pytest.raises(ConfigError, match="already exists"):
+    with pytest.raises(ConfigError, match=wording.files.already_exists):
         write_results(tmp_path / "out", "new")
     write_results(tmp_path / "out", "new", force=True)
     assert content(tmp_path) == {"out/meta.json": "new"}
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "notes.txt").write_text("keep")
     for force in (False, True):
-        with pytest.raises(ConfigError, match=r"already exists|something else"):
+        with pytest.raises(ConfigError, match=rf"{wording.files.already_exists}|{wording.files.holds_something_else}"):
             write_results(tmp_path / "mine", "new", force=force)
     assert content(tmp_path) == {"out/meta.json": "new", "mine/notes.txt": "keep"}
 
 
 def test_what_came_in_between_is_not_replaced_without_force(tmp_path):
-    with pytest.raises(ConfigError, match="already exists"), result_directory(tmp_path / "out") as folder:
+    with pytest.raises(ConfigError, match=wording.files.already_exists), result_directory(tmp_path / "out") as folder:
         (folder / "meta.json").write_text("late")
         make_results(tmp_path / "out", "first")
     assert content(tmp_path) == {"out/meta.json": "first"}
@@ -110,7 +114,10 @@ def test_what_came_in_between_is_not_replaced_without_force(tmp_path):
         (folder / "meta.json").write_text("late")
         make_results(tmp_path / "two", "first")
     assert content(tmp_path / "two") == {"meta.json": "late"}
-    with pytest.raises(ConfigError, match="something else"), result_directory(tmp_path / "x", force=True):
+    with (
+        pytest.raises(ConfigError, match=wording.files.holds_something_else),
+        result_directory(tmp_path / "x", force=True),
+    ):
         (tmp_path / "x").mkdir()
         (tmp_path / "x" / "notes.txt").write_text("keep")
     assert content(tmp_path / "x") == {"notes.txt": "keep"}
@@ -129,7 +136,7 @@ with result_directory(Path({str(tmp_path / "out")!r})) as folder:
     with subprocess.Popen([sys.executable, "-c", code], text=True, **arguments) as first:
         assert first.stdout.readline() == "at work\n"
         for force in (False, True):
-            with pytest.raises(ConfigError, match=f"is being written by process {first.pid}"):
+            with pytest.raises(ConfigError, match=wording.files.being_written.format(process=first.pid)):
                 write_results(tmp_path / "out", "second", force=force)
         write_results(tmp_path / "other", "beside")
         first.communicate("\n")
@@ -172,7 +179,7 @@ def test_an_exchange_cut_short_between_its_renames_is_finished_by_the_next_call(
     if force:
         write_results(tmp_path / "out", "newest", force=True)
     else:
-        with pytest.raises(ConfigError, match="already exists"):
+        with pytest.raises(ConfigError, match=wording.files.already_exists):
             write_results(tmp_path / "out", "newest")
     assert content(tmp_path) == {"out/meta.json": "newest" if force else "new"}
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.kinds import FractionSignal, Length, PressureSignal, Ratio, SpeedSignal, TemperatureSignal
@@ -83,9 +84,11 @@ share = { value = "0.5", until = "1 s" }
         (10, "p.share"),
     ]
     text = str(ConfigError(faults))
-    assert "bad.toml:2: plate.lenght: unknown key; did you mean 'length'?" in text
-    assert "bad.toml:9: p.speed: '22.5 Hz' is not a rotational speed; write 1350 rpm or 22.5 rev/s" in text
-    assert "expected one of measured, published, derived, assumed, given" in text
+    assert "bad.toml:2: plate.lenght: " + wording.files.unknown_key.format(meant="length") in text
+    no_speed = wording.files.is_not_a.format(quantity="a rotational speed")
+    write = wording.files.write_instead.format(value="1350 rpm or 22.5 rev/s")
+    assert f"bad.toml:9: p.speed: '22.5 Hz' {no_speed}; {write}" in text
+    assert wording.files.expected_one_of.format(choices="measured, published, derived, assumed, given") in text
 
 
 def test_contradictions_are_faults_of_their_table() -> None:
@@ -127,19 +130,25 @@ def test_the_forms_of_a_signal() -> None:
 @pytest.mark.parametrize(
     ("entry", "told"),
     [
-        ({"step": ["1 bar", "2 bar"]}, "step given; expected"),
-        ({"step": ["1 bar"], "at": "1 s"}, "step, at given; expected"),
+        ({"step": ["1 bar", "2 bar"]}, wording.files.given_expected.format(keys="step")),
+        ({"step": ["1 bar"], "at": "1 s"}, wording.files.given_expected.format(keys="step, at")),
         ({"step": ["1 bar", "2 bar"], "at": "1 s", "to": "2 s"}, "expected"),
-        ({"ramp": ["1 bar", "2 bar"], "from": "2 s", "to": "1 s"}, "before it begins"),
+        ({"ramp": ["1 bar", "2 bar"], "from": "2 s", "to": "1 s"}, wording.files.before_it_begins),
         ({"table": [["1 s", "1 bar"], ["0 s", "2 bar"]]}, "backwards"),
-        ({"table": []}, "table given; expected"),
+        ({"table": []}, wording.files.given_expected.format(keys="table")),
         ({"table": [["1 s", "1 bar", "2 bar"]]}, "expected"),
-        ({"sine": "50 bar", "amplitude": "5", "frequency": "10 Hz"}, "has no unit"),
-        ({"sine": "50 bar", "amplitude": "5 bar", "frequency": "600 rpm"}, "is not a frequency"),
-        ({"sine": "1 bar", "amplitude": "5 bar", "frequency": "1 Hz"}, "outside 0 to"),
-        ({"table": [["0 s", "1 bar"], ["1 s", "20000 bar"], ["1 s", "1 bar"]]}, "outside 0 to"),
-        ({}, "nothing given"),
-        ([1, 2], "is not a pressure level"),
+        ({"sine": "50 bar", "amplitude": "5", "frequency": "10 Hz"}, wording.files.has_no_unit),
+        (
+            {"sine": "50 bar", "amplitude": "5 bar", "frequency": "600 rpm"},
+            wording.files.is_not_a.format(quantity="a frequency"),
+        ),
+        ({"sine": "1 bar", "amplitude": "5 bar", "frequency": "1 Hz"}, wording.files.outside_from.format(low=0)),
+        (
+            {"table": [["0 s", "1 bar"], ["1 s", "20000 bar"], ["1 s", "1 bar"]]},
+            wording.files.outside_from.format(low=0),
+        ),
+        ({}, wording.files.nothing_given),
+        ([1, 2], wording.files.is_not_a.format(quantity="a pressure level")),
     ],
 )
 def test_what_is_no_signal_is_refused(entry: object, told: str) -> None:
@@ -152,9 +161,11 @@ def test_a_signal_is_described_as_a_person_reads_it() -> None:
     kind = Prescribed.__annotations__["pressure"].__metadata__[0]
     assert describe_signal(signal("pressure", "10 bar"), kind) == "10 bar (11.0132 bara)"
     text = describe_signal(signal("pressure", {"step": ["10 bar", "20 bar"], "at": "0.5 s"}), kind)
-    assert text == "between 10 bar (11.0132 bara) and 20 bar (21.0132 bara), corners at 0.5 s"
+    assert text == wording.files.corners.format(
+        low="10 bar (11.0132 bara)", high="20 bar (21.0132 bara)", corners="0.5 s"
+    )
     text = describe_signal(signal("pressure", {"sine": "100 bar", "amplitude": "5 bar", "frequency": "7 Hz"}), kind)
-    assert text.endswith("sine of 7 Hz")
+    assert text.endswith(wording.files.sine_of.format(frequency="7 Hz"))
 
 
 def test_settings_replace_values() -> None:
@@ -176,11 +187,11 @@ def test_files_that_cannot_be_read_are_told_apart(tmp_path: Path) -> None:
     (tmp_path / "empty.toml").write_text("# nothing\n")
     (tmp_path / "large.toml").write_text("#" * 1_000_001)
     for name, told in (
-        ("none.toml", "no such file"),
-        (".", "is a directory"),
+        ("none.toml", wording.files.no_file),
+        (".", wording.files.is_directory),
         ("latin.toml", "not UTF-8"),
-        ("broken.toml", "broken.toml:2: is not valid TOML"),
-        ("empty.toml", "is empty"),
+        ("broken.toml", "broken.toml:2: " + wording.files.is_not_toml),
+        ("empty.toml", wording.files.is_empty),
         ("large.toml", "1000001 bytes"),
     ):
         with pytest.raises(ConfigError) as caught:
@@ -191,9 +202,13 @@ def test_files_that_cannot_be_read_are_told_apart(tmp_path: Path) -> None:
 def test_a_signal_that_leaves_its_range_is_a_fault_of_its_own_line_or_option() -> None:
     text = '[operation]\nfirst = "5 mm"\nshare = {sine = "0.5", amplitude = "5", frequency = "1 Hz"}\n'
     faults = refused_signals(parsed_table(text, "a"))
-    assert faults == ["a:3: operation.share: -4.5 is outside 0 to 1 for a fraction"]
+    assert faults == [
+        "a:3: operation.share: " + wording.files.outside_range.format(value=-4.5, low=0, high="1 for a fraction")
+    ]
     table = with_settings(parsed_table('[operation]\nfirst = "5 mm"\n', "a"), [f"operation.{text.splitlines()[2]}"])
-    assert refused_signals(table) == ["--set: operation.share: -4.5 is outside 0 to 1 for a fraction"]
+    assert refused_signals(table) == [
+        "--set: operation.share: " + wording.files.outside_range.format(value=-4.5, low=0, high="1 for a fraction")
+    ]
 
 
 def refused_signals(table: Table) -> list[str]:
@@ -228,12 +243,15 @@ def test_a_range_stands_beside_a_value() -> None:
 @pytest.mark.parametrize(
     ("entry", "told"),
     [
-        ('{ value = "5 mm", range = ["6 mm", "7 mm"] }', "5 mm; expected a value inside its range, 6 mm to 7 mm"),
+        (
+            '{ value = "5 mm", range = ["6 mm", "7 mm"] }',
+            wording.files.expected_range_of.format(value="5 mm", low="6 mm", high="7 mm"),
+        ),
         (
             '{ value = "5 mm", range = ["7 mm", "4 mm"] }',
-            "expected two different ends, the lower one first",
+            wording.files.two_different_ends,
         ),
-        ('{ value = "5 mm", range = "4 mm to 6 mm" }', "'4 mm to 6 mm' as range; expected two ends, range = ["),
+        ('{ value = "5 mm", range = "4 mm to 6 mm" }', wording.files.as_range.format(value="4 mm to 6 mm")),
         ('{ value = "5 mm", range = ["4 bar", "6 bar"] }', "4 bar"),
         ('{ value = "5 mm", range = ["-1 mm", "6 mm"] }', "-"),
     ],
@@ -246,6 +264,6 @@ def test_a_range_that_does_not_hold_its_value_is_refused_with_its_line(entry: st
 
 def test_what_changes_over_time_has_no_range() -> None:
     entry = {"step": ["0.2", "0.4"], "at": "1 s", "range": ["0.1", "0.5"]}
-    with pytest.raises(ConfigError, match="of a value that changes"):
+    with pytest.raises(ConfigError, match=wording.files.value_that_changes):
         signal("share", entry)
     assert signal("share", {"value": "0.3", "range": ["0.1", "0.5"]}).base == 0.3

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from tests.cfd.conftest import say
+from tests.words import wording
 
 from vvdp.base.errors import ParameterError
 from vvdp.cfd import rail
@@ -47,7 +48,7 @@ def test_every_patch_has_its_conditions(order):
 
 
 def test_shut_nozzles_are_refused(order):
-    with pytest.raises(ParameterError, match="the nozzles are shut"):
+    with pytest.raises(ParameterError, match=wording.cfd.nozzles_shut):
         turned_centre(order._replace(angle=np.pi / 3.0))
 
 
@@ -88,7 +89,7 @@ def test_the_law_of_the_system_comes_back(order, shaped):
 
 def test_a_static_drop_that_the_mesh_has_lost_is_told(order, shaped):
     result = made_up(order, shaped[2], -0.5)
-    assert any("too coarse" in finding.text for finding in result.findings)
+    assert any(wording.cfd.too_coarse in finding.text for finding in result.findings)
     (torque,) = fitted_settings(result)
     assert torque.startswith("valve.inlet_area_ratio=")
 

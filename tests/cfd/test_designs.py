@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.cfd.conftest import say
+from tests.words import wording
 
 import vvdp.cfd
 from vvdp.cfd import rail
@@ -44,7 +45,7 @@ def test_radial_force_of_the_published_final_split_by_hand():
 def test_one_shape_alone_is_refused(openfoam):
     said = say("prototype", "--shape", "rail-a", verb="designs")
     assert said.code == 2
-    assert "--shape: rail-a: expected two or more different shapes" in said.err
+    assert "--shape: rail-a: " + wording.cfd.different_shapes in said.err
 
 
 @pytest.mark.slow

@@ -1,11 +1,13 @@
 """Which OpenFOAM is taken, and what is said where there is none; programs that fail."""
 
 import os
+import re
 import signal
 import stat
 from types import SimpleNamespace
 
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import RunError, WriteError
 from vvdp.cfd import programs
@@ -34,7 +36,7 @@ def pretended(tmp_path, monkeypatch):
 
 def test_without_openfoam_the_command_to_install_it_is_told(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(MissingProgramError, match="blockMesh is not installed: apt-get install openfoam"):
+    with pytest.raises(MissingProgramError, match=wording.cfd.not_installed.format(program="blockMesh")):
         find_openfoam()
 
 
@@ -52,18 +54,18 @@ def test_the_version_is_read_from_its_help(words, version, pretended):
 
 def test_an_old_version_and_that_of_others_are_refused(pretended, tmp_path):
     pretended('echo "Using: OpenFOAM-v1806 (1806) - visit www.openfoam.com"')
-    with pytest.raises(MissingProgramError, match="OpenFOAM 1806 is too old; version 1912"):
+    with pytest.raises(MissingProgramError, match=wording.cfd.too_old.format(version=1806, least=1912)):
         find_openfoam()
     for path in (tmp_path / "bin").iterdir():
         path.write_text('#!/bin/sh\necho "Using: OpenFOAM-8 (see https://openfoam.org)"\n')
-    with pytest.raises(MissingProgramError, match="does not tell a version of openfoam"):
+    with pytest.raises(MissingProgramError, match=wording.cfd.no_version):
         find_openfoam()
 
 
 def test_a_folder_without_its_files_is_named(pretended, monkeypatch, tmp_path):
     pretended("true")
     (tmp_path / "etc" / "controlDict").unlink()
-    with pytest.raises(MissingProgramError, match="no file etc/controlDict"):
+    with pytest.raises(MissingProgramError, match=wording.cfd.missing_file.format(file="etc/controlDict")):
         find_openfoam()
 
 
@@ -92,12 +94,15 @@ exit 1"""
 @pytest.mark.parametrize(
     ("script", "message"),
     [
-        (FATAL, "simpleFoam failed: Cannot find patchField entry for background; see .*log"),
-        ("kill -9 $$", r"simpleFoam was killed \(SIGKILL\); rerun the same command"),
-        ("exit 137", r"simpleFoam was killed \(SIGKILL\)"),
-        ("kill -8 $$", "the flow diverged"),
-        ("echo '#1  Foam::sigFpe::sigHandler(int)'; exit 136", "the flow diverged"),
-        ("exit 3", "simpleFoam failed with exit code 3"),
+        (
+            FATAL,
+            wording.cfd.failed.format(program="simpleFoam") + "Cannot find patchField entry for background; see .*log",
+        ),
+        ("kill -9 $$", re.escape(wording.cfd.was_killed.format(program="simpleFoam") + wording.cfd.rerun)),
+        ("exit 137", re.escape(wording.cfd.was_killed.format(program="simpleFoam"))),
+        ("kill -8 $$", wording.cfd.flow_diverged),
+        ("echo '#1  Foam::sigFpe::sigHandler(int)'; exit 136", wording.cfd.flow_diverged),
+        ("exit 3", wording.cfd.failed_with_code.format(program="simpleFoam", code=3)),
     ],
 )
 def test_what_went_wrong_is_told(script, message, pretended, tmp_path):

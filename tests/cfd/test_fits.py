@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from tests.cfd.conftest import say
+from tests.words import wording
 
 from vvdp.cfd import rail
 from vvdp.cfd.case import Fluid
@@ -71,7 +72,7 @@ def test_the_fitted_system_has_the_coefficient_and_its_origin(result):
     assert system.tables["valve"].nozzle_discharge_coefficient == pytest.approx(0.6, rel=0.01)
     (row,) = [row for row in system.rows if row.key == "nozzle_discharge_coefficient"]
     assert row.status == "derived"
-    assert row.note == "fitted to computed flow, 10 lpm to 60 lpm, kEpsilon, 16256 cells"
+    assert row.note == wording.cfd.fitted_to.format(low="10 lpm", high="60 lpm", model="kEpsilon", cells=16256)
 
 
 @pytest.mark.parametrize("words", [("10 lpm", "60 lpm", "2"), ("60 lpm", "10 lpm", "4"), ("0 lpm", "10 lpm", "4")])

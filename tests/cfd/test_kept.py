@@ -7,6 +7,7 @@ import shlex
 import numpy as np
 import pytest
 from tests.cfd.conftest import say
+from tests.words import wording
 
 from vvdp.base.errors import ParameterError
 from vvdp.cfd.convergence import LARGEST_IMBALANCE
@@ -103,5 +104,5 @@ def test_command_of_a_row_holds_its_values():
 
 
 def test_a_study_that_is_not_kept_is_refused_with_those_that_are():
-    with pytest.raises(ParameterError, match=r"no study 'nothing' is kept; expected one of .*rail-arm"):
+    with pytest.raises(ParameterError, match=wording.cfd.no_study_kept.format(name="nothing") + ".*rail-arm"):
         kept_study("nothing")

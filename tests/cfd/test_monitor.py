@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import RunError
 from vvdp.cfd.monitor import forget_from, patch_faces, read_mesh_check, read_monitor, read_table, states
@@ -124,7 +125,7 @@ def test_a_fault_of_a_mesh_is_told_in_its_words():
 
 
 def test_a_mesh_check_without_cells_is_refused():
-    with pytest.raises(RunError, match="no number of cells"):
+    with pytest.raises(RunError, match=wording.cfd.no_number_of_cells):
         read_mesh_check("--> FOAM FATAL ERROR")
 
 

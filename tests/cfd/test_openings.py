@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 from tests.cfd.conftest import say
+from tests.words import wording
 
 from vvdp.cfd.case import Fluid
 from vvdp.cfd.centre import CentreOrder
@@ -68,4 +69,4 @@ def test_every_key_of_the_openings_is_described(result, keys_as_described):
 def test_angles_that_no_law_can_be_fitted_to_are_refused(angles, tmp_path):
     said = say("prototype", *angles, "--out", str(tmp_path / "new"), verb="openings")
     assert said.code == 2
-    assert "expected two or more different values above zero" in said.err
+    assert wording.cfd.different_values in said.err

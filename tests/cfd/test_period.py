@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from tests.cfd.conftest import say
+from tests.words import wording
 
 from vvdp.base.errors import ParameterError
 from vvdp.cfd.boundary import MOVING
@@ -116,7 +117,7 @@ def test_factors_and_means_come_back(result):
     assert found["mean_torque_N_m"] == pytest.approx(0.035, rel=1e-3)
     assert found["lag_rad"] < 0.0
     assert found["mass_imbalance"] == pytest.approx(0.02)
-    assert [each.title for each in result.findings if each.title] == ["Flows do not balance"]
+    assert [each.title for each in result.findings if each.title] == [wording.cfd.flows_do_not_balance]
 
 
 def test_every_key_of_the_period_is_described(result, keys_as_described):
@@ -127,7 +128,7 @@ def test_every_key_of_the_period_is_described(result, keys_as_described):
 def test_what_is_not_above_zero_is_refused(option, text, tmp_path):
     said = say("prototype", option, text, "--out", str(tmp_path / "new"), verb="period")
     assert said.code == 2
-    assert "expected a value above zero" in said.err
+    assert wording.cfd.value_above_zero in said.err
 
 
 def test_pictures_are_of_angles_at_which_the_oil_is_fast():

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import pytest
 from tests.cfd.conftest import say
+from tests.words import wording
 
 from vvdp.cfd import rail
 from vvdp.cfd.case import Fluid
@@ -20,6 +21,8 @@ from vvdp.geometry.shape_tables import given_shape
 from vvdp.report.cfd_report import write_cfd_report
 from vvdp.results.store import read_result
 from vvdp.systems.system import load_system
+
+pytestmark = pytest.mark.heavy
 
 SMALL = 5.0
 """Cells per spool radius: 16 000 in all, meshed and solved in some ten seconds each."""
@@ -68,7 +71,7 @@ def test_drop_split_and_balance_are_what_they_were(made):
     assert told["has_settled"] is True
     assert told["cells"] == pytest.approx(16558, rel=0.02)
     # On so small a grid a mouth is 2.2 % off its area.
-    assert all("A mouth of the mesh" in each for each in told["warnings"])
+    assert all(wording.cfd.mouth_of_mesh in each for each in told["warnings"])
 
 
 @pytest.mark.slow
@@ -80,7 +83,7 @@ def test_two_cores_find_what_one_finds(made, tmp_path):
     assert told["flow_split"] == pytest.approx(made.told["flow_split"], abs=5e-3)
     assert not list((tmp_path / "two" / "case").glob("processor*"))
     for folder, cores in ((made.folder, "1"), (tmp_path / "two", "2")):
-        assert read_result(folder).conditions["cores for each solver"] == cores
+        assert read_result(folder).conditions[wording.cfd.cores_for_each] == cores
 
 
 def test_areas_are_those_of_formula_surface_and_mesh(made, valve, order):
@@ -97,8 +100,8 @@ def test_every_key_is_described(made, keys_as_described):
 
 
 def test_it_tells_how_far_it_is(made):
-    assert "mesh: snappyHexMesh" in made.err
-    assert "second order: iteration" in made.err
+    assert wording.cfd.mesher.format(program="snappyHexMesh") in made.err
+    assert wording.cfd.second_order in made.err
 
 
 def test_a_finished_run_is_read_and_not_repeated(made):
@@ -113,7 +116,7 @@ def test_a_finished_run_is_read_and_not_repeated(made):
 def test_another_flow_needs_another_place(made):
     said = say("prototype", "--flow", "20 lpm", "--out", str(made.folder))
     assert said.code == 2
-    assert "holds another case" in said.err
+    assert wording.cfd.holds_another_case in said.err
 
 
 def test_the_page_shows_geometry_sections_and_how_it_settled(made):
@@ -140,7 +143,7 @@ def test_the_disk_is_bounded(made):
 
 def test_a_terminal_is_told_the_same(made):
     said = say("prototype", "--flow", "40 lpm", "--out", str(made.folder))
-    assert "pressure drop" in said.out
+    assert wording.cfd.pressure_drop in said.out
     assert "nozzle 3" in said.out
     assert f"report: {made.folder / 'report.html'}" in said.out
 
@@ -153,15 +156,18 @@ def test_a_grid_is_a_name_or_cells_per_radius(grid, cells):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--grid", "huge"), "--grid: 'huge'; expected one of coarse, medium, fine, or 4 to 64 cells per spool radius"),
-        (("--grid", "3"), "--grid: '3'; expected one of coarse, medium, fine, or 4 to 64 cells"),
+        (("--grid", "huge"), "--grid: " + wording.cfd.grid.format(grid="huge", least=4, most=64) + " per spool radius"),
+        (("--grid", "3"), "--grid: " + wording.cfd.grid.format(grid=3, least=4, most=64)),
         (("--grid", "nan"), "--grid: 'nan'; expected one of"),
         (("--turbulence", "none"), "--turbulence: 'none'; expected one of k-epsilon, realizable, sst, laminar"),
         (("--flow", "40"), "--flow: "),
         (("--on", "mars"), "--on: 'mars'; expected here, dask, slurm or an address"),
-        (("--workers", "2"), "--workers: 2 workers cannot be had with --on here"),
-        (("--set", "geometry.nozzle_taper=2"), "length of a nozzle's root = 12.19 mm; expected less than 10.33 mm"),
-        (("--set", "valve.nozzle_area=2000 mm^2"), "do not fit into the pitch"),
+        (("--workers", "2"), "--workers: " + wording.engine.workers.format(count=2, engine="here")),
+        (
+            ("--set", "geometry.nozzle_taper=2"),
+            wording.geometry.nozzles_root.format(found="12.19 mm", limit="10.33 mm"),
+        ),
+        (("--set", "valve.nozzle_area=2000 mm^2"), wording.cfd.does_not_fit_pitch),
     ],
 )
 def test_bad_input_is_refused_before_anything_is_run(words, message, tmp_path):
@@ -175,7 +181,7 @@ def test_a_place_that_holds_something_else_is_left_alone(tmp_path):
     (tmp_path / "thesis.txt").write_text("mine")
     said = say("prototype", "--out", str(tmp_path), "--force")
     assert said.code == 2
-    assert "holds something else" in said.err
+    assert wording.cfd.holds_something_else in said.err
     assert (tmp_path / "thesis.txt").read_text() == "mine"
 
 
@@ -183,7 +189,7 @@ def test_without_openfoam_the_command_to_install_it_is_told(tmp_path, monkeypatc
     monkeypatch.setenv("PATH", str(tmp_path))
     said = say("prototype", "--out", str(tmp_path / "new"))
     assert said.code == 1
-    assert "apt-get install openfoam" in said.err
+    assert wording.cfd.install in said.err
 
 
 def test_the_turned_rail_is_the_same_body(order, valve):

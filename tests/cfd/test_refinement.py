@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from tests.cfd.conftest import say
+from tests.words import wording
 
 from vvdp.base.errors import ParameterError
 from vvdp.cfd import rail
@@ -73,7 +74,7 @@ def test_a_value_that_only_the_finest_grid_changes_is_not_converged():
 
 
 def test_grids_out_of_order_are_refused():
-    with pytest.raises(ParameterError, match="expected the finest first"):
+    with pytest.raises(ParameterError, match=wording.cfd.finest_first):
         grid_convergence((4.0, 2.0, 1.0), (1.0, 2.0, 3.0))
 
 

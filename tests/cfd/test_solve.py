@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -12,6 +13,7 @@ from pathlib import Path
 import psutil
 import pytest
 from tests.cfd.conftest import OIL, PIPE
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError, RunError
 from vvdp.cfd.monitor import states
@@ -100,7 +102,7 @@ def test_a_killed_solver_is_told_and_its_run_goes_on(patient, openfoam, tmp_path
             (solver,) = [each for each in psutil.Process().children() if each.name() == "simpleFoam"]
             solver.send_signal(signal.SIGKILL)
 
-    with pytest.raises(RunError, match=r"simpleFoam was killed \(SIGKILL\)"):
+    with pytest.raises(RunError, match=re.escape(wording.cfd.was_killed.format(program="simpleFoam"))):
         solve(patient, tmp_path, openfoam, 1, kill)
     reached = int(states(tmp_path)[-1].name)
     assert reached >= 20
@@ -120,13 +122,13 @@ def test_a_killed_solver_is_told_and_its_run_goes_on(patient, openfoam, tmp_path
 def test_another_case_is_not_mixed_in(pipe, openfoam, tmp_path):
     solve(pipe, tmp_path, openfoam, 1, silent)
     thicker = pipe._replace(fluid=pipe.fluid._replace(viscosity=0.05))
-    with pytest.raises(ConfigError, match="holds another case"):
+    with pytest.raises(ConfigError, match=wording.cfd.holds_another_case):
         solve(thicker, tmp_path, openfoam, 1, silent)
 
 
 def test_two_do_not_work_on_one_folder(pipe, openfoam, tmp_path):
     def second(progress):
-        with pytest.raises(ConfigError, match=f"is at work in process {os.getpid()}"):
+        with pytest.raises(ConfigError, match=wording.cfd.at_work.format(process=os.getpid())):
             solve(pipe, tmp_path, openfoam, 1, silent)
         raise KeyboardInterrupt
 
@@ -136,14 +138,14 @@ def test_two_do_not_work_on_one_folder(pipe, openfoam, tmp_path):
 
 def test_a_patch_that_vanished_is_named(pipe, openfoam, tmp_path):
     patches = {**pipe.patches, "nozzle": pipe.patches["wall"]}
-    with pytest.raises(RunError, match="the patch nozzle has vanished from the mesh"):
+    with pytest.raises(RunError, match=wording.cfd.patch_vanished.format(patch="nozzle")):
         solve(pipe._replace(patches=patches), tmp_path, openfoam, 1, silent)
     assert (tmp_path / "constant" / "polyMesh").is_dir()
 
 
 def test_a_patch_of_no_surface_is_named(pipe, openfoam, tmp_path):
     patches = {name: patch for name, patch in pipe.patches.items() if name != "outlet"}
-    with pytest.raises(RunError, match="a patch outlet that is none of the surface"):
+    with pytest.raises(RunError, match=wording.cfd.patch_of_none.format(patch="outlet")):
         solve(pipe._replace(patches=patches), tmp_path, openfoam, 1, silent)
 
 
@@ -225,6 +227,6 @@ def test_a_surface_with_a_hole_is_named(openfoam, tmp_path):
     kept = ~(walls & (corners[:, :, 2].mean(1) > 0.8 * corners[walls][:, :, 2].max()))
     assert not kept.all()
     holed = replace(mesh, triangles=mesh.triangles[kept], patch=mesh.patch[kept])
-    with pytest.raises(RunError, match="a patch background that is none of the surface: it is not closed"):
+    with pytest.raises(RunError, match=wording.cfd.not_closed.format(patch="background")):
         solve(rail_case(order, replace(domain, mesh=holed)), tmp_path, openfoam, 1, silent)
     assert (tmp_path / "log.snappyHexMesh").is_file()

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from tests.cfd.conftest import say
+from tests.words import wording
 
 from vvdp.cfd import rail
 from vvdp.cfd.balance import Torques
@@ -99,7 +100,7 @@ def test_the_fitted_system_has_area_and_coefficient(result):
 def test_speeds_that_no_line_goes_through_are_refused(tmp_path):
     said = say("prototype", "--speed", "0 rpm", "1500 rpm", "2", "--out", str(tmp_path / "new"), verb="turbine")
     assert said.code == 2
-    assert "--speed: 0 rpm 1500 rpm 2: expected the lower value first" in said.err
+    assert "--speed: 0 rpm 1500 rpm 2: " + wording.cfd.lower_first in said.err
 
 
 @pytest.mark.slow

@@ -6,6 +6,7 @@ import re
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from tests.words import wording
 
 from vvdp.systems.system import shipped_systems
 
@@ -44,15 +45,21 @@ EDITS = [
         "[pump]\n",
         '[pump]\ndisplacment = "22.8 cc/rev"\n',
         "pump.displacment",
-        "did you mean 'displacement'",
+        wording.files.did_you_mean.format(name="displacement"),
     ),
-    ("missing unit", 'volume = { value = "12.7 cc"', 'volume = { value = "12.7"', "inlet.volume", "has no unit"),
+    (
+        "missing unit",
+        'volume = { value = "12.7 cc"',
+        'volume = { value = "12.7"',
+        "inlet.volume",
+        wording.files.has_no_unit,
+    ),
     (
         "wrong dimension",
         'volume = { value = "12.7 cc"',
         'volume = { value = "12.7 bar"',
         "inlet.volume",
-        "is not a volume",
+        wording.files.is_not_a.format(quantity="a volume"),
     ),
     (
         "speed as frequency",
@@ -62,11 +69,11 @@ EDITS = [
         "rpm",
     ),
     (
-        "unknown unit",
+        wording.files.unknown_unit,
         'volume = { value = "12.7 cc"',
         'volume = { value = "12.7 cubits"',
         "inlet.volume",
-        "unknown unit",
+        wording.files.unknown_unit,
     ),
     (
         "out of range",
@@ -80,9 +87,15 @@ EDITS = [
         'volume = { value = "12.7 cc"',
         'volume = { value = "1e999 cc"',
         "inlet.volume",
-        "not a finite number",
+        wording.files.is_not_finite,
     ),
-    ("a list", 'volume = { value = "12.7 cc"', 'volume = { value = ["12.7 cc"]', "inlet.volume", "is not a volume"),
+    (
+        "a list",
+        'volume = { value = "12.7 cc"',
+        'volume = { value = ["12.7 cc"]',
+        "inlet.volume",
+        wording.files.is_not_a.format(quantity="a volume"),
+    ),
     (
         "unknown status",
         'rated_power = { value = "5.6 kW", status = "published"',
@@ -105,10 +118,10 @@ def test_a_fault_in_a_file_is_told_with_its_line(edited, refused, old, new, key,
 def test_an_unknown_table_circuit_or_method(edited, refused):
     edited("[motor]\n", "[engine]\n")
     lines = refused("show", "my.toml")
-    assert any("engine" in line and "unknown table" in line for line in lines)
-    assert any("motor: missing table" in line for line in lines)
+    assert any("engine" in line and wording.files.unknown_table in line for line in lines)
+    assert any("motor: " + wording.files.missing_table in line for line in lines)
     edited('circuit = "orifice-load"', 'circuit = "other"')
-    assert "'other' is not a circuit" in refused("show", "my.toml")[0]
+    assert "'other' " + wording.files.is_no_circuit in refused("show", "my.toml")[0]
     edited('until = "1 s"', 'until = "1 s"\nmethod = "fast"')
     assert "'fast'" in refused("show", "my.toml")[0]
 
@@ -116,7 +129,11 @@ def test_an_unknown_table_circuit_or_method(edited, refused):
 def test_duty_ratio_and_axial_position_contradict(edited, refused):
     line = edited("duty_ratio = { value", 'axial_position = "10 mm"\nduty_ratio = { value')
     lines = refused("run", "my.toml")
-    assert lines == [f"my.toml:{line}: operation.axial_position: contradicts operation.duty_ratio; give one of the two"]
+    assert lines == [
+        f"my.toml:{line}: operation.axial_position: "
+        + wording.files.contradicts.format(key="operation.duty_ratio")
+        + wording.files.give_one
+    ]
 
 
 def test_several_faults_are_all_told(here, refused):
@@ -129,23 +146,23 @@ def test_several_faults_are_all_told(here, refused):
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (b"", "is empty"),
-        (b"# nothing\n", "is empty"),
-        (b"\xff\xfe\x00[", "is not UTF-8"),
-        (b'title = "a"\n[oil\ndensity = 3\n', "my.toml:2: is not valid TOML"),
-        (b"a = 1\na = 2\n", "is not valid TOML"),
+        (b"", wording.files.is_empty),
+        (b"# nothing\n", wording.files.is_empty),
+        (b"\xff\xfe\x00[", wording.files.is_not_utf8),
+        (b'title = "a"\n[oil\ndensity = 3\n', "my.toml:2: " + wording.files.is_not_toml),
+        (b"a = 1\na = 2\n", wording.files.is_not_toml),
         (
             b"p = { flow = 20 lpm }\n",
-            'my.toml:1: is not valid TOML: Unclosed inline table; a value with a unit stands in quotes: "20 lpm"',
+            "my.toml:1: " + wording.files.unquoted_value.format(value="20 lpm"),
         ),
-        (b"a = " + b"[" * 20_000, "is not valid TOML"),
-        (b"a = " + b"9" * 20_000, "is not valid TOML"),
+        (b"a = " + b"[" * 20_000, wording.files.is_not_toml),
+        (b"a = " + b"9" * 20_000, wording.files.is_not_toml),
         (b"#" * 1_000_001, "1000001 bytes"),
-        (b"oil = 3\n", "circuit: missing"),
-        (b'circuit = "orifice-load"\noil = 3\n', "3 is not a table"),
-        (b'circuit = ["orifice-load"]\n', "is not a circuit"),
-        (b'circuit = "orifice-load"\nrun = 3\n', "run: 3 is not a table"),
-        (b"\x00\x01", "is not valid TOML"),
+        (b"oil = 3\n", "circuit: " + wording.files.missing),
+        (b'circuit = "orifice-load"\noil = 3\n', wording.files.is_no_table.format(value=3)),
+        (b'circuit = ["orifice-load"]\n', wording.files.is_no_circuit),
+        (b'circuit = "orifice-load"\nrun = 3\n', "run: " + wording.files.is_no_table.format(value=3)),
+        (b"\x00\x01", wording.files.is_not_toml),
     ],
 )
 @pytest.mark.parametrize("verb", [("show",), ("run", "--until", "0.1 s"), ("valve", "--set", "inlet.volume=1 cc")])
@@ -159,25 +176,25 @@ def test_files_that_are_no_systems(here, refused, content, said, verb):
 def test_a_number_beyond_floats(here, refused):
     huge = "0x" + "f" * 5000
     (here / "my.toml").write_text(PROTOTYPE.replace('{ value = "12.7 cc"', f"{{ value = {huge}"))
-    assert "too large" in refused("show", "my.toml")[0]
+    assert wording.files.too_large in refused("show", "my.toml")[0]
 
 
 def test_a_unit_that_would_take_hours_to_work_out(refused):
-    assert "unknown unit" in refused("show", "prototype", "--set", "inlet.volume=1 m^9^9^9^9")[0]
+    assert wording.files.unknown_unit in refused("show", "prototype", "--set", "inlet.volume=1 m^9^9^9^9")[0]
 
 
 def test_places_that_are_no_files(here, refused, monkeypatch):
-    assert "neither a shipped system" in refused("run", "protoype")[0]
-    assert "no such file" in refused("run", "protoype.toml")[0]
-    assert "is a directory" in refused("run", str(here))[0]
-    assert "neither" in refused("run", "x" * 5000)[0]
-    assert "cannot be read" in refused("run", "x" * 5000 + ".toml")[0]
-    assert "neither" in refused("run", "")[0] or "directory" in refused("run", "")[0]
-    assert "not a regular file" in refused("run", "/dev/zero")[0]
+    assert wording.files.no_system in refused("run", "protoype")[0]
+    assert wording.files.no_file in refused("run", "protoype.toml")[0]
+    assert wording.files.is_directory in refused("run", str(here))[0]
+    assert wording.files.no_system in refused("run", "x" * 5000)[0]
+    assert wording.files.cannot_read in refused("run", "x" * 5000 + ".toml")[0]
+    assert wording.files.no_system in refused("run", "")[0] or "directory" in refused("run", "")[0]
+    assert wording.files.is_no_regular_file in refused("run", "/dev/zero")[0]
     os.mkfifo("pipe.toml")
-    assert "not a regular file" in refused("run", "pipe.toml")[0]
+    assert wording.files.is_no_regular_file in refused("run", "pipe.toml")[0]
     (here / "loop.toml").symlink_to("loop.toml")
-    assert "cannot be read" in refused("run", "loop.toml")[0]
+    assert wording.files.cannot_read in refused("run", "loop.toml")[0]
 
 
 def test_a_file_that_may_not_be_read(here, refused, monkeypatch):
@@ -187,28 +204,28 @@ def test_a_file_that_may_not_be_read(here, refused, monkeypatch):
         raise PermissionError(13, "Permission denied")
 
     monkeypatch.setattr("pathlib.Path.read_bytes", denied)
-    assert refused("show", "my.toml") == ["my.toml: cannot be read (Permission denied)"]
+    assert refused("show", "my.toml") == ["my.toml: " + wording.files.cannot_read + " (Permission denied)"]
 
 
 @pytest.mark.parametrize(
     ("setting", "said"),
     [
-        ("inlet.volume", "expected table.key"),
-        ("=3 cc", "expected table.key"),
-        ("inlet.volume=", "expected table.key"),
-        ("volume=3 cc", "expected table.key"),
-        ("duty_ratio=1.4", "duty_ratio=1.4: expected table.key"),
-        ("duty_ratio=1.4", "did you mean 'operation.duty_ratio=1.4'?"),
-        ("a.b.c=3 cc", "--set: a: unknown table"),
-        ("inlet.volum=3 cc", "did you mean 'volume'"),
-        ("inlets.volume=3 cc", "unknown table"),
-        ("inlet.volume=3 bar", "is not a volume"),
-        ("inlet.volume={step=", "not valid TOML"),
-        ("inlet.volume={step=['1 cc','2 cc'], at='1 s'}", "does not change"),
-        ("operation.duty_ratio={ramp=['0','1'], from='1 s', to='0 s'}", "before it begins"),
-        ("operation.duty_ratio={table=[['1 s','0'],['0 s','1']]}", "backwards"),
-        ("title.a=3", "'title' is not a table"),
-        ("operation.axial_position=10 km", "is outside"),
+        ("inlet.volume", wording.files.expected_setting),
+        ("=3 cc", wording.files.expected_setting),
+        ("inlet.volume=", wording.files.expected_setting),
+        ("volume=3 cc", wording.files.expected_setting),
+        ("duty_ratio=1.4", "duty_ratio=1.4: " + wording.files.expected_setting),
+        ("duty_ratio=1.4", wording.files.did_you_mean.format(name="operation.duty_ratio=1.4")),
+        ("a.b.c=3 cc", "--set: a: " + wording.files.unknown_table),
+        ("inlet.volum=3 cc", wording.files.did_you_mean.format(name="volume")),
+        ("inlets.volume=3 cc", wording.files.unknown_table),
+        ("inlet.volume=3 bar", wording.files.is_not_a.format(quantity="a volume")),
+        ("inlet.volume={step=", wording.files.is_not_toml),
+        ("inlet.volume={step=['1 cc','2 cc'], at='1 s'}", wording.files.does_not_change),
+        ("operation.duty_ratio={ramp=['0','1'], from='1 s', to='0 s'}", wording.files.before_it_begins),
+        ("operation.duty_ratio={table=[['1 s','0'],['0 s','1']]}", wording.files.backwards),
+        ("title.a=3", wording.files.is_no_table.format(value="'title'")),
+        ("operation.axial_position=10 km", wording.files.is_outside),
     ],
 )
 def test_bad_settings(refused, setting, said):
@@ -234,14 +251,14 @@ def test_unusable_output_directories(refused, here):
     (here / "full").mkdir()
     (here / "full" / "thesis.tex").write_text("")
     short = ("run", "prototype", "--until", "0.01 s", "--no-report", "--out")
-    assert "cannot be written (File exists: " in refused(*short, "file/below")[0]
-    assert "cannot be written" in refused(*short, "/proc/below")[0]
-    assert "cannot be written" in refused(*short, "x" * 300)[0]
-    assert "already exists" in refused(*short, "file")[0]
-    assert "is not a directory" in refused(*short, "file", "--force")[0]
-    assert "already exists" in refused(*short, "full")[0]
-    assert "something else than results" in refused(*short, "full", "--force")[0]
-    assert "something else than results" in refused(*short, ".", "--force")[0]
+    assert wording.files.cannot_write + " (File exists: " in refused(*short, "file/below")[0]
+    assert wording.files.cannot_write in refused(*short, "/proc/below")[0]
+    assert wording.files.cannot_write in refused(*short, "x" * 300)[0]
+    assert wording.files.already_exists in refused(*short, "file")[0]
+    assert wording.files.is_no_directory in refused(*short, "file", "--force")[0]
+    assert wording.files.already_exists in refused(*short, "full")[0]
+    assert wording.files.holds_something_else in refused(*short, "full", "--force")[0]
+    assert wording.files.holds_something_else in refused(*short, ".", "--force")[0]
     assert sorted(p.name for p in here.iterdir()) == ["file", "full"]
     assert (here / "full" / "thesis.tex").exists()
 
@@ -256,7 +273,7 @@ def test_unusable_output_directories(refused, here):
         (("run", "prototype", "--until"), "requires an argument"),
         (("new", "mine"), "Missing option"),
         (("--nonsense",), "No such option"),
-        (("report", "nowhere"), "no such directory"),
+        (("report", "nowhere"), wording.files.no_directory),
     ],
 )
 def test_bad_verbs_and_options(refused, here, arguments, said):

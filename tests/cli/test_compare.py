@@ -6,6 +6,7 @@ import shlex
 from pathlib import Path
 
 import pytest
+from tests.words import wording
 
 from vvdp.comparison import trials
 from vvdp.comparison.estimators import contenders
@@ -27,9 +28,9 @@ def test_what_there_is_is_listed(vvdp, here):
 def test_files_and_table(vvdp, here):
     answer = vvdp("compare", "estimators", *QUICK, "--out", "found")
     assert answer.code == 0, answer.err
-    assert "inverse-time" in answer.out and "24.7 Hz" in answer.out and "time of a sample [ns]" in answer.out
-    assert "sectors lost in" in answer.out
-    assert "2 of 2 runs" in answer.err
+    assert "inverse-time" in answer.out and "24.7 Hz" in answer.out and wording.compare.time_of_a_sample in answer.out
+    assert wording.compare.sectors_lost in answer.out
+    assert wording.progress.count.format(done=2, all=2, what="runs") in answer.err
     names = {path.name for path in (here / "found").rglob("*.*")}
     assert {
         "comparison.csv",
@@ -45,7 +46,7 @@ def test_files_and_table(vvdp, here):
     # One sector is 5.06 ms, timed as 4, 5 or 6: 196.3, 157.1 or 130.9 rad/s, at least 24 rad/s off where not 5.
     assert 10.0 < float(rows[0]["speed_error_rms_rad_s"]) < 40.0
     again = vvdp("compare", "estimators", *QUICK, "--out", "found")
-    assert again.code == 2 and "already exists" in again.err
+    assert again.code == 2 and wording.files.already_exists in again.err
     assert vvdp("compare", "estimators", *QUICK, "--out", "found", "--force").code == 0
     page = here / "found" / "report.html"
     written = page.read_bytes()
@@ -94,13 +95,13 @@ def test_a_comparison_on_dask_is_the_comparison_here(vvdp, here):
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        (("--scenario", "stepp"), "did you mean 'step'"),
+        (("--scenario", "stepp"), wording.files.did_you_mean.format(name="step")),
         (("--estimator", "kalman"), "kalman"),
-        (("--rate", "1000"), "--rate: '1000' has no unit"),
-        (("--rate", "0 Hz"), "expected 100 Hz to 100000 Hz"),
-        (("--sectors", "7"), "7 sectors"),
+        (("--rate", "1000"), "--rate: '1000' " + wording.files.has_no_unit),
+        (("--rate", "0 Hz"), wording.files.expected_range.format(low="100 Hz", high="100000 Hz")),
+        (("--sectors", "7"), wording.estimate.sectors.format(count=7)),
         (("--seeds", "0"), "--seeds"),
-        (("--workers", "2"), "--workers: 2 workers cannot be had with --on here"),
+        (("--workers", "2"), "--workers: " + wording.engine.workers.format(count=2, engine="here")),
     ],
 )
 def test_what_cannot_be_is_refused(vvdp, here, options, told):
@@ -125,6 +126,6 @@ def test_an_interrupt_keeps_what_is_done(vvdp, here, monkeypatch):
     monkeypatch.setattr(trials, "compare", interrupted)
     answer = vvdp("compare", "estimators", *QUICK[:-1], "500", "--out", "found", "--cores", "1")
     assert answer.code == 130
-    assert "interrupted after" in answer.err
+    assert wording.progress.interrupted_after in answer.err
     assert json.loads((here / "found" / "result.json").read_text())["finished"] is False
-    assert "Not all runs were made" in (here / "found" / "report.html").read_text("utf-8")
+    assert wording.progress.incomplete_page in (here / "found" / "report.html").read_text("utf-8")

@@ -6,6 +6,7 @@ import shlex
 from pathlib import Path
 
 import pytest
+from tests.words import wording
 
 from vvdp.comparison import circuit_trials
 
@@ -23,13 +24,16 @@ def test_what_there_is_is_listed(vvdp, here):
 
 def test_the_valve_of_another_system_joins(vvdp, here):
     answer = vvdp("compare", "circuits", "--valve", "prototype", "--list")
-    assert "  vvdp-valve " in answer.out and "the rotary valve of prototype" in answer.out
+    assert "  vvdp-valve " in answer.out and wording.compare.rotary_valve_of.format(system="prototype") in answer.out
 
 
 def test_files_and_page(vvdp, here):
     answer = vvdp("compare", "circuits", *QUICK, "--out", "found")
     assert answer.code == 0, answer.err
-    assert "2 of 2 runs" in answer.err and "Heavy (10 kN against extending): for 809 W delivered" in answer.out
+    assert (
+        wording.progress.count.format(done=2, all=2, what="runs") in answer.err
+        and wording.compare.delivered.format(duty="Heavy", force="10 kN", power="809 W") in answer.out
+    )
     names = {path.name for path in (here / "found").rglob("*.*")}
     assert {"comparison.csv", "circuits.csv", "report.html", "powers-heavy.svg", "shares-heavy.svg"} <= names
     assert {"course-heavy.svg", "trace-heavy-throttle.csv"} <= names
@@ -54,20 +58,23 @@ def test_a_cycle_of_ones_own(vvdp, here):
     (here / "mine.csv").write_text("time,position,force\n0,0.05,-500\n2,0.15,-500\n4,0.05,-500\n")
     answer = vvdp("compare", "circuits", "--own-cycle", "mine.csv", "--circuit", "throttle", "--out", "found")
     assert answer.code == 0, answer.err
-    assert "mine: mine.csv, 3 rows" in answer.out and "triangle" not in answer.out
+    assert (
+        wording.compare.own_cycle.format(name="mine", file="mine.csv", count=3) in answer.out
+        and "triangle" not in answer.out
+    )
     (here / "mine.csv").write_text("time,position,force\n0,0.05,-500\n2,0.15\n")
     answer = vvdp("compare", "circuits", "--own-cycle", "mine.csv", "--circuit", "throttle", "--out", "other")
-    assert answer.code == 2 and "mine.csv:3: '2,0.15,' are not three finite numbers" in answer.err
+    assert answer.code == 2 and "mine.csv:3: '2,0.15,' " + wording.compare.not_three_numbers in answer.err
     assert not (here / "other").exists()
 
 
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        (("--cycle", "triangel"), "did you mean 'triangle'"),
+        (("--cycle", "triangel"), wording.files.did_you_mean.format(name="triangle")),
         (("--circuit", "hydraulic"), "hydraulic"),
-        (("--valve", "throttle-control"), "throttle-control: valve: has no such table"),
-        (("--own-cycle", "none.csv"), "none.csv: cannot be read"),
+        (("--valve", "throttle-control"), "throttle-control: valve: " + wording.compare.no_such_table),
+        (("--own-cycle", "none.csv"), "none.csv: " + wording.files.cannot_read),
     ],
 )
 def test_what_cannot_be_is_refused(vvdp, here, options, told):
@@ -79,7 +86,9 @@ def test_what_cannot_be_is_refused(vvdp, here, options, told):
 def test_a_cycle_that_no_circuit_can_follow_is_refused(vvdp, here):
     (here / "fast.csv").write_text("time,position,force\n0,0.05,-500\n0.2,0.25,-500\n4,0.05,-500\n")
     answer = vvdp("compare", "circuits", "--own-cycle", "fast.csv", "--circuit", "throttle", "--out", "found")
-    assert answer.code == 2 and "row 2 asks for 1000 mm/s; pump and cylinder reach 329.1 mm/s" in answer.err
+    assert (
+        answer.code == 2 and wording.compare.too_fast.format(row=2, speed="1000 mm/s", reach="329.1 mm/s") in answer.err
+    )
     assert not (here / "found").exists()
 
 
@@ -97,9 +106,9 @@ def test_an_interrupt_keeps_what_is_done(vvdp, here, monkeypatch):
     compare_circuits = circuit_trials.compare_circuits
     monkeypatch.setattr(circuit_trials, "compare_circuits", interrupted)
     answer = vvdp("compare", "circuits", *QUICK, "--circuit", "throttle", "--circuit", "shuttle", "--out", "found")
-    assert answer.code == 130 and "interrupted after" in answer.err
+    assert answer.code == 130 and wording.progress.interrupted_after in answer.err
     assert json.loads((here / "found" / "result.json").read_text())["finished"] is False
-    assert "Not all runs were made" in (here / "found" / "report.html").read_text("utf-8")
+    assert wording.progress.incomplete_page in (here / "found" / "report.html").read_text("utf-8")
 
 
 def test_the_example_of_the_guide_is_real(vvdp, here):

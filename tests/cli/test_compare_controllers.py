@@ -6,8 +6,11 @@ import shlex
 from pathlib import Path
 
 import pytest
+from tests.words import wording
 
 from vvdp.comparison import loop_trials
+
+pytestmark = pytest.mark.heavy
 
 DOCUMENTS = Path(__file__).parents[2] / "docs"
 QUICK = ("--controller", "passivity", "--scenario", "nominal", "--scenario", "noise-free", "--seeds", "2")
@@ -24,7 +27,10 @@ def test_what_there_is_is_listed(vvdp, here):
 def test_files_and_page(vvdp, here):
     answer = vvdp("compare", "controllers", *QUICK, "--out", "found")
     assert answer.code == 0, answer.err
-    assert "tracking rms [mm]" in answer.out and "4 of 4 runs" in answer.err
+    assert (
+        wording.compare.tracking_rms in answer.out
+        and wording.progress.count.format(done=4, all=4, what="runs") in answer.err
+    )
     names = {path.name for path in (here / "found").rglob("*.*")}
     assert {"comparison.csv", "controllers.csv", "tracking-1.csv", "report.html", "noise.svg", "errors.svg"} <= names
     rows = list(csv.DictReader((here / "found" / "comparison.csv").open()))
@@ -58,7 +64,7 @@ def test_the_example_of_the_guide_is_real(vvdp, here):
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        (("--scenario", "air-traces"), "did you mean 'air-trace'"),
+        (("--scenario", "air-traces"), wording.files.did_you_mean.format(name="air-trace")),
         (("--controller", "pid"), "pid"),
         (("--seeds", "0"), "--seeds"),
     ],
@@ -83,6 +89,6 @@ def test_an_interrupt_keeps_what_is_done(vvdp, here, monkeypatch):
     compare_controllers = loop_trials.compare_controllers
     monkeypatch.setattr(loop_trials, "compare_controllers", interrupted)
     answer = vvdp("compare", "controllers", *QUICK[:-1], "200", "--out", "found", "--cores", "1")
-    assert answer.code == 130 and "interrupted after" in answer.err
+    assert answer.code == 130 and wording.progress.interrupted_after in answer.err
     assert json.loads((here / "found" / "result.json").read_text())["finished"] is False
-    assert "Not all runs were made" in (here / "found" / "report.html").read_text("utf-8")
+    assert wording.progress.incomplete_page in (here / "found" / "report.html").read_text("utf-8")

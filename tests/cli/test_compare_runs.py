@@ -5,6 +5,7 @@ import json
 
 import h5py
 import pytest
+from tests.words import wording
 
 
 def summary(directory):
@@ -35,9 +36,9 @@ def test_screen_and_page(vvdp, here, two_runs):
     assert answer.code == 0, answer.err
     rows = {line.split("  ")[1].strip(): line.split() for line in answer.out.splitlines() if line.startswith("  ")}
     assert rows["operation.pump_speed"][-3:] == ["1200", "1800", "rpm"]
-    assert "load line pressure, mean" in rows and "steps" not in rows and "duration" not in answer.out
+    assert wording.compare.mean_load_pressure in rows and "steps" not in rows and "duration" not in answer.out
     page = (here / "found" / "report.html").read_text("utf-8")
-    assert "Pressures of the runs over time" in page and "Parameters that differ" in page
+    assert wording.compare.pressures_over_time in page and wording.compare.parameters_that_differ in page
     assert (here / "found" / "figures" / "flow.svg").is_file()
     for number, run in enumerate(two_runs, 1):
         with (here / "found" / f"series-{number}.csv").open() as file:
@@ -48,13 +49,13 @@ def test_screen_and_page(vvdp, here, two_runs):
     before = page_again.read_bytes()
     assert vvdp("report", "found").code == 0 and page_again.read_bytes() == before
     again = vvdp("compare", "runs", *map(str, two_runs), "--out", "found")
-    assert again.code == 2 and "already exists" in again.err
+    assert again.code == 2 and wording.files.already_exists in again.err
 
 
 def test_a_run_and_itself_are_the_same(vvdp, here, two_runs):
     answer = vvdp("compare", "runs", str(two_runs[0]), str(two_runs[0]), "--no-report", "--out", "same")
     assert answer.code == 0, answer.err
-    assert "0 parameters and 0 of" in answer.out
+    assert wording.compare.differences.format(parameters=0, results=0) in answer.out
     assert not (here / "same" / "report.html").exists()
 
 
@@ -62,15 +63,15 @@ def test_another_circuit_is_told(vvdp, here, two_runs, other_run):
     answer = vvdp("compare", "runs", str(two_runs[0]), str(other_run), "--json", "--no-report")
     assert answer.code == 0, answer.err
     found = json.loads(answer.out)
-    assert found["warnings"] == ["buck has another circuit than slow."]
+    assert found["warnings"] == [wording.compare.another_circuit.format(run="buck", other="slow")]
     assert found["pump.displacement_m3_rad"][1] is None and found["pump.displacement_m3_rad"][0] > 0.0
 
 
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (["{run}"], "expected two or more"),
-        (["{run}", "nowhere"], "nowhere: no such directory"),
+        (["{run}"], wording.files.expected_two_or_more),
+        (["{run}", "nowhere"], "nowhere: " + wording.files.no_directory),
         ([], "Missing argument"),
     ],
 )

@@ -3,6 +3,7 @@
 import json
 
 import pytest
+from tests.words import wording
 
 from vvdp.components.library import COMPONENTS, PROGRAMS
 from vvdp.simulation.results import read_results
@@ -163,14 +164,19 @@ def test_a_drawn_circuit_from_file_to_page(vvdp, drawn):
         "Pump and throttle",
         "rail",
         "store",
-        "power into the circuit",
-        "of which leakage",
+        wording.run.power_in,
+        wording.run.of_which_leakage,
         "balances: energy",
     ):
         assert words in answer.out
-    assert "PWM" not in answer.out and "closed form" not in answer.out
+    assert "PWM" not in answer.out and wording.run.closed_form not in answer.out
     page = (drawn / "out" / "report.html").read_text("utf-8")
-    for words in ("Pump and throttle", "drawn, 4 nodes, 3 components", "def circuit(t, s, u, p):", "merritt1967"):
+    for words in (
+        "Pump and throttle",
+        wording.report.drawn.format(nodes=4, components=3),
+        "def circuit(t, s, u, p):",
+        "merritt1967",
+    ):
         assert words in page
     assert "PWM" not in page
     assert {p.stem for p in (drawn / "out" / "figures").glob("*.svg")} == {
@@ -212,7 +218,13 @@ def test_the_keys_of_any_circuit(vvdp, drawn):
 
 def test_show_of_a_drawn_circuit(vvdp, drawn):
     said = vvdp("show", "press.toml").out
-    for words in ("driven shaft", "pump.inlet, load.b", "a: store, b: tank", "area = 3 to 4 mm²", "[components.pump]"):
+    for words in (
+        wording.show.driven_shaft,
+        "pump.inlet, load.b",
+        "a: store, b: tank",
+        wording.show.area_range.format(low=3, high=4),
+        "[components.pump]",
+    ):
         assert words in said
     text = vvdp("show", "press.toml", "--text").out
     assert text.startswith("def circuit(t, s, u, p):\n")
@@ -242,10 +254,10 @@ def test_a_circuit_of_ones_own(vvdp, own, monkeypatch):
     monkeypatch.setenv("VVDP_CACHE", str(own / "cache"))
     shown = vvdp("show", "mine.toml")
     assert shown.code == 0, shown.err
-    assert "my_pump.py: code of your own, which the system file names, is executed" in shown.err
-    assert "code of your own" not in vvdp("show", "mine.toml").err
+    assert wording.network.own_code_runs.format(module="my_pump.py") in shown.err
+    assert wording.network.own_code not in vvdp("show", "mine.toml").err
     (own / "my_pump.py").write_text(MODULE + "\n# changed\n")
-    assert "code of your own" in vvdp("show", "mine.toml").err
+    assert wording.network.own_code in vvdp("show", "mine.toml").err
     monkeypatch.undo()
     monkeypatch.chdir(own)
     answer = vvdp("run", "mine.toml", "--out", "out")
@@ -256,7 +268,11 @@ def test_a_circuit_of_ones_own(vvdp, own, monkeypatch):
     assert "overshoot_Pa" in read_results(own / "out").summary
     (own / "my_pump.py").unlink()
     assert vvdp("report", "out").code == 0
-    assert vvdp("run", "out/system.toml", "--no-report", "--out", "again").code == 0
+    assert vvdp("run", "out/system.toml", "--no-report", "--out", "again").code == 2  # nothing in there is run
+    (own / "copy").mkdir()
+    for name in ("system.toml", "my_pump.py"):
+        (own / "copy" / name).write_bytes((own / "out" / name).read_bytes())
+    assert vvdp("run", "copy/system.toml", "--no-report", "--out", "again").code == 0
 
 
 def line_of(text: str) -> int:
@@ -265,18 +281,48 @@ def line_of(text: str) -> int:
 
 
 FAULTS = {
-    "unknown type": ('type = "pump"', 'type = "pmp"', "components.pump", "type 'pmp' is unknown"),
-    "open port": ('outlet = "rail"\n', "\n", "components.pump", "port 'outlet' is open; join it to one of"),
-    "unknown node": ('a = "rail"', 'a = "rial"', "components.feed", "'rial', which is no node; did you mean 'rail'"),
-    "wrong node": ('outlet = "rail"', 'outlet = "shaft"', "components.pump", "joins a volume or tank"),
-    "wrong unit": ('area = "5 mm^2"', 'area = "5 bar"', "components.feed.area", "is not an area"),
-    "no unit": ('speed = "1500 rpm"', 'speed = "1500"', "nodes.shaft.speed", "has no unit"),
-    "typo": ("displacement =", "displacment =", "components.pump.displacment", "did you mean 'displacement'"),
-    "wrong port": ('a = "rail"', 'aa = "rail"', "components.feed.aa", "unknown key; did you mean 'a'?"),
-    "missing": ('friction_torque = "1 N*m"\n', "\n", "components.pump.friction_torque", "missing key"),
-    "no input": ('area = "5 mm^2"\n', "\n", "components.feed", "input 'area' is not connected; give a signal"),
-    "node's type": ('{ type = "tank" }', '{ type = "tnk" }', "nodes.tank", "type 'tnk' is unknown"),
-    "no start": (', start = "20 bar" }\nstore', " }\nstore", "nodes.rail.start", "missing key 'start'"),
+    "unknown type": (
+        'type = "pump"',
+        'type = "pmp"',
+        "components.pump",
+        wording.network.unknown_type.format(name="pmp"),
+    ),
+    "open port": ('outlet = "rail"\n', "\n", "components.pump", wording.network.port_is_open.format(port="outlet")),
+    "unknown node": (
+        'a = "rail"',
+        'a = "rial"',
+        "components.feed",
+        wording.network.no_node.format(name="rial", meant="rail"),
+    ),
+    "wrong node": ('outlet = "rail"', 'outlet = "shaft"', "components.pump", wording.network.joins_volume),
+    "wrong unit": (
+        'area = "5 mm^2"',
+        'area = "5 bar"',
+        "components.feed.area",
+        wording.files.is_not_a.format(quantity="an area"),
+    ),
+    "no unit": ('speed = "1500 rpm"', 'speed = "1500"', "nodes.shaft.speed", wording.files.has_no_unit),
+    "typo": (
+        "displacement =",
+        "displacment =",
+        "components.pump.displacment",
+        wording.files.did_you_mean.format(name="displacement"),
+    ),
+    "wrong port": ('a = "rail"', 'aa = "rail"', "components.feed.aa", wording.files.unknown_key.format(meant="a")),
+    "missing": ('friction_torque = "1 N*m"\n', "\n", "components.pump.friction_torque", wording.network.missing_key),
+    "no input": ('area = "5 mm^2"\n', "\n", "components.feed", wording.network.input_not_connected.format(name="area")),
+    "node's type": (
+        '{ type = "tank" }',
+        '{ type = "tnk" }',
+        "nodes.tank",
+        wording.network.unknown_type.format(name="tnk"),
+    ),
+    "no start": (
+        ', start = "20 bar" }\nstore',
+        " }\nstore",
+        "nodes.rail.start",
+        wording.files.missing_key.format(key="start"),
+    ),
 }
 
 
@@ -299,19 +345,19 @@ def test_a_mistake_is_one_line_with_its_place(vvdp, drawn, fault):
 def test_a_name_that_is_mistyped_on_the_command_line_is_told_there(vvdp, drawn):
     answer = vvdp("run", "press.toml", "--set", "components.fed.area=3 mm^2")
     assert answer.code == 2
-    assert answer.err.strip() == "--set: components.fed: has no type; did you mean 'feed'?"
+    assert answer.err.strip() == "--set: components.fed: " + wording.network.has_no_type.format(meant="feed")
 
 
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("def network(", "def netwerk(", "did you mean 'netwerk'"),
-        ("import PUMP", "import PMP", "cannot be run: ImportError"),
-        ("net.extras = Peak", "net.extras = Pk", "cannot be drawn: NameError"),
-        ('b="tank", area', "area", "load: port 'b' is open"),
-        ("return net", "return 3", "returns no Network"),
-        ("rail: Chamber", "rail: float", "the table 'rail' is annotated as"),
-        ('"""A pump', '""A pump', "cannot be run: SyntaxError"),
+        ("def network(", "def netwerk(", wording.files.did_you_mean.format(name="netwerk")),
+        ("import PUMP", "import PMP", wording.network.cannot_run.format(error="ImportError")),
+        ("net.extras = Peak", "net.extras = Pk", wording.network.cannot_draw.format(error="NameError")),
+        ('b="tank", area', "area", "load: " + wording.network.port_is_open.format(port="b")),
+        ("return net", "return 3", wording.network.returns_no_network),
+        ("rail: Chamber", "rail: float", wording.network.annotation.format(table="rail")),
+        ('"""A pump', '""A pump', wording.network.cannot_run.format(error="SyntaxError")),
     ],
 )
 def test_a_mistake_in_a_module_is_one_line(vvdp, own, old, new, said):
@@ -319,6 +365,6 @@ def test_a_mistake_in_a_module_is_one_line(vvdp, own, old, new, said):
     (own / "my_pump.py").write_text(MODULE.replace(old, new, 1))
     answer = vvdp("show", "mine.toml")
     assert answer.code == 2
-    told = [line for line in answer.err.splitlines() if "code of your own" not in line]
+    told = [line for line in answer.err.splitlines() if wording.network.own_code not in line]
     assert len(told) == 1, answer.err
     assert told[0].startswith("mine.toml") and said in told[0]

@@ -12,6 +12,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from tests.words import wording
 
 import vvdp as package
 from vvdp.offline.config import load_estimation
@@ -76,13 +77,13 @@ def test_the_words_that_scripts_rely_on(vvdp, stamps, here, keys_as_described):
 def test_a_person_is_shown_a_table_and_warnings(vvdp, stamps):
     done = vvdp("estimate", stamps, "--edges", "edge", "--sectors", "8", "--no-report", "--out", "r")
     assert done.code == 0
-    assert "spool speed, mean" in done.out and "1482" in done.out
-    assert "acceleration noise of the filter" in done.out and "0.2500" in done.out and "warning" not in done.out
-    assert done.out.rstrip().endswith("results: r")
+    assert wording.estimate.mean_speed in done.out and "1482" in done.out
+    assert wording.estimate.acceleration_noise in done.out and "0.2500" in done.out and "warning" not in done.out
+    assert done.out.rstrip().endswith(wording.run.results_in.format(folder="r"))
     assumed = vvdp("estimate", stamps, "--edges", "edge", "--no-report", "--out", "assumed")
-    assert "warning: Sectors assumed: No number of sectors was given" in assumed.out
+    assert f"warning: {wording.estimate.assumed_title}: {wording.estimate.no_number_given}" in assumed.out
     again = vvdp("estimate", stamps, "--edges", "edge", "--no-report", "--out", "r")
-    assert again.code == 2 and "already exists" in again.err
+    assert again.code == 2 and wording.files.already_exists in again.err
     assert vvdp("estimate", stamps, "--edges", "edge", "--no-report", "--out", "r", "--force").code == 0
 
 
@@ -91,7 +92,7 @@ def test_the_report_is_written_anew(vvdp, stamps, here):
     assert not (here / "r" / "report.html").exists()
     again = vvdp("report", "r")
     assert again.code == 0 and again.out.strip() == str(Path("r", "report.html"))
-    assert "Angle and speed from edges.csv" in (here / "r" / "report.html").read_text("utf-8")
+    assert wording.estimate.title.format(log="edges.csv") in (here / "r" / "report.html").read_text("utf-8")
 
 
 def test_a_wave_taken_for_a_counter_is_told(vvdp, here):
@@ -99,9 +100,9 @@ def test_a_wave_taken_for_a_counter_is_told(vvdp, here):
     angle = SPEED * t
     table(here / "log.csv", time=("s", t), still=("V", 0.2 + 0.1 * np.sin(angle)), slope=("", angle / PITCH))
     refused = vvdp("estimate", "log.csv", "--counts", "still", "--no-report")
-    assert refused.code == 2 and "so it is no counter; if it is a wave, name it with --wave" in refused.err
+    assert refused.code == 2 and wording.estimate.no_counter in refused.err
     done = vvdp("estimate", "log.csv", "--counts", "slope", "--no-report")
-    assert done.code == 0 and "warning: Counts that are not whole" in done.out
+    assert done.code == 0 and wording.estimate.counts_not_whole in done.out
 
 
 def test_a_wave_with_pressure_and_all_options(vvdp, bench, keys_as_described):
@@ -119,7 +120,7 @@ def test_a_wave_with_pressure_and_all_options(vvdp, bench, keys_as_described):
 def test_a_config_is_written_and_used(vvdp, bench, here):
     done = vvdp("estimate", bench, "--write-config", "bench.toml")
     assert done.code == 0, done.err
-    assert "bench.toml written, with the edges from 'photodiode'" in done.out
+    assert wording.estimate.config_written.format(file="bench.toml", channel="photodiode") in done.out
     text = (here / "bench.toml").read_text()
     assert "#   inlet [bar]\n" in text
     wanted = load_estimation(here / "bench.toml")
@@ -158,7 +159,7 @@ def test_without_a_channel_those_of_the_log_are_named_and_a_way_on(vvdp, bench, 
     (probably,) = (line.partition(":  ")[2] for line in lines if line.startswith("probably"))
     assert probably == "vvdp estimate bench.csv --wave photodiode --pressure inlet"
     assert vvdp(*shlex.split(probably)[1:], "--no-report", "--out", "r").code == 0
-    (config,) = (line.partition(":  ")[2] for line in lines if line.startswith("or write a config"))
+    (config,) = (line.partition(":  ")[2] for line in lines if line.startswith(wording.estimate.write_config))
     assert vvdp(*shlex.split(config)[1:]).code == 0 and (here / "bench.toml").is_file()
 
 
@@ -246,28 +247,34 @@ def test_the_examples_of_the_guide_are_real(vvdp, here):
 
 
 BAD = [
-    (("--edges", "egde"), "did you mean 'edge'"),
-    ((), "no channel is named that holds the edges"),
-    (("--edges", "edge", "--wave", "edge"), "expected one of them"),
-    (("--edges", "edge", "--sectors", "7"), "--sectors: 7 sectors"),
-    (("--edges", "edge", "--sectors", "0"), "--sectors: 0; expected a whole number from 2"),
+    (("--edges", "egde"), wording.files.did_you_mean.format(name="edge")),
+    ((), wording.estimate.no_channel_named),
+    (("--edges", "edge", "--wave", "edge"), wording.estimate.one_of_them),
+    (("--edges", "edge", "--sectors", "7"), "--sectors: " + wording.estimate.sectors.format(count=7)),
+    (("--edges", "edge", "--sectors", "0"), "--sectors: " + wording.estimate.whole_number_from.format(value=0, low=2)),
     (("--edges", "edge", "--sectors", "8.5"), "--sectors"),
-    (("--edges", "edge", "--index-shift", "1.5"), "--index-shift: an index shift of 1.5"),
+    (("--edges", "edge", "--index-shift", "1.5"), "--index-shift: " + wording.estimate.index_shift.format(value=1.5)),
     (("--edges", "edge", "--index-shift", "nan"), "--index-shift"),
     (("--edges", "edge", "--falling", "edge"), "--falling:"),
-    (("--edges", "edge", "--falling", "none"), "no channel 'none'"),
-    (("--edges", "edge", "--sample-rate", "1 kHz"), "leave it out"),
-    (("--edges", "edge", "--time", "edge"), "leave it out"),
-    (("--counts", "edge", "--sample-rate", "10"), "--sample-rate: '10' has no unit"),
+    (("--edges", "edge", "--falling", "none"), wording.estimate.no_channel.format(name="none")),
+    (("--edges", "edge", "--sample-rate", "1 kHz"), wording.estimate.leave_it_out),
+    (("--edges", "edge", "--time", "edge"), wording.estimate.leave_it_out),
+    (("--counts", "edge", "--sample-rate", "10"), "--sample-rate: '10' " + wording.files.has_no_unit),
     (("--counts", "edge", "--sample-rate", "-1 Hz"), "--sample-rate"),
     (("--edges", "edge", "--output-rate", "0 Hz"), "--output-rate"),
-    (("--edges", "edge", "--output-rate", "1 m"), "--output-rate: '1 m' is not a frequency"),
-    (("--edges", "edge", "--sections", "0"), "--sections: 0; expected a whole number from 1 to 100"),
-    (("--edges", "edge", "--pressure", "edge"), "needs a clock of its own"),
-    (("--edges", "edge", "--fuse"), "--fuse: belongs to pressure.channel"),
-    (("--edges", "edge", "--config", "none.toml"), "none.toml: no such file"),
-    (("--edges", ""), "expected a name in quotes"),
-    (("--edges", "edge", "--out", ""), "--out': it is empty"),
+    (
+        ("--edges", "edge", "--output-rate", "1 m"),
+        "--output-rate: '1 m' " + wording.files.is_not_a.format(quantity="a frequency"),
+    ),
+    (
+        ("--edges", "edge", "--sections", "0"),
+        "--sections: " + wording.estimate.whole_number_from.format(value=0, low=1) + " to 100",
+    ),
+    (("--edges", "edge", "--pressure", "edge"), wording.estimate.needs_clock),
+    (("--edges", "edge", "--fuse"), "--fuse: " + wording.estimate.belongs_to.format(key="pressure.channel")),
+    (("--edges", "edge", "--config", "none.toml"), "none.toml: " + wording.files.no_file),
+    (("--edges", ""), wording.estimate.name_in_quotes),
+    (("--edges", "edge", "--out", ""), "--out': " + wording.estimate.out_is_empty),
 ]
 
 
@@ -293,13 +300,13 @@ def test_several_faults_are_told_together(vvdp, stamps, here):
 @pytest.mark.parametrize(
     ("name", "content", "piece"),
     [
-        ("none.csv", None, "no such file"),
-        ("empty.csv", b"", "is empty"),
+        ("none.csv", None, wording.files.no_file),
+        ("empty.csv", b"", wording.files.is_empty),
         ("log.xyz", b"a\n1\n", "extension"),
         ("text.csv", b"edge [s]\nhello\n", ""),
-        ("few.csv", b"edge [s]\n1.0\n1.1\n", "2 edges were found"),
-        ("unit.csv", b"edge [bar]\n1.0\n1.1\n1.2\n", "'edge' is in 'bar'; expected one of s, "),
-        ("same.csv", b"edge [s]\n1.0\n1.0\n1.0\n1.0\n", "an estimate needs"),
+        ("few.csv", b"edge [s]\n1.0\n1.1\n", wording.estimate.edges_found.format(count=2)),
+        ("unit.csv", b"edge [bar]\n1.0\n1.1\n1.2\n", wording.estimate.edge_unit.format(channel="edge", unit="bar")),
+        ("same.csv", b"edge [s]\n1.0\n1.0\n1.0\n1.0\n", wording.estimate.needs),
     ],
 )
 def test_bad_logs_are_refused(vvdp, here, name, content, piece):
@@ -330,13 +337,13 @@ def test_ctrl_c_keeps_what_was_reached(here):
                           text=True) as running:  # fmt: skip
         assert running.stderr is not None
         for line in running.stderr:
-            if "of the log" in line:
+            if wording.estimate.of_the_log in line:
                 break
         running.send_signal(signal.SIGINT)
         out, err = running.communicate(timeout=60)
     assert running.returncode == 130, err
-    assert "interrupted; what was reached is kept" in err
-    assert re.search(r"warning: Interrupted: The estimation was stopped after [\d.]+ s of the log\.", out)
+    assert wording.progress.reached_kept in err
+    assert re.search(wording.estimate.stopped_after + r"[\d.]+ s", out)
     kept = read_result(here / "r")
     assert not kept.finished
     assert 0.0 < kept.numbers["duration_s"].value < n * 1e-4

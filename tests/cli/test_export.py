@@ -7,6 +7,7 @@ import sys
 import h5py
 import numpy as np
 import pytest
+from tests.words import wording
 
 
 def columns(path):
@@ -61,19 +62,19 @@ def test_several_tables_are_several_files(vvdp, here, two_runs):
     assert vvdp("export", "data", "two", "--csv", "one.csv", "--table", "runs").out.split() == ["one.csv"]
     assert (here / "one.csv").read_bytes() == (here / "out-runs.csv").read_bytes()
     refused = vvdp("export", "data", "two", "--csv", "one.csv", "--table", "run")
-    assert refused.code == 2 and "did you mean 'runs'" in refused.err
+    assert refused.code == 2 and wording.files.did_you_mean.format(name="runs") in refused.err
     again = vvdp("export", "data", "two", "--csv", "one.csv", "--table", "runs")
-    assert again.code == 2 and "already exists" in again.err
+    assert again.code == 2 and wording.files.already_exists in again.err
     assert vvdp("export", "data", "two", "--csv", "one.csv", "--table", "runs", "--force").code == 0
 
 
 @pytest.mark.parametrize(
     ("words", "code", "told"),
     [
-        (["{run}"], 2, "expected --csv FILE or --parquet FILE"),
-        (["nowhere", "--csv", "a.csv"], 2, "nowhere: no such directory"),
-        (["{run}", "--csv", "missing/a.csv"], 1, "missing/a.csv: cannot be written"),
-        (["{run}", "--csv", "."], 2, "is a directory"),
+        (["{run}"], 2, wording.export.expected_format),
+        (["nowhere", "--csv", "a.csv"], 2, "nowhere: " + wording.files.no_directory),
+        (["{run}", "--csv", "missing/a.csv"], 1, "missing/a.csv: " + wording.files.cannot_write),
+        (["{run}", "--csv", "."], 2, wording.files.is_directory),
     ],
 )
 def test_what_cannot_be_exported_is_refused(vvdp, here, two_runs, words, code, told):
@@ -89,5 +90,5 @@ def test_without_pyarrow_parquet_is_refused_in_one_line(vvdp, here, two_runs, mo
     monkeypatch.setattr(importlib.util, "find_spec", lambda name, *a: None if name == "pyarrow" else find(name, *a))
     monkeypatch.delitem(sys.modules, "pyarrow", raising=False)
     answer = vvdp("export", "data", str(two_runs[0]), "--parquet", "a.parquet")
-    assert answer.code == 1 and "pip install 'vvdp[data]'" in answer.err
+    assert answer.code == 1 and wording.export.install_extra.format(extra="data") in answer.err
     assert list(here.iterdir()) == []

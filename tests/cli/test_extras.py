@@ -7,6 +7,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from tests.words import wording
 
 from vvdp.cli.check import OPENS
 
@@ -44,8 +45,8 @@ def test_every_verb_says_in_one_wording_what_to_install(vvdp, here, monkeypatch,
     left = _files(here)
     monkeypatch.setitem(sys.modules, library, None)
     answer = vvdp(*arguments)
-    expected = rf".+ needs {library}, which is not installed: pip install 'vvdp\[{extra}\]'"
-    assert re.fullmatch(expected, answer.err.strip().splitlines()[-1]), answer.err
+    expected = wording.export.needs_library.format(library=library, extra=extra)
+    assert answer.err.strip().splitlines()[-1].endswith(f" {expected}"), answer.err
     assert (answer.code, answer.out) == (1, "")
     assert _files(here) == left
 
@@ -72,7 +73,7 @@ def test_check_says_what_is_missing_and_how_it_is_installed(vvdp, tmp_path, monk
     monkeypatch.setattr("importlib.metadata.requires", lambda name: asked)
     answer = vvdp("check")
     assert answer.code == 0, answer.err
-    assert "what is missing comes with pip install 'vvdp[daq]'" in answer.out
+    assert wording.show.missing_extra.format(extra="daq") in answer.out
     lines = {line.split()[0]: line for line in answer.out.splitlines() if line.split()}
     assert "no-such-library" in lines["[daq]"] and "missing" in lines["[daq]"]
     assert "casadi" in lines["[opt]"] and "missing" not in lines["[opt]"]

@@ -1,6 +1,7 @@
 """Verbs about the rotary valve refuse a system without one by name, and leave nothing behind."""
 
 import pytest
+from tests.words import wording
 
 VERBS = [
     "map", "rig pressure-drop", "rig derived-capacity", "rig ripple", "rig step", "rig pump", "rig claims",
@@ -26,7 +27,7 @@ def test_a_verb_says_what_it_needs(vvdp, here, verb):
     (here / "drain.toml").write_text(DRAWN)
     refused = vvdp(*verb.split(), "drain.toml")
     assert refused.code == 2
-    assert f"`vvdp {verb}` needs a pump unit with a rotary valve" in " ".join(refused.err.split())
+    assert f"`vvdp {verb}` {wording.rig.needs_rotary_valve}" in " ".join(refused.err.split())
     assert [path.name for path in here.iterdir()] == ["drain.toml"]
 
 
@@ -35,7 +36,7 @@ def test_a_verb_says_what_it_needs(vvdp, here, verb):
 def test_set_points_need_a_duty_ratio_that_is_prescribed(vvdp, here, verb, name):
     refused = vvdp(*verb.split(), name)
     assert refused.code == 2
-    assert "held by a control and cannot be prescribed at set points" in " ".join(refused.err.split())
+    assert wording.rig.held_by_control in " ".join(refused.err.split())
     assert list(here.iterdir()) == []
 
 
@@ -43,5 +44,5 @@ def test_geometry_needs_one_rotary_valve(vvdp, here):
     (here / "drain.toml").write_text(DRAWN)
     refused = vvdp("geometry", "drain.toml")
     assert refused.code == 2
-    assert "`vvdp geometry` needs a circuit with one rotary valve; this one has none" in " ".join(refused.err.split())
+    assert wording.geometry.needs_one_valve in " ".join(refused.err.split())
     assert [path.name for path in here.iterdir()] == ["drain.toml"]

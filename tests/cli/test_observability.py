@@ -6,6 +6,7 @@ import shlex
 from pathlib import Path
 
 import pytest
+from tests.words import wording
 
 from vvdp.results.store import read_result
 
@@ -64,7 +65,10 @@ def test_windows_are_those_about_the_lost_speeds(vvdp, here):
 
 @pytest.mark.parametrize(
     ("speed", "words", "grade"),
-    [("12.5 rev/s", "little to go by", "warn"), ("11.6 rev/s", "the sensor scheme fails", "bad")],
+    [
+        ("12.5 rev/s", wording.observability.little_to_go_by, "warn"),
+        ("11.6 rev/s", wording.observability.scheme_fails, "bad"),
+    ],
 )
 def test_it_warns_where_the_scheme_fails(vvdp, here, speed, words, grade):
     found = numbers(vvdp, "axial-chamber", "--speed", speed)
@@ -72,7 +76,7 @@ def test_it_warns_where_the_scheme_fails(vvdp, here, speed, words, grade):
     assert words in found["warnings"][0]
     finding = read_result(here / "out").findings[0]
     assert finding.grade == grade
-    assert "measure the chamber's pressure" in finding.remedy
+    assert wording.observability.measure_chamber in finding.remedy
 
 
 def test_more_harmonics(vvdp, here):
@@ -110,21 +114,24 @@ def test_a_person_reads_the_speeds(vvdp, here, is_shown):
     assert is_shown(re.sub("^    ", "", shown, flags=re.MULTILINE), answer.out)
     assert "10.25 to 13.01 rev/s" in answer.out
     page = (here / "results" / "seen" / "report.html").read_text("utf-8")
-    assert "Observability margin over spool speed" in page
+    assert wording.observability.margin in page
     assert "wang2017" in page or "Wang" in page
 
 
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (("--speed", "-3 rev/s"), "--speed: '-3 rev/s'; expected a speed greater than zero"),
-        (("--speed", "0 rpm"), "--speed: '0 rpm'; expected a speed greater than zero"),
-        (("--speed", "22.5"), "--speed: '22.5' has no unit"),
+        (("--speed", "-3 rev/s"), "--speed: " + wording.observability.speed_above_zero.format(speed="-3 rev/s")),
+        (("--speed", "0 rpm"), "--speed: " + wording.observability.speed_above_zero.format(speed="0 rpm")),
+        (("--speed", "22.5"), "--speed: '22.5' " + wording.files.has_no_unit),
         (("--speed", "22.5 Hz"), "--speed"),
-        (("--harmonics", "0"), "harmonics: 0; expected a whole number, 1 to 200"),
-        (("--harmonics", "2.5"), "harmonics: 2.5; expected a whole number, 1 to 200"),
-        (("--of", "spool"), "'spool' is none of these: slide"),
-        (("--set", "operation.spool_speed=0 rpm"), "--speed: 0 rad/s at the start of axial-chamber; expected a speed"),
+        (("--harmonics", "0"), "harmonics: " + wording.observability.harmonics.format(value=0, low=1, high=200)),
+        (("--harmonics", "2.5"), "harmonics: " + wording.observability.harmonics.format(value=2.5, low=1, high=200)),
+        (("--of", "spool"), wording.observability.none_of_these.format(part="spool", parts="slide")),
+        (
+            ("--set", "operation.spool_speed=0 rpm"),
+            "--speed: " + wording.observability.speed_at_start.format(speed="0 rad/s", system="axial-chamber"),
+        ),
     ],
 )
 def test_bad_input_is_refused(vvdp, here, options, words):
@@ -137,11 +144,11 @@ def test_bad_input_is_refused(vvdp, here, options, words):
 def test_a_system_without_a_spool_to_drive_is_refused(vvdp, here):
     refused = vvdp("observability", "prototype", "--speed", "22.5 rev/s")
     assert refused.code == 2
-    assert "prototype: `vvdp observability` needs what moves along its axis" in refused.err
+    assert "prototype: " + wording.observability.needs_axis in refused.err
     assert [*here.iterdir()] == []
 
 
 def test_a_speed_is_asked_for_where_no_spool_turns(vvdp, here):
     refused = vvdp("observability", "cylinder-stops")
     assert refused.code == 2
-    assert "--speed: missing; cylinder-stops has no axial sensor on a shaft whose speed is prescribed" in refused.err
+    assert "--speed: " + wording.observability.no_axial_sensor.format(system="cylinder-stops") in refused.err

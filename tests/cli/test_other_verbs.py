@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from tests.words import wording
 
 import vvdp as package
 from vvdp.systems.system import load_system, shipped_systems
@@ -23,13 +24,13 @@ def test_help_of_every_verb_says_what_it_does(vvdp):
 
 
 def test_list_names_shipped_systems_and_those_in_the_folder(vvdp, here):
-    assert "Systems in this folder" not in vvdp("list").out
+    assert wording.show.systems_in_folder not in vvdp("list").out
     vvdp("new", "mine", "--from", "prototype")
     (here / "pyproject.toml").write_text("[project]\nname = 'x'\n")
     (here / "broken.toml").write_text("[")
     (here / "folder.toml").mkdir()
     listed = vvdp("list")
-    assert listed.code == 0
+    assert listed.code == 0 and wording.show.systems_in_folder in listed.out
     for name, text in shipped_systems().items():
         assert name in listed.out
         assert text.partition('title = "')[2].partition('"')[0] in listed.out
@@ -46,7 +47,7 @@ def test_show_names_every_value_with_its_origin(vvdp, name):
     for row in system.rows:
         told = [line for line in lines if row.display_text in line and line.split()[0] == row.key]
         assert any(row.status in line and row.note in line for line in told), row
-    assert f"{len(system.assumptions)} of {len(system.rows)} values are assumed" in shown.out
+    assert wording.show.assumed.format(assumed=len(system.assumptions), values=len(system.rows)) in shown.out
     for row in system.assumptions:
         assert f"{row.table}.{row.key}" in shown.out.splitlines()[-1]
 
@@ -74,7 +75,7 @@ def test_show_of_a_value_that_changes(vvdp):
 
 def test_new_copies_with_comments_and_another_title(vvdp, here):
     answer = vvdp("new", "mine", "--from", "prototype")
-    assert answer.out == "mine.toml written; run it with: vvdp run mine.toml\n"
+    assert answer.out == wording.show.new_written.format(file="mine.toml") + "\n"
     source, text = shipped_systems()["prototype"].splitlines(), (here / "mine.toml").read_text().splitlines()
     assert [line for line in text if line not in source] == ['title = "mine"']
     assert len(text) == len(source)
@@ -97,7 +98,7 @@ def test_new_overwrites_only_when_told(vvdp, here):
     (here / "mine.toml").write_text("precious")
     refused = vvdp("new", "mine", "--from", "prototype")
     assert refused.code == 2
-    assert "already exists" in refused.err
+    assert wording.files.already_exists in refused.err
     assert (here / "mine.toml").read_text() == "precious"
     assert vvdp("new", "mine", "--from", "prototype", "--force").code == 0
     assert load_system("mine.toml")
@@ -136,7 +137,7 @@ def test_check_tells_what_is_there(vvdp, tmp_path, monkeypatch):
     monkeypatch.setenv("VVDP_CACHE", str(tmp_path / "cache"))
     answer = vvdp("check")
     assert answer.code == 0, answer.err
-    assert f"{tmp_path / 'cache'} (writable)" in answer.out
+    assert wording.show.writable.format(folder=tmp_path / "cache") in answer.out
     for part in ("python", "numba", "casadi", "chromium", "openfoam", "slurm"):
         assert f" {part} " in answer.out
 
@@ -146,7 +147,7 @@ def test_check_fails_where_the_cache_cannot_be_written(vvdp, tmp_path, monkeypat
     monkeypatch.setenv("VVDP_CACHE", str(tmp_path / "file" / "cache"))
     answer = vvdp("check")
     assert answer.code == 1
-    assert "not writable" in answer.out
+    assert wording.show.not_writable in answer.out
 
 
 def test_check_finds_programs_on_the_path(vvdp, tmp_path, monkeypatch):
@@ -156,7 +157,7 @@ def test_check_finds_programs_on_the_path(vvdp, tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     found = vvdp("check").out
     assert str(program) in found
-    assert "not found" in next(line for line in found.splitlines() if line.split()[:1] == ["slurm"])
+    assert wording.show.not_found in next(line for line in found.splitlines() if line.split()[:1] == ["slurm"])
 
 
 @pytest.mark.parametrize(

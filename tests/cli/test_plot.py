@@ -5,6 +5,7 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.report.chosen import chosen_chart, open_drawable
 
@@ -50,14 +51,14 @@ def test_several_names_share_one_axis(two_runs):
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (["load_presure"], "plot: load_presure: unknown; did you mean 'load_pressure'?"),
-        (["zzz"], "--list` shows all names"),
-        (["run", "losses-cause"], "no time axis in common"),
-        (["run", "--out", "a.gif"], "expected a name that ends with .png, .svg or .pdf"),
+        (["load_presure"], "plot: load_presure: " + wording.plot.unknown_name.format(meant="load_pressure")),
+        (["zzz"], wording.plot.list_shows_names),
+        (["run", "losses-cause"], wording.plot.no_common_axis),
+        (["run", "--out", "a.gif"], wording.plot.picture_name),
         (["load_pressure", "--from", "900 s"], "plot: 900 s to "),
-        (["load_pressure", "--from", "900 s", "--to", "901 s"], "the result is from 0 s to "),
-        (["run", "--from", "3"], "--from: '3' has no unit"),
-        (["run", "--out", "missing/a.png"], "missing/a.png: cannot be written"),
+        (["load_pressure", "--from", "900 s", "--to", "901 s"], wording.plot.span_of_result),
+        (["run", "--from", "3"], "--from: '3' " + wording.files.has_no_unit),
+        (["run", "--out", "missing/a.png"], "missing/a.png: " + wording.files.cannot_write),
     ],
 )
 def test_what_cannot_be_drawn_is_refused(vvdp, here, two_runs, words, told):
@@ -69,7 +70,7 @@ def test_what_cannot_be_drawn_is_refused(vvdp, here, two_runs, words, told):
 def test_nothing_is_replaced_without_force(vvdp, here, two_runs):
     (here / "run.png").write_text("mine")
     refused = vvdp("plot", str(two_runs[0]), "run")
-    assert refused.code == 2 and "already exists" in refused.err
+    assert refused.code == 2 and wording.files.already_exists in refused.err
     assert (here / "run.png").read_text() == "mine"
     assert vvdp("plot", str(two_runs[0]), "run", "--force").code == 0
     assert (here / "run.png").read_bytes().startswith(b"\x89PNG")

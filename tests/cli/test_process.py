@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.words import wording
 
 import vvdp
 from vvdp.simulation.results import read_results
@@ -58,8 +59,8 @@ def test_ctrl_c_keeps_what_was_reached(process, tmp_path):
         running.send_signal(signal.SIGINT)
         out, err = running.communicate(timeout=50)
     assert running.returncode == 130, err
-    assert "interrupted at t = " in err
-    assert "warning: the run was interrupted" in out
+    assert wording.progress.interrupted_at in err
+    assert wording.run.interrupted in out
     kept = read_results(tmp_path / "out")
     assert kept.summary["finished"] is False
     assert kept.summary["trusted"] is True

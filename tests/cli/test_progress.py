@@ -3,6 +3,7 @@
 import re
 
 import pytest
+from tests.words import wording
 
 from vvdp.cli import progress
 
@@ -25,7 +26,9 @@ def test_the_first_call_each_tenth_and_every_two_seconds_is_a_line(capsys, clock
         for done in range(4):
             heard(done, 1000)
             clock[0] += 1.0
-    assert capsys.readouterr().err == "0 of 1000 points\n2 of 1000 points\n"
+    assert capsys.readouterr().err == "".join(
+        wording.progress.count.format(done=done, all=1000, what="points") + "\n" for done in (0, 2)
+    )
 
 
 def test_a_quantity_is_told_every_two_seconds_until_the_end(capsys, clock):
@@ -34,7 +37,7 @@ def test_a_quantity_is_told_every_two_seconds_until_the_end(capsys, clock):
             heard(float(now))
             clock[0] += 1.0
     left = {2: 7, 4: 5, 6: 3, 8: 1}  # at the pace so far
-    expected = [f"t = {now} s, about {seconds} s left" for now, seconds in left.items()]
+    expected = [wording.progress.reach.format(now=now, left=seconds) for now, seconds in left.items()]
     assert capsys.readouterr().err.splitlines() == expected
 
 

@@ -5,14 +5,16 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from tests.words import wording
 
+from vvdp.base.files import list_all
 from vvdp.results.store import read_result
 from vvdp.simulation.run import simulate
 from vvdp.steady.test_stand import stand
 from vvdp.steady.waveform import whole_run
 from vvdp.systems.system import load_system
 
-FILES = {"figures", "meta.json", "report.html", "result.json", "system.toml"}
+FILES = {"figures", "meta.json", "report.html", "result.json", "system.toml", "vvdp.json"}
 
 
 @pytest.mark.thorough
@@ -51,22 +53,22 @@ def test_table_pictures_and_page(vvdp, here, keys_as_described, verb, system, ta
     drawn = {path.name for path in (here / "r" / "figures").iterdir()}
     assert drawn >= {f"{name}.svg" for name in pictures}
     page = (here / "r" / "report.html").read_text()
-    for words in (standard, "Left out", "44.18 cSt", "40 °C", "References"):
+    for words in (standard, wording.report.left_out, "44.18 cSt", "40 °C", "References"):
         assert words in page
     refused = vvdp("rig", verb, system, "--out", "r")
     assert refused.code == 2
-    assert "already exists" in refused.err
+    assert wording.files.already_exists in refused.err
 
 
 def test_pressures_are_said_to_be_gauge_where_there_are_levels(vvdp, here):
     """Of drops and gains there is none; the table of a sweep of the ripple has the mean load pressure."""
     vvdp("rig", "pressure-drop", "prototype", "--out", "drop")
-    assert "Pressures are gauge" not in Path("drop/report.html").read_text("utf-8")
+    assert wording.rig.pressures_are_gauge not in Path("drop/report.html").read_text("utf-8")
     assert "[gauge]" not in Path("drop/pressure-drop.csv").read_text("utf-8")
     vvdp("rig", "step", "prototype-constant-load", "--out", "step")
-    assert "Pressures are gauge" not in Path("step/report.html").read_text("utf-8")
+    assert wording.rig.pressures_are_gauge not in Path("step/report.html").read_text("utf-8")
     vvdp("map", "prototype", "--analytic", "--out", "map")
-    assert Path("map/report.html").read_text("utf-8").count("Pressures are gauge") == 1
+    assert Path("map/report.html").read_text("utf-8").count(wording.rig.pressures_are_gauge) == 1
 
 
 def test_numbers_in_si(vvdp, here):
@@ -85,16 +87,16 @@ def test_pump(vvdp, here, keys_as_described):
     names = {path.name for path in (here / "p").iterdir()}
     keys_as_described("rig pump", {*read_result(here / "p").flat, "out"})
     assert FILES | {"points", "steady.csv", "frequency.csv"} <= names
-    assert "electrically controlled pump" in answer.out
+    assert wording.rig.electric_pump in answer.out
     other = vvdp("map", "prototype-constant-load", "--analytic", "--out", "p")
     assert other.code == 2
-    assert "holds the result of another command" in other.err
+    assert wording.files.holds_other_command in other.err
 
 
 def test_what_has_no_load_line_does_not_ripple(vvdp, here):
     answer = vvdp("rig", "ripple", "prototype-constant-load")
     assert answer.code == 2
-    assert "expected a system with a load line" in answer.err
+    assert wording.rig.expected_load_line in answer.err
     assert not list((here / "results").iterdir())
 
 
@@ -130,7 +132,12 @@ def test_claims(vvdp, here, keys_as_described):
     keys_as_described("rig claims", {*read_result(here / "c").flat, "out"})
     names = {path.name for path in (here / "c" / "figures").iterdir()}
     assert {"throttling-losses.svg", "driven-spool.svg", "actuation-power.svg", "ripple.svg"} <= names
-    for words in ("by itself", "drive power", "to the power 3", "metering"):
+    for words in (
+        wording.rig.by_itself,
+        wording.rig.drive_power,
+        wording.rig.to_the_power.format(exponent=3),
+        wording.rig.metering,
+    ):
         assert words in answer.out
 
 
@@ -138,7 +145,7 @@ def test_claims(vvdp, here, keys_as_described):
 def test_claims_of_a_system_without_a_load_line(vvdp, here):
     answer = vvdp("rig", "claims", "prototype-constant-load", "--out", "c")
     assert answer.code == 0, answer.err
-    assert "need a load line" in (here / "c" / "report.html").read_text()
+    assert wording.rig.need_load_line in (here / "c" / "report.html").read_text()
 
 
 def test_the_page_can_be_written_anew(vvdp, here):
@@ -156,10 +163,14 @@ def test_the_page_of_a_design_can_be_written_anew(vvdp, here):
     assert page.read_bytes() == before
 
 
-@pytest.mark.parametrize(("file", "why"), [("geometry.toml", "holds no result"), ("result.json", "is damaged")])
+@pytest.mark.parametrize(
+    ("file", "why"), [("geometry.toml", wording.files.is_no_result), ("result.json", wording.files.is_damaged)]
+)
 def test_a_page_that_cannot_be_made_is_refused_with_a_reason(vvdp, here, file, why):
     Path("opt").mkdir()
-    Path("opt", file).write_text("{}")
+    Path("opt", file).write_text('{"format": 1}')
+    assert wording.files.holds_no_result in vvdp("report", "opt").err
+    list_all(Path("opt"))
     answer = vvdp("report", "opt")
     assert answer.code == 2
     assert why in answer.err
@@ -174,7 +185,7 @@ def test_interrupted_rig_says_that_nothing_is_written(vvdp, here, monkeypatch, v
     monkeypatch.setattr(f"vvdp.rigs.{part}", interrupt)
     answer = vvdp("rig", verb, "prototype", "--out", "r")
     assert answer.code == 130
-    assert "interrupted; a part of this has no meaning, nothing is written" in answer.err
+    assert wording.progress.nothing_written in answer.err
     assert not (here / "r").exists()
 
 
@@ -183,14 +194,14 @@ def test_interrupted_claims_keep_what_is_worked_out(vvdp, here, monkeypatch):
     monkeypatch.setattr("vvdp.rigs.driving_claim.self_against_driven", interrupt)
     answer = vvdp("rig", "claims", "prototype", "--out", "r")
     assert answer.code == 130
-    assert "interrupted; what was finished is written" in answer.err
+    assert wording.progress.finished_written in answer.err
     found = read_result(here / "r")
     ways = {"supply", "duty_cycles", "supply_assumed"}
     assert set(found.tables) == {"verdicts", "throttling", "actuation", *ways}
     assert "section-1.1" in found.tables["verdicts"]["item"]
     assert not found.finished
-    assert "Self-spinning against driven, and ripple: interrupted before." in found.left_out
-    assert "Run interrupted: results are partial" in (here / "r" / "report.html").read_text()
+    assert wording.rig.claim_interrupted in found.left_out
+    assert wording.progress.partial_page in (here / "r" / "report.html").read_text()
 
 
 def test_a_run_that_was_cut_short_is_no_result(monkeypatch):

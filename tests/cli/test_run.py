@@ -5,6 +5,7 @@ import json
 import re
 
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import RunError
 from vvdp.runs import simulate
@@ -17,8 +18,8 @@ SHORT = ("--until", "0.06 s", "--no-report")
 def test_what_is_written_and_printed(vvdp, here):
     answer = vvdp("run", "prototype", *SHORT, "--set", "operation.duty_ratio=0.4", "--out", "deep/down")
     assert answer.code == 0, answer.err
-    assert "results: deep/down" in answer.out
-    assert "PWM frequency" in answer.out
+    assert wording.run.results_in.format(folder="deep/down") in answer.out
+    assert wording.run.pwm_frequency in answer.out
     kept = read_results(here / "deep" / "down")
     assert kept.record.times[-1] == pytest.approx(0.06)
     assert kept.meta["command"][0] == "vvdp"
@@ -65,8 +66,8 @@ def test_untrusted_results_are_kept_and_told(vvdp, here, monkeypatch):
     monkeypatch.setattr(simulate, "summary", lambda *both: whole(*both) | {"energy_residual": 2e-6, "trusted": False})
     answer = vvdp("run", "prototype", *SHORT, "--out", "out")
     assert answer.code == 3
-    assert "this run is not to be trusted: its warnings say why" in answer.err
-    assert "warning: the balances do not close" in answer.out
+    assert wording.run.not_trusted in answer.err
+    assert wording.run.balances_do_not_close in answer.out
     assert "2.0e-06" in answer.out
     kept = read_results(here / "out")
     assert kept.summary["trusted"] is False
@@ -78,7 +79,7 @@ def test_a_run_that_fails_leaves_nothing(vvdp, here):
     # a speed at which the step vanishes
     answer = vvdp("run", "prototype", *SHORT, "--set", "operation.pump_speed=-1e5 rad/s", "--out", "out")
     assert answer.code == 1
-    assert answer.err.splitlines()[-1].startswith("the run cannot go on at t = ")
+    assert answer.err.splitlines()[-1].startswith(wording.run.cannot_go_on)
     assert not list(here.iterdir())
 
 
@@ -91,7 +92,7 @@ def test_an_interrupt_keeps_what_was_reached(vvdp, here, monkeypatch):
     monkeypatch.setattr(simulate, "simulate", stopped)
     answer = vvdp("run", "prototype", *SHORT, "--out", "out")
     assert answer.code == 130
-    assert "warning: the run was interrupted" in answer.out
+    assert wording.run.interrupted in answer.out
     assert read_results(here / "out").summary["finished"] is False
 
 
@@ -111,7 +112,7 @@ def test_a_full_disk_is_told_in_a_line(vvdp, here, monkeypatch):
     monkeypatch.setattr(simulate, "write_results", full)
     answer = vvdp("run", "prototype", *SHORT, "--out", "out")
     assert answer.code == 1
-    assert answer.err.splitlines() == ["out: cannot be written (No space left on device)"]
+    assert answer.err.splitlines() == ["out: " + wording.files.cannot_write + " (No space left on device)"]
     assert not list(here.iterdir())
 
 
@@ -121,16 +122,16 @@ def test_the_output_is_checked_before_the_run(vvdp, here, monkeypatch):
 
     monkeypatch.setattr(simulate, "simulate", never)
     (here / "out").mkdir()
-    assert "already exists" in vvdp("run", "prototype", "--out", "out").err
+    assert wording.files.already_exists in vvdp("run", "prototype", "--out", "out").err
 
 
 def test_force_replaces_results_and_only_those(vvdp, here):
     assert vvdp("run", "prototype", *SHORT, "--out", "out").code == 0
-    (here / "out" / "stale").write_text("")
+    before = (here / "out" / "meta.json").stat().st_mtime_ns
     assert vvdp("run", "prototype", *SHORT, "--out", "out").code == 2
-    assert (here / "out" / "stale").exists()
+    assert (here / "out" / "meta.json").stat().st_mtime_ns == before
     assert vvdp("run", "prototype", *SHORT, "--out", "out", "--force").code == 0
-    assert not (here / "out" / "stale").exists()
+    assert (here / "out" / "meta.json").stat().st_mtime_ns != before
 
 
 def test_default_directories_do_not_collide(vvdp, here):
@@ -142,11 +143,12 @@ def test_default_directories_do_not_collide(vvdp, here):
 
 def test_warnings_of_a_run(vvdp, here):
     brief = vvdp("run", "prototype", "--until", "0.01 s", "--no-report", "--out", "a")
-    assert "warning: no whole PWM period" in brief.out
+    assert wording.run.no_whole_period in brief.out
     weak = vvdp("run", "prototype", *SHORT, "--out", "c", "--set", "motor.rated_power=1 kW")
-    assert "exceeds the motor's 1000 W" in weak.out
+    assert wording.run.exceeds_motor.format(power="1000 W") in weak.out
     drawn = vvdp("run", "prototype", *SHORT, "--out", "b", "--set", "limits.cavitation_pressure=10 bar")
-    assert "warning: lowest absolute pressure, at tank: 1.013 bar, below 11.01 bar; the oil cavitates" in drawn.out
+    lowest = wording.systems.lowest_pressure.format(place="tank", pressure="1.013 bar", limit="11.01 bar")
+    assert f"warning: {lowest}; {wording.run.cavitates}" in drawn.out
     assert drawn.code == 3
 
 
@@ -186,21 +188,36 @@ def test_ranges_are_made_where_that_is_quick_or_wanted(vvdp, here, monkeypatch):
         assert answer.code == 0, answer.err
         return answer
 
-    assert "Over the ranges of 12 values" in run().out
+    assert wording.run.ranges.format(count=12) in run().out
     unasked = run("--no-ranges")
     assert "ranges" not in unasked.out + unasked.err
     monkeypatch.setattr("vvdp.runs.ranges.MOST_EVALUATIONS", 1e3)
-    assert "12 values have a range: --ranges shows how far the results move over them" in run().err
+    assert wording.run.ranges_on_request.format(count=12) in run().err
     assert "ranges" not in json.loads(run("--json").out)
     found = json.loads(run("--ranges", "--json").out)
     assert found["ranges"]["efficiency"]["by"].keys() == found["ranges"]["loss_total_W"]["by"].keys()
+
+
+def test_ranges_of_a_first_run_use_the_loop_at_hand(vvdp, here, monkeypatch):
+    """The loop for lanes takes a minute to compile; ranges never wait for it, and agree with those of lanes."""
+
+    def efficiency(is_compiled):
+        monkeypatch.setattr("vvdp.runs.ranges.is_loop_compiled", lambda loop: is_compiled)
+        options = "--until", "0.1 s", "--ranges", "--no-report", "--json", "--out", "out", "--force"
+        return json.loads(vvdp("run", "prototype-constant-load", *options).out)["ranges"]["efficiency"]
+
+    in_lanes = efficiency(True)
+    monkeypatch.setattr("vvdp.simulation.batch.side_by_side", lambda *_: pytest.fail("lanes were compiled"))
+    alone = efficiency(False)
+    assert alone["low"] == pytest.approx(in_lanes["low"], rel=1e-5)
+    assert alone["high"] == pytest.approx(in_lanes["high"], rel=1e-5)
 
 
 def test_ranges_that_are_interrupted_leave_the_run(vvdp, here, monkeypatch):
     monkeypatch.setattr("vvdp.runs.ranges.run_ranges", lambda run, say: None)
     answer = vvdp("run", "prototype-constant-load", *SHORT, "--out", "out")
     assert answer.code == 0
-    assert "interrupted; the ranges are left out" in answer.err
+    assert wording.run.ranges_interrupted in answer.err
     assert "ranges" not in read_results(here / "out").meta
 
 
@@ -211,16 +228,17 @@ def test_a_range_in_a_file_of_ones_own(vvdp, here):
     (here / "mine.toml").write_text(text.replace(length, 'length = { value = "2.5 m", range = ["2 m", "3 m"] }'))
     answer = vvdp("run", "mine.toml", "--until", "0.1 s", "--out", "out")
     assert answer.code == 0, answer.err
-    assert "Over the range of one value" in answer.out
+    assert wording.run.range_of_one in answer.out
     page = (here / "out" / "report.html").read_text("utf-8")
-    assert "What the results rest on" in page
-    assert "length of the tube" in page
+    assert wording.report.rests_on in page
+    assert wording.systems.tube_length in page
     bad = (here / "mine.toml").read_text().replace('"2 m", "3 m"', '"3 m", "4 m"')
     (here / "bad.toml").write_text(bad)
     line = next(number for number, each in enumerate(bad.splitlines(), 1) if each.startswith("length"))
     refused = vvdp("run", "bad.toml")
     assert refused.code == 2
     assert (
-        f"bad.toml:{line}: components.tube.length: 2500 mm; expected a value inside its range, 3 m to 4 m"
+        f"bad.toml:{line}: components.tube.length: "
+        + wording.files.expected_range_of.format(value="2500 mm", low="3 m", high="4 m")
         in refused.err
     )

@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 import vvdp as package
 from vvdp.base.files import UNFINISHED
@@ -113,7 +114,7 @@ def expect_one_line(answer, name, place):
     """A line that names the place, nothing in pieces; what was finished of many points or cases is kept."""
     assert answer.code in (1, 2), answer
     assert "Traceback" not in answer.err
-    assert "cannot be written" in answer.err.splitlines()[-1], answer.err
+    assert wording.files.cannot_write in answer.err.splitlines()[-1], answer.err
     assert not unfinished(place)
     if not VERBS[name].goes_on:
         assert not list(place.iterdir())
@@ -141,7 +142,7 @@ def test_a_process_on_a_full_disk_ends_in_order(place, small_disk):
     for name in ("run", "estimate"):
         ended = run_process(name)
         assert ended.returncode == 1, ended.stderr
-        assert ended.stderr.splitlines()[-1] == "out: cannot be written (No space left on device)"
+        assert ended.stderr.splitlines()[-1] == "out: " + wording.files.cannot_write + " (No space left on device)"
         assert not list(place.iterdir())
 
 
@@ -153,7 +154,7 @@ def test_a_place_that_cannot_be_written_is_told_before_the_work(vvdp, place, mon
     for name, verb in VERBS.items():
         answer = vvdp(*verb.words, "--out", "out")
         assert answer.code == 2, name
-        assert "out: cannot be written (Read-only file system" in answer.err.splitlines()[-1]
+        assert "out: " + wording.files.cannot_write + " (Read-only file system" in answer.err.splitlines()[-1]
     assert not list(place.iterdir())
 
 
@@ -224,7 +225,7 @@ def test_a_killed_map_goes_on_from_what_it_kept(vvdp, place):
     assert again.code == 0
     assert kept and kept_points(place).items() >= kept.items()
     assert len(kept_points(place)) > 1
-    assert " of 36 points are finished already" in again.err
+    assert wording.progress.finished_already.format(done="", all=36, what="points") in again.err
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGHUP, 129), (signal.SIGINT, 130)])
@@ -237,7 +238,7 @@ def test_a_signal_that_ends_it_keeps_what_was_reached(place, number, code):
         process.send_signal(number)
         _, err = process.communicate(timeout=60)
     assert process.returncode == code
-    assert "interrupted at t = " in err
+    assert wording.progress.interrupted_at in err
     assert [path.name for path in place.iterdir()] == ["out"]
     assert not (place / "out" / "report.html").exists()
 
@@ -273,8 +274,8 @@ def test_signals_that_are_ignored_stay_so(place):
 @pytest.mark.parametrize(
     ("problem", "words"),
     [
-        (MemoryError("Unable to allocate 8 GiB"), "vvdp: not enough memory. Unable to allocate 8 GiB"),
-        (MemoryError(), "vvdp: not enough memory."),
+        (MemoryError("Unable to allocate 8 GiB"), wording.progress.not_enough_memory + ". Unable to allocate 8 GiB"),
+        (MemoryError(), wording.progress.not_enough_memory),
         (ZeroDivisionError("float division by zero"), "vvdp: ZeroDivisionError: float division by zero (/"),
         (RecursionError("too deep"), "vvdp: RecursionError: too deep (/"),
     ],
@@ -297,7 +298,7 @@ def test_too_little_memory_is_one_line_and_leaves_nothing(place):
     limit = 1_500_000_000
     ended = run_process("run", *words, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
     assert ended.returncode == 1, ended.stderr
-    assert ended.stderr.splitlines()[-1].startswith("vvdp: not enough memory")
+    assert ended.stderr.splitlines()[-1].startswith(wording.progress.not_enough_memory)
     assert not list(place.iterdir())
 
 

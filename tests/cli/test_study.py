@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.results.store import read_result
 from vvdp.studies.engine import all_cores
@@ -35,11 +36,14 @@ def test_grid_of_the_guide(vvdp, here, keys_as_described):
         "study", {key for key in found if "." not in key} - {"efficiency", "mean_load_flow_m3_s"} - FREQUENCY
     )
     again = vvdp("study", "duty.toml")
-    assert "0 cases run" in again.err
-    assert "6 of 6 cases" in again.err
+    assert wording.study.cases_run.format(count=0) in again.err
+    assert wording.progress.count.format(done=6, all=6, what="cases") in again.err
     # A line for each of the two fractions of air over the three duty ratios.
     page = (here / "results" / "duty" / "report.html").read_text("utf-8")
-    assert page.count("<figure ") == 3 and "Efficiency over operation.duty_ratio and oil.air_fraction." in page
+    assert (
+        page.count("<figure ") == 3
+        and wording.study.chart.format(first="operation.duty_ratio", second="oil.air_fraction") in page
+    )
     drawn = read_result(here / "results" / "duty").charts["over-efficiency"].panels[0]
     assert [(line.label, line.rows) for line in drawn.lines] == [("0.5 %", (0, 2, 4)), ("2 %", (1, 3, 5))]
     written = (here / "results" / "duty" / "report.html").read_bytes()
@@ -51,7 +55,7 @@ def test_random_spreads_of_the_guide(vvdp, here):
     (here / "spread.toml").write_text(blocks("toml")[1].replace("count = 20", "count = 3"))
     done = vvdp("study", "spread.toml", "--out", "kept", "--cores", "1")
     assert done.code == 0, done.err
-    assert "3 cases run" in done.err
+    assert wording.study.cases_run.format(count=3) in done.err
     assert (here / "kept" / "study.csv").is_file()
 
 
@@ -85,20 +89,23 @@ def test_a_study_on_dask_is_the_study_here(vvdp, here):
     done = vvdp("study", "duty.toml", "--json", "--out", "two", "--on", "dask", "--workers", "1")
     assert done.code == 0, done.err
     assert json.loads(done.out) == at_home | {"out": "two"}
-    assert "0 of 6 cases\n" in done.err and "6 of 6 cases\n" in done.err
+    assert (
+        wording.progress.count.format(done=0, all=6, what="cases") + "\n" in done.err
+        and wording.progress.count.format(done=6, all=6, what="cases") + "\n" in done.err
+    )
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--on", "moon"], "--on: 'moon'; expected here, dask, slurm or an address such as tcp://head:8786"),
-        (["--workers", "2"], "--workers: 2 workers cannot be had with --on here"),
+        (["--on", "moon"], "--on: " + wording.engine.engines.format(engine="moon")),
+        (["--workers", "2"], "--workers: " + wording.engine.workers.format(count=2, engine="here")),
         (
             ["--on", "tcp://127.0.0.1:9", "--cores", "2"],
-            "--cores: 2 cores: the workers of tcp:",
+            "--cores: " + wording.engine.cores_of_workers.format(count=2),
         ),
-        (["--on", "dask", "--sbatch=--mem=1G"], "--sbatch: nothing is given to sbatch with --on dask"),
-        (["--cores", "5000"], "5000 cores; expected 1 to"),
+        (["--on", "dask", "--sbatch=--mem=1G"], "--sbatch: " + wording.engine.no_sbatch.format(engine="dask")),
+        (["--cores", "5000"], wording.engine.too_many_cores.format(count=5000)),
     ],
 )
 def test_engines_that_cannot_be_are_refused(vvdp, here, words, message):
@@ -114,11 +121,11 @@ def test_force_starts_a_study_over_once_it_can_begin(vvdp, here):
     )
     (here / "one.toml").write_text(good)
     assert vvdp("study", "one.toml", "--out", "kept").code == 0
-    assert "0 cases run" in vvdp("study", "one.toml", "--out", "kept").err
+    assert wording.study.cases_run.format(count=0) in vvdp("study", "one.toml", "--out", "kept").err
     (here / "bad.toml").write_text(good.replace("duration_s", "duratio"))
     assert vvdp("study", "bad.toml", "--out", "kept", "--force").code == 2
-    assert "0 cases run" in vvdp("study", "one.toml", "--out", "kept").err
-    assert "1 cases run" in vvdp("study", "one.toml", "--out", "kept", "--force").err
+    assert wording.study.cases_run.format(count=0) in vvdp("study", "one.toml", "--out", "kept").err
+    assert wording.study.cases_run.format(count=1) in vvdp("study", "one.toml", "--out", "kept", "--force").err
     assert {path.name for path in here.iterdir()} == {"one.toml", "bad.toml", "kept"}
     (here / "mine").mkdir()
     (here / "mine" / "thesis.txt").write_text("years of work")

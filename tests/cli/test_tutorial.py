@@ -5,6 +5,8 @@ import re
 import shlex
 from pathlib import Path
 
+from tests.words import wording
+
 from vvdp.results.store import read_result
 
 FOLDER = Path(__file__).parents[2] / "docs" / "tutorials"
@@ -35,7 +37,7 @@ def run_blocks(page, vvdp, capsys):
 def test_the_crankshaft_does_what_is_said(vvdp, here, capsys):
     ran, said = run_blocks((FOLDER / "crank-wheel.md").read_text("utf-8"), vvdp, capsys)
     assert ran == ["python", "python", "sh", "python", "python"]
-    assert "Index not found" not in said["crank"] and "Edges lie elsewhere" not in said["crank"]
+    assert wording.estimate.index_not_found not in said["crank"] and wording.estimate.elsewhere not in said["crank"]
 
 
 def test_the_tutorial_does_what_it_says(vvdp, here, capsys):

@@ -3,6 +3,9 @@
 import json
 
 import pytest
+from tests.words import wording
+
+pytestmark = pytest.mark.heavy
 
 # Prototype at 40 degC: flow [lpm]; drops of nozzle, centre section and outlet turbine, and their sum [bar]
 DROPS = [
@@ -118,9 +121,9 @@ def test_one_point_gives_plain_numbers(vvdp):
 
 
 def test_the_load_pressure_used_is_said(vvdp):
-    assert "load pressure 100 bar (the initial one; the load makes its own)" in vvdp("valve", "prototype").out
+    assert wording.valve.initial_load_pressure.format(pressure="100 bar") in vvdp("valve", "prototype").out
     constant = vvdp("valve", "prototype-constant-load", "--set", "load.pressure=80 bar")
-    assert "load pressure 80 bar (prescribed)" in constant.out
+    assert wording.valve.prescribed_load_pressure.format(pressure="80 bar") in constant.out
 
 
 def test_table_for_people(vvdp):
@@ -136,7 +139,7 @@ def test_table_for_people(vvdp):
 def test_a_duty_ratio_out_of_range_warns(vvdp):
     found = asked(vvdp, "--set", "operation.duty_ratio=0.1")
     (warning,) = found["warnings"]
-    assert "duty ratio 0.1 lies outside" in warning
+    assert wording.valve.duty_ratio_outside.format(duty=0.1) in warning
 
 
 def test_axial_position_instead_of_duty_ratio(vvdp, here):
@@ -151,15 +154,15 @@ def test_axial_position_instead_of_duty_ratio(vvdp, here):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (("--flow", "40"), "has no unit"),
-        (("--flow", "40 bar"), "is not a volume flow"),
-        (("--flow", "0 lpm"), "greater than zero"),
-        (("--flow", "-40 lpm"), "greater than zero"),
-        (("--flow", "nan lpm"), "not a number with a unit"),
-        (("--temperature", "313"), "has no unit"),
+        (("--flow", "40"), wording.files.has_no_unit),
+        (("--flow", "40 bar"), wording.files.is_not_a.format(quantity="a volume flow")),
+        (("--flow", "0 lpm"), wording.files.greater_than_zero),
+        (("--flow", "-40 lpm"), wording.files.greater_than_zero),
+        (("--flow", "nan lpm"), wording.files.is_no_number_with_unit),
+        (("--temperature", "313"), wording.files.has_no_unit),
         (("--temperature", "500 degC"), "outside"),
-        (("--set", "operation.pump_speed=0 rpm"), "give a flow"),
-        (("--set", "pump.displacement=0 cc/rev"), "give a flow"),
+        (("--set", "operation.pump_speed=0 rpm"), wording.valve.give_a_flow),
+        (("--set", "pump.displacement=0 cc/rev"), wording.valve.give_a_flow),
     ],
 )
 def test_bad_points_are_refused(vvdp, arguments, said):
@@ -224,12 +227,12 @@ def test_what_rests_on_no_value_with_a_range_stands_alone(vvdp):
     settings = [f"valve.{name}={value}" for name, value in (("lap_ratio", "1"), ("helix_length", "20.32 mm"))]
     answer = vvdp("valve", "prototype-constant-load", *(word for each in settings for word in ("--set", each)))
     lines = {line.split("  ")[1]: line.split() for line in answer.out.splitlines() if line.startswith("  ")}
-    assert lines["transition fraction"][2:] == ["0.3001"]
-    assert lines["pressure drop, nozzles"][3:] == ["3.927", "3.567", "4.344", "3.567", "4.344", "bar"]
-    assert "each of 10 values alone at both ends of its range" in answer.out
+    assert lines[wording.valve.transition_fraction][2:] == ["0.3001"]
+    assert lines[wording.valve.nozzle_pressure_drop][3:] == ["3.927", "3.567", "4.344", "3.567", "4.344", "bar"]
+    assert wording.valve.ranges.format(count=10) in answer.out
 
 
 def test_a_range_that_does_not_hold_its_value_is_refused(vvdp):
     answer = vvdp("valve", "prototype", "--set", 'valve.lap_ratio={value="1", range=["1.1", "1.2"]}')
     assert answer.code == 2
-    assert "valve.lap_ratio: 1; expected a value inside its range, 1.1 to 1.2" in answer.err
+    assert "valve.lap_ratio: " + wording.files.expected_range_of.format(value=1, low=1.1, high=1.2) in answer.err

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError, ParameterError, RunError
 from vvdp.comparison.circuit_result import LOST, circuit_result, screen_tables
@@ -245,7 +246,7 @@ def test_a_cycle_of_ones_own_is_read(tmp_path):
     found = read_duty(file, *known_cylinder())
     assert (found.name, found.period, found.relief_pressure) == ("mine", 4.0, 60e5)
     assert found.cycle.positions == (0.05, 0.15, 0.05) and found.cycle.forces == (-500.0, -500.0, -400.0)
-    assert found.load == "-0.5 to -0.4 kN on the rod"
+    assert found.load == wording.compare.own_load.format(low=-0.5, high=-0.4)
     score = compare_circuits([found], [circuit("throttle")]).score("mine", "throttle")
     assert score.tracking_max < 1e-3
 
@@ -253,13 +254,19 @@ def test_a_cycle_of_ones_own_is_read(tmp_path):
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("", "column 'time' is missing"),
-        ("time,position\n0,0.1\n", "column 'force' is missing"),
-        ("time,position,force\n0,0.1,0\n1,ten,0\n", r"mine.csv:3: '1,ten,0' are not three finite numbers"),
-        ("time,position,force\n0,0.1,0\n1,0.1\n", r"mine.csv:3: '1,0.1,' are not"),
-        ("time,position,force\n0,0.1,0\n", "1 rows; expected two at least"),
-        ("time,position,force\n0,0.1,0\n2,0.2,0\n2,0.1,0\n", "row 3 is at 2 s after 2 s"),
-        ("time,position,force\n0,0.1,0\n2,0.2,0\n", "row 2 is at 0.2 m and row 1 at 0.1 m"),
+        ("", wording.compare.column_missing.format(column="time")),
+        ("time,position\n0,0.1\n", wording.compare.column_missing.format(column="force")),
+        ("time,position,force\n0,0.1,0\n1,ten,0\n", "mine.csv:3: '1,ten,0' " + wording.compare.not_three_numbers),
+        ("time,position,force\n0,0.1,0\n1,0.1\n", "mine.csv:3: '1,0.1,' " + wording.compare.not_three_numbers),
+        ("time,position,force\n0,0.1,0\n", wording.compare.rows_missing.format(count=1)),
+        (
+            "time,position,force\n0,0.1,0\n2,0.2,0\n2,0.1,0\n",
+            wording.compare.time_stands.format(row=3, time="2 s", before="2 s"),
+        ),
+        (
+            "time,position,force\n0,0.1,0\n2,0.2,0\n",
+            wording.compare.does_not_return.format(row=2, position="0.2 m", first="0.1 m"),
+        ),
     ],
 )
 def test_a_file_that_is_no_cycle_is_refused_with_its_line(tmp_path, text, told):
@@ -270,7 +277,7 @@ def test_a_file_that_is_no_cycle_is_refused_with_its_line(tmp_path, text, told):
 
 
 def test_a_file_that_is_none_is_refused(tmp_path):
-    with pytest.raises(ConfigError, match="cannot be read"):
+    with pytest.raises(ConfigError, match=wording.files.cannot_read):
         read_duty(tmp_path / "none.csv", *known_cylinder())
 
 
@@ -279,9 +286,10 @@ def test_a_file_that_is_none_is_refused(tmp_path):
     [
         (
             (0.05, 0.35, 0.05),
-            "throttle on steady: duty_cycle.positions: row 2 is at 350 mm; the rod travels from 0 to 300",
+            "throttle on steady: duty_cycle.positions: "
+            + wording.compare.rod_travels.format(row=2, position="350 mm", low=0, high=300),
         ),
-        ((0.05, 0.29, 0.05), "row 2 asks for 480 mm/s; pump and cylinder reach 329.1 mm/s"),
+        ((0.05, 0.29, 0.05), wording.compare.too_fast.format(row=2, speed="480 mm/s", reach="329.1 mm/s")),
     ],
 )
 def test_what_no_circuit_can_follow_is_refused_before_any_run(steady, positions, told):
@@ -300,13 +308,13 @@ def test_an_interrupted_comparison_keeps_what_is_done():
 
     found = compare_circuits(shipped_duties()[1:2], RIVALS, engine=ThisProcess(1), progress=stop)
     assert not found.finished and 1 <= found.runs < len(RIVALS)
-    assert "Not all runs were made" in {each.title for each in circuit_result(found).findings}
+    assert wording.progress.incomplete_page in {each.title for each in circuit_result(found).findings}
     with pytest.raises(KeyboardInterrupt):
         compare_circuits(shipped_duties()[1:2], RIVALS, progress=lambda done, total: stop(1, total))
 
 
 def test_nothing_to_compare_is_refused():
-    with pytest.raises(ParameterError, match=f"0 duty cycles and {len(RIVALS)} circuits"):
+    with pytest.raises(ParameterError, match=wording.compare.nothing_to_compare.format(cycles=0, circuits=len(RIVALS))):
         compare_circuits([], RIVALS)
 
 
@@ -315,7 +323,7 @@ def test_a_run_whose_control_is_left_is_no_run(steady):
     run = simulate(system.model, system.case, system.stepping)
     refuse_unled(circuit("throttle"), system, steady, run)
     longer = replace(steady, cycle=replace(steady.cycle, positions=(0.05, 0.5, 0.05)))
-    with pytest.raises(RunError, match=r"the reference went through .* of 450 mm"):
+    with pytest.raises(RunError, match=wording.compare.reference_went_through + " .* of 450 mm"):
         refuse_unled(circuit("throttle"), system, longer, run)
 
 
@@ -323,7 +331,7 @@ def test_another_valve_is_that_of_the_machine():
     wider = machine_with_valve("prototype")
     tables = system_for(wider, duty("triangle")).tables
     assert tables["valve"] == load_system("prototype").tables["valve"]
-    with pytest.raises(ConfigError, match="no such table"):
+    with pytest.raises(ConfigError, match=wording.compare.no_such_table):
         machine_with_valve("throttle-control")
 
 

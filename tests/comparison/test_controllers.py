@@ -4,6 +4,7 @@ from itertools import accumulate
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.select import maximum
@@ -216,7 +217,7 @@ def test_an_interrupted_comparison_keeps_what_is_done():
     found = compare_controllers([scenario("nominal")], [controller("passivity")], 400, progress=stop)
     assert not found.finished and 0 < found.runs < 400
     result = controller_result(found)
-    assert not result.finished and "Not all runs were made" in {each.title for each in result.findings}
+    assert not result.finished and wording.progress.incomplete_page in {each.title for each in result.findings}
     with pytest.raises(KeyboardInterrupt):
         compare_controllers(
             [scenario("nominal")], [controller("passivity")], 4, progress=lambda done, total: stop(1, 1)
@@ -224,7 +225,7 @@ def test_an_interrupted_comparison_keeps_what_is_done():
 
 
 def test_nothing_to_compare_is_refused():
-    with pytest.raises(ParameterError, match="0 controllers and 2 seeds"):
+    with pytest.raises(ParameterError, match=wording.compare.no_controllers.format(controllers=0, seeds=2)):
         compare_controllers(loop_scenarios(), [], 2)
 
 

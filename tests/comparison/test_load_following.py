@@ -13,6 +13,8 @@ from vvdp.systems.displacement.duty_cycle import DutyCycle
 from vvdp.systems.displacement.rival_account import joint_score, system_for
 from vvdp.systems.displacement.rival_circuits import CIRCUITS, PUMP_FRICTION, SINKS
 
+pytestmark = pytest.mark.heavy
+
 A, B = 20.26e-4, 10.77e-4
 """Areas of the cylinder [m^2]."""
 FRICTION = 2000.0

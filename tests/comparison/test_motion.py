@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
+from tests.words import wording
 
 from vvdp.base.errors import ParameterError
 from vvdp.comparison.motion import Lag, Ramps, Ripple, steady
@@ -94,9 +95,9 @@ def test_what_the_flow_alone_would_do():
 @pytest.mark.parametrize(
     ("motion", "told"),
     [
-        (lambda: Lag(0.0, 1.0, 0.0, 0.0), "time constant of 0 s"),
-        (lambda: Ripple(10.0, 1.0, 3.0), "a ripple by 1"),
-        (lambda: Ramps((0.5, 1.0), (1.0, 2.0)), "from 0 on and increasing"),
+        (lambda: Lag(0.0, 1.0, 0.0, 0.0), wording.compare.time_constant.format(value="0 s")),
+        (lambda: Ripple(10.0, 1.0, 3.0), wording.compare.ripple_by.format(amplitude=1)),
+        (lambda: Ramps((0.5, 1.0), (1.0, 2.0)), wording.compare.times_increase),
     ],
 )
 def test_motions_that_cannot_be_are_refused(motion, told):

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ParameterError
 from vvdp.comparison.noise_models import NoiseTrial, basis_margin, noise_model_table
@@ -31,7 +32,7 @@ def table():
 def test_models_states_and_margins(table):
     assert list(table["model"]) == [
         "lumped",
-        "signal generator",
+        wording.compare.signal_generator,
         *(f"Fourier, {n}" for n in (10, 20, 40)),
         *(f"Gaussian, {n}" for n in (10, 20, 40)),
     ]
@@ -63,7 +64,7 @@ def test_periodic_filters_hold_the_position(table):
 
 
 def test_generator_refuses_a_period_between_samples():
-    with pytest.raises(ParameterError, match="needs a whole number"):
+    with pytest.raises(ParameterError, match=wording.compare.needs_whole_number):
         noise_model_table(SHAPE, NoiseTrial(spool_speed=2.0 * np.pi * 9.7), ())
 
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ParameterError, RunError
 from vvdp.comparison import trials
@@ -22,6 +23,8 @@ from vvdp.sensing.wheel import edge_below
 from vvdp.simulation.values import flat
 from vvdp.studies.dask_engines import LocalDask
 from vvdp.studies.engine import ThisProcess
+
+pytestmark = pytest.mark.heavy
 
 SECTOR = np.pi / 4
 
@@ -92,7 +95,7 @@ def test_a_comparison_on_dask_is_the_comparison_here(short_scenarios):
 def test_a_worker_with_another_program_is_refused(known_contenders, short_scenarios, monkeypatch):
     programs = iter([("here",), ("there",)])
     monkeypatch.setattr(trials._Field, "program", property(lambda _: next(programs)))
-    with pytest.raises(RunError, match="has another vvdp, Python, NumPy or Numba than this machine"):
+    with pytest.raises(RunError, match=wording.progress.other_machine):
         compare(short_scenarios, known_contenders, 1)
 
 

@@ -41,6 +41,7 @@ MADE_FOR = {
     ("simulation/pace.py", "numba"),
     ("simulation/schedule.py", "numba"),
     ("simulation/steps.py", "numba"),
+    ("simulation/stored_record.py", "h5py"),
     ("simulation/stiff.py", "numba"),
 }
 FIRST_RUNGS = {package for packages in RUNGS[:5] for package in packages}

@@ -3,11 +3,14 @@
 import json
 
 import pytest
+from tests.words import wording
 
 from vvdp.design.quantities import quantities, setup
 from vvdp.results.result import Grade
 from vvdp.results.store import read_result
 from vvdp.systems.system import load_system
+
+pytestmark = pytest.mark.heavy
 
 FIXED = ("--minimise", "pressure_drop_total", "--subject-to", "pwm_frequency >= 72 Hz")
 CLEARANCE = ("--bound", "radial_clearance <= 22.5 um")
@@ -32,14 +35,14 @@ def test_the_published_optimum(designing, tmp_path, keys_as_described):
     # At the flow of the design: less drop leaves the pump's leakage another pressure.
     at = setup(system)._replace(flow=setup(load_system("prototype")).flow)
     assert quantities(at).pressure_drop_total == pytest.approx(found["pressure_drop_total_Pa"], rel=1e-8)
-    assert "optimised: least pressure_drop_total" in next(
+    assert wording.design.optimised.format(quantity="pressure_drop_total") in next(
         row.note for row in system.rows if (row.table, row.key) == ("valve", "nozzle_area")
     )
     page = (tmp_path / "there" / "report.html").read_text("utf-8")
-    assert "2.48 bar of wang2017 depend on bounds that it does not state" in page
-    assert "This optimum is that value" in page
+    assert wording.design.published_bounds.format(drop="2.48 bar", source="wang2017") in page
+    assert wording.design.is_published_value in page
     assert "System <b>prototype</b>" in page
-    assert "PWM frequency, fully open ≥ 72 Hz" in page
+    assert wording.design.frequency_limit.format(frequency="72 Hz") in page
     assert "pwm_frequency &gt;=" not in page
     for name in ("before-and-after", "between-bounds", "limits"):
         assert (tmp_path / "there" / "figures" / f"{name}.svg").is_file()
@@ -48,10 +51,16 @@ def test_the_published_optimum(designing, tmp_path, keys_as_described):
 def test_what_a_person_sees(designing, tmp_path):
     code, out, err = designing("prototype", *FIXED, *CLEARANCE, "--no-simulation", "--starts", "3")
     assert code == 0
-    for words in ("spool radius", "22.50", "Held by", "PWM frequency, fully open ≥ 72 Hz", "3 of them in this one"):
+    for words in (
+        wording.design.spool_radius,
+        "22.50",
+        wording.design.held_by,
+        wording.design.frequency_limit.format(frequency="72 Hz"),
+        wording.design.held_by_geometry.format(count=3),
+    ):
         assert words in out
-    assert "run it with: vvdp run results/design-prototype-" in out
-    assert "4 of 4 starts" in err
+    assert wording.design.run_it_with.format(place="results/design-prototype-") in out
+    assert wording.progress.count.format(done=4, all=4, what="starts") in err
     assert "optimum" in (next((tmp_path / "results").iterdir()) / "optimum.toml").read_text("utf-8")
 
 
@@ -64,35 +73,38 @@ def test_least_loss_keeps_the_frequency_and_holds_in_simulation(designing, tmp_p
     assert found["after_simulated_loss_total_W"] < 0.75 * found["before_simulated_loss_total_W"]
     assert not any("simulat" in text.lower() for text in found["warnings"])
     page = (tmp_path / "there" / "report.html").read_text("utf-8")
-    assert "PWM frequency, fully open ≥ 72.0012 Hz (usual limit)" in page
-    assert "Simulated, it goes from 1932 W to" in page
-    assert "does not bear out" not in page
-    assert "that of an analytic map leaves compressibility out" in page
+    assert wording.design.frequency_limit.format(frequency="72.0012 Hz") + wording.design.usual in page
+    assert wording.design.goes_to_simulated.format(before="1932 W") in page
+    assert wording.design.not_borne_out not in page
+    assert wording.design.analytic_map in page
 
 
 def test_an_optimum_that_only_closed_forms_believe_in(designing, tmp_path):
     """5.5 Hz against an accumulator of 50 cc: two fifths of the loss in closed form, four fifths in the simulation."""
     code, out, _ = designing("prototype", "--starts", "2", "--no-usual-limits", "--out", "there")
     assert code == 0
-    assert "The total loss goes from 1867 W to 746.5 W, analytically" in out
-    assert "Simulated, it goes from 1932 W to 1557 W" in out
-    refuted = "warning: The simulation does not bear out the optimum"
+    assert wording.design.goes_from_to_analytic.format(before="1867 W", after="746.5 W") in out
+    assert wording.design.goes_from_to_simulated.format(before="1932 W", after="1557 W") in out
+    refuted = "warning: " + wording.design.not_borne_out
     warnings = [line for line in out.splitlines() if line.startswith("warning: ")]
-    assert warnings[0].startswith(f"{refuted}: The total loss is 1557 W simulated and 746.5 W analytic, +108.5 %")
-    assert "more than 10 % is not to be relied on" in warnings[0]
-    assert any("has not settled" in line for line in warnings[:4])
+    assert warnings[0].startswith(
+        f"{refuted}: "
+        + wording.design.simulated_and_analytic.format(simulated="1557 W", analytic="746.5 W", difference="+108.5 %")
+    )
+    assert wording.design.not_relied_on.format(share="10 %") in warnings[0]
+    assert any(wording.design.has_not_settled in line for line in warnings[:4])
     findings = read_result(tmp_path / "there").findings
     assert sum(each.grade is Grade.BAD for each in findings) == 2
     page = (tmp_path / "there" / "report.html").read_text("utf-8")
-    assert "The simulation does not bear out the optimum" in page
+    assert wording.design.not_borne_out in page
 
 
 def test_shape_that_cannot_be_built_with_usual_lengths_is_told(designing, tmp_path):
     code, out, _ = designing("prototype", *FIXED, *CLEARANCE, "--no-simulation", "--starts", "1", "--json")
     assert code == 0
     warnings = " ".join(json.loads(out)["warnings"])
-    assert "The usual lengths of the shape do not fit this valve, vvdp geometry needs others" in warnings
-    assert "length of a nozzle's root = 15.37 mm; expected less than 8.852 mm, the rail diameter" in warnings
+    assert wording.design.shape_does_not_fit in warnings
+    assert wording.design.root_length.format(length="15.37 mm", limit="8.852 mm") in warnings
 
 
 def test_options_may_stand_first(designing):
@@ -104,15 +116,15 @@ def test_options_may_stand_first(designing):
 def test_infeasible_is_said_and_nothing_is_left(designing, tmp_path):
     code, out, err = designing("prototype", *FIXED, "--subject-to", "pressure_drop_total <= 0.5 bar", *CLEARANCE)
     assert (code, out) == (1, "")
-    assert "no design meets all of these together" in err
+    assert wording.design.no_design_together in err
     assert not list((tmp_path / "results").iterdir())
 
 
 def test_bad_input_is_refused_whole(designing, tmp_path):
     code, _, err = designing("prototype", "--minimise", "cost", "--bound", "clearance <= 3 um")
     assert code == 2
-    assert "--minimise: cost: unknown quantity" in err
-    assert "--bound: clearance: unknown variable" in err
+    assert "--minimise: cost: " + wording.design.unknown_quantity in err
+    assert "--bound: clearance: " + wording.design.unknown_variable in err
     assert not (tmp_path / "results").exists()
 
 
@@ -120,7 +132,7 @@ def test_a_directory_is_not_replaced(designing, tmp_path):
     (tmp_path / "there").mkdir()
     code, _, err = designing("prototype", "--out", "there", "--no-simulation")
     assert code == 2
-    assert "already exists" in err
+    assert wording.files.already_exists in err
 
 
 def test_interrupted_before_anything_is_found_leaves_nothing(designing, tmp_path, monkeypatch):
@@ -146,7 +158,7 @@ def test_interrupted_later_keeps_what_was_found(designing, tmp_path, monkeypatch
     code, out, err = designing("prototype", *FIXED, *CLEARANCE, "--starts", "1", "--out", "there", "--json")
     assert code == 130
     assert json.loads(out)["pressure_drop_total_Pa"] == pytest.approx(2.48e5, abs=0.03e5)
-    assert "interrupted; what was found until then is written" in err
+    assert wording.progress.found_written in err
     assert load_system(str(tmp_path / "there" / "optimum.toml"))
     assert (tmp_path / "there" / "report.html").is_file()
 
@@ -161,7 +173,7 @@ def test_interrupted_while_limits_are_moved_keeps_the_simulations(designing, tmp
     code, out, err = designing("prototype", *FIXED, *CLEARANCE, "--starts", "1", "--out", "there", "--json")
     assert code == 130
     assert json.loads(out)["after_simulated_trusted"] is True
-    assert "interrupted; what was found until then is written" in err
+    assert wording.progress.found_written in err
     found = read_result(tmp_path / "there")
     assert not found.finished
     assert "curves" not in found.tables
@@ -174,14 +186,22 @@ def test_a_limit_of_zero_is_shown_without_an_elasticity(designing, tmp_path):
     arguments = ("prototype", "--minimise", "load_pulsation", "--subject-to", "relief_margin >= 0 bar", *CLEARANCE)
     code, out, err = designing(*arguments, "--no-simulation", "--starts", "1", "--out", "there")
     assert code == 0, err
-    line = next(each for each in out.splitlines() if each.strip().startswith("relief margin ≥ 0 bar"))
+    line = next(
+        each
+        for each in out.splitlines()
+        if each.strip().startswith(wording.design.relief_margin_limit.format(margin="0 bar"))
+    )
     assert line.split()[-3:-1] == ["limit", "–"]
     assert float(line.split()[-1].partition("·")[0]) > 0.0
-    assert "30 of 30 optima with a limit moved" in err
+    assert wording.design.moved_optima.format(done=30, all=30) in err
     result = read_result(tmp_path / "there")
-    (told,) = (each for each in result.listings["held"].rows if each.label == "relief margin ≥ 0 bar")
+    (told,) = (
+        each
+        for each in result.listings["held"].rows
+        if each.label == wording.design.relief_margin_limit.format(margin="0 bar")
+    )
     assert told.values[:2] == ("limit", "–")
-    assert not any("relief margin" in words for words in result.tables["curves"]["moved"])
+    assert not any(wording.design.relief_margin in words for words in result.tables["curves"]["moved"])
 
 
 def test_cycle(designing, tmp_path):
@@ -193,7 +213,7 @@ def test_cycle(designing, tmp_path):
         "prototype", "--minimise", "loss_total", "--cycle", "cycle.toml", "--starts", "1", "--no-simulation"
     )
     assert code == 0
-    assert "weighted mean over 2 operating points" in out
+    assert wording.design.weighted_mean.format(count=2) in out
 
 
 def test_help_names_the_questions(designing):

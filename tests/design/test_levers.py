@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.design.levers import LEVERS, LOAD_SHARES, levers, limit_loss, valve_loss
 from vvdp.design.levers_result import levers_result
@@ -76,7 +77,7 @@ def test_a_scaled_valve_keeps_its_transitions_and_drops_by_the_fourth_power(clos
 def test_a_duty_ratio_at_which_no_port_opens_fully_is_refused(designing):
     code, _, err = designing("levers", "prototype-constant-load", "--set", "operation.duty_ratio=0.1")
     assert code == 2
-    assert "duty ratio 0.1 lies outside" in err
+    assert wording.valve.duty_ratio_outside.format(duty=0.1) in err
 
 
 @pytest.mark.slow

@@ -1,6 +1,7 @@
 """What an optimum rests on: its numbers at the ends of ranges against the design in a system with another value."""
 
 import pytest
+from tests.words import wording
 
 from vvdp.design.optimise import optimise
 from vvdp.design.optimum_ranges import known_quantities, optimum_ranges, ranges_in_words
@@ -46,5 +47,5 @@ def test_ranges_hold_the_optimum_and_leave_its_variables_out(found):
 def test_what_it_rests_on_is_said(found):
     low, high = optimum_ranges(found).span("loss_total_W")
     words = ranges_in_words(optimum_ranges(found))
-    assert f"the total loss lies between {low:.4g} W and {high:.4g} W" in words
+    assert wording.design.loss_range.format(low=f"{low:.4g} W", high=f"{high:.4g} W") in words
     assert WORDS["pwm_frequency"][1] in words

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.design.infeasibility import InfeasibleError
@@ -20,6 +21,8 @@ from vvdp.results.store import write_result
 from vvdp.simulation.run import simulate
 from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system
+
+pytestmark = pytest.mark.heavy
 
 LIMITS, BOUNDS = ["pwm_frequency >= 50 Hz", "transition_fraction <= 0.5"], ["radial_clearance <= 25 um"]
 
@@ -109,7 +112,7 @@ def test_whole_numbers_stay_whole(prototype):
 
 
 def test_what_nobody_can_meet(prototype):
-    with pytest.raises(InfeasibleError, match="no design meets"):
+    with pytest.raises(InfeasibleError, match=wording.design.no_design):
         front(problem(prototype, "loss_total", ["pwm_frequency >= 5000 Hz"], BOUNDS), points=8, generations=2)
 
 
@@ -119,7 +122,7 @@ def test_objectives_in_words():
     with pytest.raises(ConfigError) as raised:
         objectives(["loss_totl", "spool_volume", "spool_volume"], ["pwm"])
     assert len(raised.value.faults) == 3
-    with pytest.raises(ConfigError, match="two objectives or more"):
+    with pytest.raises(ConfigError, match=wording.design.two_objectives):
         objectives(["loss_total"], [])
 
 
@@ -134,7 +137,7 @@ def test_command_for_a_front(designing, tmp_path, keys_as_described):
     count, refused = len(found["front_loss_total_W"]), len(found["refused_loss_total_W"])
     assert count == found["designs"] == found["confirmed_designs"] == len(found["front_design"])
     assert count + refused == len(list((tmp_path / "there" / "systems").iterdir()))
-    assert "Pareto front" in (tmp_path / "there" / "report.html").read_text("utf-8")
+    assert wording.design.front in (tmp_path / "there" / "report.html").read_text("utf-8")
     assert (tmp_path / "there" / "figures" / "trade-offs.svg").is_file()
     assert len((tmp_path / "there" / "front.csv").read_text("utf-8").splitlines()) == count + 1
 
@@ -143,8 +146,8 @@ def test_command_for_a_front_and_a_person(designing):
     code, out, err = designing("pareto", "prototype", "--points", "8", "--generations", "2")
     assert code == 0
     assert "point-001" in out
-    assert "on a bound" in out
-    assert "generations and designs" in err
+    assert wording.design.on_a_bound in out
+    assert wording.design.generations in err
 
 
 def test_a_front_over_a_cycle(designing, tmp_path):
@@ -227,12 +230,12 @@ def test_only_what_the_simulation_confirms_is_on_the_front(designing, tmp_path):
     assert refused == found["refused_designs"] > 0
     assert found["confirmed_designs"] > 0
     (warning,) = found["warnings"]
-    assert warning.startswith(f"{refused} of {refused + found['designs']} designs are not on the front")
+    assert warning.startswith(wording.design.not_on_front.format(count=refused, all=refused + found["designs"]))
     assert all("simulated" in reason or "settled" in reason for reason in found["refused_reason"])
     assert len((tmp_path / "there" / "refused.csv").read_text("utf-8").splitlines()) == refused + 1
     page = (tmp_path / "there" / "report.html").read_text("utf-8")
-    assert "Refused by the simulation" in page
-    assert "relief margin ≥ 0 bar (usual limit)" in page
+    assert wording.design.refused_by_simulation in page
+    assert wording.design.relief_margin_limit.format(margin="0 bar") + wording.design.usual in page
 
 
 def test_without_simulation_nothing_is_confirmed(designing, tmp_path):
@@ -241,10 +244,10 @@ def test_without_simulation_nothing_is_confirmed(designing, tmp_path):
     assert code == 0, err
     found = json.loads(out)
     assert max(found["front_input_power_W"]) > 5600.0
-    assert found["warnings"] == ["No design is confirmed: none was simulated, and analytic values alone may mislead."]
+    assert found["warnings"] == [wording.design.nothing_simulated]
     assert found["confirmed_designs"] == found["refused_designs"] == 0
     assert not any("_simulated" in key for key in found)
-    assert "Nothing is confirmed" in (tmp_path / "there" / "report.html").read_text("utf-8")
+    assert wording.design.nothing_confirmed in (tmp_path / "there" / "report.html").read_text("utf-8")
 
 
 def simulated(*doubts):
@@ -267,15 +270,15 @@ def test_refused_designs_and_those_on_a_bound_by_hand(two):
     assert result.tables["before"]["pwm_frequency_Hz"] == pytest.approx([71.99], abs=0.01)
     drawn = [line.table for line in result.charts["trade-offs"].panels[0].lines]
     assert drawn == ["front", "refused", "before"]
-    assert any("1 of these 2 designs has a variable on a bound" in each.text for each in result.findings)
+    assert any(wording.design.variable_on_bound.format(count=1, all=2) in each.text for each in result.findings)
 
 
 def test_a_front_of_which_nothing_is_confirmed_has_a_page(two, tmp_path):
     doubted = replace(two, simulated=tuple(simulated((), *[("it failed",)] * len(two.values))))
     write_result(tmp_path, front_result(doubted, finished=True), "")
     page = write_result_report(tmp_path).read_text("utf-8")
-    assert "0 designs confirmed by simulation" in page
-    assert f"{len(two.values)} of {len(two.values)} designs are not on the front" in page
+    assert wording.design.confirmed.format(count=0) in page
+    assert wording.design.not_on_front.format(count=len(two.values), all=len(two.values)) in page
 
 
 def test_a_batch_simulates_as_single_runs_do(prototype):
@@ -297,5 +300,5 @@ def test_interrupted_in_the_simulation_keeps_the_front(designing, tmp_path, monk
     monkeypatch.setattr("vvdp.design.proof.simulate_batch", stopped)
     code, _, err = designing("pareto", "prototype", "--points", "8", "--generations", "2", "--out", "there")
     assert code == 130
-    assert "interrupted; what was found until then is written" in err
+    assert wording.progress.found_written in err
     assert len((tmp_path / "there" / "front.csv").read_text("utf-8").splitlines()) > 3

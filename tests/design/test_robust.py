@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.design.pareto import is_undominated
@@ -73,7 +74,7 @@ def test_a_cycle_of_ones_own_takes_the_place_of_a_draw(asked, tmp_path):
     assert OIL_TEMPERATURE not in found[0].draws
     assert OIL_TEMPERATURE in found[2].draws
     path.write_text('[[points]]\n"valve.lap_ratio" = "0.5"\n', "utf-8")
-    with pytest.raises(ConfigError, match="is no setting of an operating point"):
+    with pytest.raises(ConfigError, match=wording.design.no_operating_setting):
         scenarios(asked, path, WARM, (), Effort(draws=2))
 
 
@@ -105,7 +106,7 @@ def test_the_front_is_what_is_confirmed_and_not_beaten(asked):
 
 def test_a_slower_valve_is_refused():
     assert not _judge(candidate(900.0, 1e-5), 80.0).refusal
-    assert "below 81 Hz" in _judge(candidate(900.0, 1e-5), 81.0).refusal
+    assert wording.design.below.format(limit="81 Hz") in _judge(candidate(900.0, 1e-5), 81.0).refusal
 
 
 def test_children_can_be_made_and_stay_within_bounds(asked):
@@ -146,7 +147,7 @@ def test_a_small_search_resumes_and_repeats(designing, tmp_path, keys_as_describ
 
     code, out, err = designing(*words, "--json", "--out", "there")
     assert code == 0
-    assert "12 of 12 cases are finished already" in err
+    assert wording.progress.finished_already.format(done=12, all=12, what="cases") in err
     assert json.loads(out) == told
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError, ParameterError
 from vvdp.base.select import minimum
@@ -61,9 +62,9 @@ def test_an_area_opens_with_the_tank_port():
 
 def test_a_chamber_that_gives_no_room_is_refused():
     values = {"oil_volume": 1e-6, "hose_compliance": 0.0, "precharge_pressure": 1e6, "gas_exponent": 1.4}
-    with pytest.raises(ParameterError, match="gives way to the oil"):
+    with pytest.raises(ParameterError, match=wording.design.gives_no_room):
         SwitchChamber(**values, gas_volume=0.0, mouth_area=1e-4)
-    with pytest.raises(ParameterError, match="release_opening: 0; expected above 0"):
+    with pytest.raises(ParameterError, match="release_opening: " + wording.design.above_zero.format(value=0)):
         SwitchChamber(**values, gas_volume=1e-5, mouth_area=1e-4, release_opening=0.0)
 
 
@@ -132,11 +133,11 @@ def test_quantities_follow_the_means(at):
 
 def test_closed_forms_refuse_a_system_that_is_switched_softly(system):
     soft = with_soft(system, precharge_pressure=13e5)
-    with pytest.raises(ConfigError, match="switched softly has no transition loss in closed form"):
+    with pytest.raises(ConfigError, match=wording.design.soft_no_closed_form):
         problem(soft, "loss_total")
-    with pytest.raises(ParameterError, match="is switched softly already"):
+    with pytest.raises(ParameterError, match=wording.design.soft_already):
         levers(soft, simulated=False)
-    assert "in no closed form" in next(soft.extras.average_limits())
+    assert wording.design.in_no_closed_form in next(soft.extras.average_limits())
 
 
 @pytest.mark.slow

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ParameterError
 from vvdp.design.quantities import quantities, setup
@@ -73,35 +74,37 @@ def test_cavitation_numbers_by_hand(warmed):
 def test_the_prototype_is_warned_of(warmed):
     told = warmed.warnings
     assert len(told) == 3
-    assert any("Reynolds number of the nozzles: down to 247 at 10 °C to 50 °C, below 2300" in text for text in told)
-    assert any("tank port closing" in text and "at all temperatures" in text for text in told)
-    assert any("leaking oil" in text for text in told)
+    assert any(
+        wording.design.reynolds_range.format(lowest=247, cold="10 °C", hot="50 °C", limit=2300) in text for text in told
+    )
+    assert any(wording.design.tank_port_closing in text and wording.design.at_all_temperatures in text for text in told)
+    assert any(wording.design.leaking_oil in text for text in told)
 
 
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
         # 40 lpm at 12 to 13 MPa and duty ratio 0.8 are above 5.6 kW
-        (["operation.duty_ratio=0.8"], "the motor is overloaded"),
+        (["operation.duty_ratio=0.8"], wording.design.motor_overloaded),
         # at duty ratio 0.2 the load port never opens fully, kappa 0.30
-        (["operation.duty_ratio=0.2"], "a port never opens fully at this duty ratio"),
+        (["operation.duty_ratio=0.2"], wording.design.never_fully_open),
         # two thousandths of the land length bear a billionth of the force
-        (["valve.land_length=0.3 mm"], "the lands may touch"),
+        (["valve.land_length=0.3 mm"], wording.design.lands_touch),
         # 0.5 mm of clearance and 3000 turns per minute: Re = 876*314*0.0127*5e-4/0.0387 = 45, times sqrt(0.04) = 9;
         # hot oil has a quarter of that viscosity
         (
             ["valve.radial_clearance=0.5 mm", "spool_drive.coupling=100 N*m*s", "operation.spool_motor_speed=6000 rpm"],
-            "vortices in the clearance",
+            wording.design.vortices,
         ),
         # 20000 turns per minute: 26.6 m/s, mu u^2/(8 lambda) = 26 K
         (
             ["spool_drive.coupling=100 N*m*s", "operation.spool_motor_speed=20000 rpm"],
-            "the film is thinner than",
+            wording.design.film_thinner,
         ),
         # 118 bar and 6.68 bar of open drop above a setting of 120 bar
-        (["load.pressure=118 bar"], "relief setting above load and open drop: down to −4."),
+        (["load.pressure=118 bar"], wording.design.relief_margin_down_to + "−4."),
         # nothing behind the nozzles but the tank
-        (["valve.outlet_area=2000 mm^2", "valve.centre_coefficient=1e-3 SI"], "comes out behind the nozzles"),
+        (["valve.outlet_area=2000 mm^2", "valve.centre_coefficient=1e-3 SI"], wording.design.behind_nozzles),
     ],
 )  # fmt: skip
 def test_every_check_can_be_seen(settings, words):
@@ -132,7 +135,7 @@ def test_usage_is_above_one_where_a_check_is_not_kept(prototype):
 
 
 def test_a_range_of_temperatures_is_needed(prototype):
-    with pytest.raises(ParameterError, match="expected a range"):
+    with pytest.raises(ParameterError, match=wording.design.expected_range):
         over_temperature(prototype, coldest=350.0, hottest=300.0)
 
 
@@ -148,7 +151,7 @@ def test_a_range_of_temperatures_is_needed(prototype):
 def test_both_ends_are_in_the_range(prototype, hottest, expected):
     found = over_temperature(prototype, coldest=293.15, hottest=hottest + 273.15)
     assert found.temperatures - 273.15 == pytest.approx(expected)
-    assert any("at all temperatures" in text for text in found.warnings)
+    assert any(wording.design.at_all_temperatures in text for text in found.warnings)
 
 
 def test_what_is_shown_at_40_degrees_is_the_design(prototype, warmed):
@@ -165,17 +168,17 @@ def test_command_over_temperature(designing, tmp_path, keys_as_described):
     assert len(found["pwm_frequency_Hz"]) == len(found["temperature_K"]) == 25
     assert any("Reynolds" in text for text in found["warnings"])
     page = (tmp_path / "there" / "report.html").read_text("utf-8")
-    assert "The model is in doubt" in page
+    assert wording.design.model_in_doubt in page
     assert (tmp_path / "there" / "figures" / "range.svg").is_file()
 
 
 def test_command_over_temperature_for_a_person(designing):
     code, out, _ = designing("temperature", "prototype")
     assert code == 0
-    assert "warning: The model is in doubt: Reynolds number of the nozzles" in out
+    assert f"warning: {wording.design.model_in_doubt}: " in out
     code, _, err = designing("temperature", "prototype", "--from", "80 degC", "--to", "10 degC")
     assert code == 2
-    assert "expected a range of temperatures" in err
+    assert wording.design.expected_temperatures in err
     code, _, err = designing("temperature", "prototype", "--from", "80")
     assert code == 2
-    assert err.startswith("--from: '80' has no unit")
+    assert err.startswith("--from: '80' " + wording.files.has_no_unit)

@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError, ParameterError
 from vvdp.design.quantities import key, quantities, setup
@@ -14,6 +15,8 @@ from vvdp.design.tolerance_runs import simulated_draws
 from vvdp.runs.simulate import run_system
 from vvdp.systems.system import load_system
 from vvdp.valve.branch import centre_resistance, nozzle_resistance, outlet_resistance
+
+pytestmark = pytest.mark.heavy
 
 NAME = "prototype-constant-load"
 
@@ -141,9 +144,9 @@ def test_faults_of_spreads_are_told_together(bench):
     with pytest.raises(ConfigError) as raised:
         spreads(bench, texts)
     assert len(raised.value.faults) == 4
-    with pytest.raises(ParameterError, match="100 samples; expected a power of two"):
+    with pytest.raises(ParameterError, match=wording.design.power_of_two.format(count=100, what="samples")):
         tolerance(bench, spreads(bench), samples=100)
-    with pytest.raises(ParameterError, match="100 runs; expected a power of two"):
+    with pytest.raises(ParameterError, match=wording.design.power_of_two.format(count=100, what="runs")):
         tolerance(bench, spreads(bench), runs=100)
 
 
@@ -157,8 +160,8 @@ def test_command(designing, tmp_path, keys_as_described):
     assert sum(found["distribution_pwm_frequency_count"]) == 4096
     assert found["pressure_drop_total_Pa"] == pytest.approx(6.677e5, rel=1e-3)
     page = (tmp_path / "there" / "report.html").read_text("utf-8")
-    assert "spreads are assumptions" in page
-    assert "mostly through the radial clearance" in page
+    assert wording.design.spreads_assumed in page
+    assert wording.design.mostly_through.format(value="radial clearance") in page
     rows = (tmp_path / "there" / "draws.csv").read_text("utf-8").splitlines()
     assert len(rows) == 4097
     outputs = "pressure_drop_total_Pa,pwm_frequency_Hz,efficiency,running_pwm_frequency_Hz,highest_inlet_pressure_Pa"
@@ -172,7 +175,7 @@ def test_command_for_a_person(designing):
         "tolerance", NAME, "--no-simulation", "--samples", "64", "--spread", "air_fraction: 1 % to 2 %"
     )
     assert code == 0
-    assert "Share of the variance" in out
+    assert wording.design.share_of_variance in out
     assert any(line.split()[5:9] == ["1", "%", "2", "%"] for line in out.splitlines())
 
 
@@ -180,9 +183,13 @@ def test_command_for_a_person(designing):
     ("setting", "told"),
     [
         # kappa 0.30
-        ("operation.duty_ratio=0.15", "duty ratio 0.15 lies outside 0.3001 to 0.6999: the load port is never fully op"),
+        (
+            "operation.duty_ratio=0.15",
+            wording.valve.duty_ratio_outside_range.format(duty=0.15, low=0.3001, high=0.6999)
+            + wording.valve.port_never_open,
+        ),
         # 118 bar and 6.68 bar of open drop above a setting of 120 bar
-        ("load.pressure=118 bar", "the relief setting of 120 bar does not exceed the 124.7 bar that the load and the"),
+        ("load.pressure=118 bar", wording.systems.relief_does_not_exceed.format(setting="120 bar") + " the 124.7 bar"),
     ],
 )
 def test_closed_forms_out_of_their_range_are_told(designing, tmp_path, setting, told):
@@ -191,7 +198,7 @@ def test_closed_forms_out_of_their_range_are_told(designing, tmp_path, setting, 
     assert code == 0, err
     assert json.loads(out)["warnings"][0].startswith(told[:1].upper() + told[1:])
     page = (tmp_path / "there" / "report.html").read_text("utf-8")
-    assert "In doubt" in page
+    assert wording.design.in_doubt in page
     assert told[:1].upper() + told[1:] in page
 
 
@@ -203,8 +210,8 @@ def test_no_efficiency_where_nothing_is_delivered(designing):
             "tolerance", NAME, "--no-simulation", "--set", f"operation.duty_ratio={duty}", "--samples", "16"
         )
         assert code == 2
-        assert f"operation.duty_ratio: {duty}: analytically, transitions, leakage and compression take all" in err
-        assert "expected more than 0.07862" in err
+        assert "operation.duty_ratio: " + wording.design.transitions_take_all.format(duty=duty) in err
+        assert wording.files.expected_more_than.format(limit=0.07862) in err
     code, _, _ = designing(
         "tolerance", NAME, "--no-simulation", "--set", "operation.duty_ratio=0.079", "--samples", "16"
     )
@@ -214,7 +221,7 @@ def test_no_efficiency_where_nothing_is_delivered(designing):
 def test_few_samples_are_told(designing):
     code, out, _ = designing("tolerance", NAME, "--no-simulation", "--samples", "16")
     assert code == 0
-    assert "warning: In doubt: With 16 samples the shares of the variance are uncertain by up to " in out
+    assert f"warning: {wording.design.in_doubt}: {wording.design.uncertain_shares.format(count=16)}" in out
     code, out, _ = designing("tolerance", NAME, "--no-simulation", "--samples", "1024", "--json")
     assert code == 0
     assert json.loads(out)["warnings"] == []
@@ -226,7 +233,7 @@ def test_what_is_assumed_is_an_input(bench):
     for row in bench.uncertainties:
         assert (found[row.setting].low, found[row.setting].high) == row.range
         assert found[row.setting].note == row.note
-    assert found["valve.lap_ratio"].label == "lap ratio of the valve"
+    assert found["valve.lap_ratio"].label == wording.design.lap_ratio
     assert found["valve.lap_ratio"].in_closed_forms
 
 
@@ -296,7 +303,9 @@ def test_an_input_that_contradicts_the_system_is_told(bench):
     )
     assert tolerance(bench, taken, samples=16, runs=16).failed == ()
     alone = [each for each in taken if each.setting == "relief_valve.opening_time"]
-    with pytest.raises(ConfigError, match="contradicts opening_time"):
+    with pytest.raises(
+        ConfigError, match="opening_time: .* " + wording.files.must_be_zero_if.format(key="override_pressure")
+    ):
         tolerance(bench, alone, samples=16, runs=16)
 
 
@@ -305,7 +314,7 @@ def test_without_simulation_what_no_closed_form_knows_is_named(designing, tmp_pa
                              "relief_valve.opening_time: 1 ms to 15 ms")  # fmt: skip
     assert code == 0, err
     page = (tmp_path / "there" / "report.html").read_text("utf-8")
-    assert re.search("Left out, since no closed form knows them[^.]*: [^.]*opening", page)
+    assert re.search(wording.design.left_out + "[^.]*: [^.]*opening", page)
 
 
 @pytest.mark.slow

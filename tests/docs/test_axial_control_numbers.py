@@ -25,6 +25,8 @@ from tests.systems.test_published_loop import aerated, sine_text
 
 from vvdp.systems.system import shipped_systems
 
+pytestmark = pytest.mark.heavy
+
 TEXT = (Path(__file__).parents[2] / "docs" / "models" / "axial-control.md").read_text("utf-8")
 PAGE = " ".join(TEXT.split())
 TRAPEZOID = trapezoid_text()

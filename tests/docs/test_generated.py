@@ -8,6 +8,8 @@ import pytest
 
 from vvdp.systems.system import shipped_systems
 
+pytestmark = pytest.mark.heavy
+
 DOCS = Path(__file__).parents[2] / "docs"
 NUMBER = re.compile(r"(?<=\| )-?[\d.]+(?= \S+ \|)")
 ANY_NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e-?\d+)?")

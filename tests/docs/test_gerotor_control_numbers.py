@@ -24,6 +24,8 @@ from tests.systems.test_published_gerotor_loop import (
 from vvdp.systems.summary import summary
 from vvdp.systems.system import shipped_systems
 
+pytestmark = pytest.mark.heavy
+
 PAGE = (Path(__file__).parents[2] / "docs" / "models" / "gerotor-control.md").read_text("utf-8")
 WORDS = " ".join(PAGE.split())
 TEXT, IDEAL = published_text(), ideal(published_text())

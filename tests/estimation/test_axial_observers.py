@@ -32,6 +32,8 @@ from vvdp.estimation.pressure_edges import PressureReading
 from vvdp.numerics.kalman import covariance_of
 from vvdp.simulation.replay import Replay
 
+pytestmark = pytest.mark.heavy
+
 STROKE, PERIOD = 20.32e-3, 1e-3
 PAGE = " ".join((Path(__file__).parents[2] / "docs/models/axial-observer.md").read_text("utf-8").split())
 DRIVE = SpringDrive(moving_mass=0.5, stiffness=2594.0, preload=211.5, viscous_friction=8.3, area=1.74e-4)

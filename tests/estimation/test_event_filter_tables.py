@@ -18,6 +18,8 @@ from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import equal_wheel
 from vvdp.simulation.replay import Replay
 
+pytestmark = pytest.mark.heavy
+
 WHEEL, SECTOR, PITCH = equal_wheel(8), np.pi / 4.0, 2.0 * np.pi / 3.0
 PUBLISHED = event_filter(WHEEL)
 FLAT = replace(PUBLISHED, manoeuvre_gate=1e6, edge_variance=5.53e-3, stop_rate=0.0)

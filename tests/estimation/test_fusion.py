@@ -42,6 +42,8 @@ from vvdp.simulation.run import simulate
 from vvdp.systems.system import load_system
 from vvdp.valve.geometry import port_openings
 
+pytestmark = pytest.mark.heavy
+
 PERIOD, WHEEL, SECTIONS = 1e-3, equal_wheel(8), 3.0
 PITCH, SECTOR = 2.0 * np.pi / 3.0, np.pi / 4.0
 WALK = 0.5

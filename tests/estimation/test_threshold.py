@@ -56,6 +56,8 @@ from vvdp.simulation.replay import Replay
 from vvdp.simulation.run import simulate
 from vvdp.systems.system import load_system
 
+pytestmark = pytest.mark.heavy
+
 RAMP = 0.49
 PERIOD = 1e-3
 WHEEL = equal_wheel(8)

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.fluid.oil import density, film_viscosity
 from vvdp.systems.system import load_system
@@ -144,7 +145,7 @@ def test_a_value_beyond_the_law_is_held_at_its_end_and_said(fit, write):
     table = write(rows("flow [lpm],pressure_drop [bar]", *((q, 1e-3 * q**2.2) for q in (10.0, 20.0, 40.0))))
     told = fit(table, "--law", "drop", "--on", "prototype")
     assert valve_of(told).centre_flow_exponent == 2.0
-    assert "2 is written" in told["warnings"][0]
+    assert wording.fit.is_written.format(count=2) in told["warnings"][0]
     middle = turbulent_drops(20.0 * LPM, 1.0, RHO, valve_of(told)).centre_section
     assert middle == pytest.approx(1e2 * 20.0**2.2, rel=1e-6)
 
@@ -153,9 +154,9 @@ def test_a_part_that_is_not_quadratic_and_a_leak_that_is_not_laminar_are_said(fi
     flows = (10.0, 20.0, 40.0, 60.0)
     table = write(rows("flow [lpm],pressure_drop [bar]", *((q, 3e-3 * q**1.8) for q in flows)))
     told = fit(table, "--law", "drop", "--part", "nozzle", "--on", "prototype")
-    assert "to the power 1.80 to 1.80" in told["warnings"][0]
+    assert wording.fit.to_the_power.format(low="1.80", high="1.80") in told["warnings"][0]
     table = write(rows("pressure_drop [bar],leakage [lpm]", *((p, 1e-3 * p**0.5) for p in flows)))
-    assert "to the power 0.500 to 0.500" in fit(table, "--law", "leakage")["warnings"][0]
+    assert wording.fit.to_the_power.format(low="0.500", high="0.500") in fit(table, "--law", "leakage")["warnings"][0]
 
 
 def test_every_key_of_a_fit_is_described(fit, write, keys_as_described):
@@ -178,18 +179,27 @@ def test_every_key_of_a_fit_is_described(fit, write, keys_as_described):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "is empty; expected a heading line"),
-        ("flow [lpm],pressure drop [bar]\n", "has a heading and no rows"),
-        ("flow [lpm],drop [bar]\n1,2\n", ":1: pressure_drop: no such column; write for example 'pressure_drop [bar]'"),
-        ("flow [lpm],flow [lpm],pressure_drop_Pa\n1,2,3\n", ":1: flow: stands there 2 times"),
-        ("flow [bar],pressure_drop_Pa\n1,2\n", ":2: flow [bar]: '1 bar' is not a volume flow"),
-        ("flow,pressure_drop_Pa\n1,2\n", ":2: flow: '1' has no unit"),
-        ("# rig 3\nflow [lpm],pressure_drop_Pa\n1,2\n3\n", ":4: pressure_drop_Pa: the cell is empty"),
-        ("flow [lpm],pressure_drop [bar]\n1,2\n0,x\n", ":3: flow [lpm]: '0'; expected more than zero"),
-        ("flow [lpm],pressure_drop [bar]\n1,2\n0,x\n", ":3: pressure_drop [bar]: 'x bar' is not a number"),
-        ("flow [lpm],pressure_drop [bar]\n" + "x,1\n" * 13, "and 3 more cells"),
-        ("flow [lpm],pressure_drop [bar]\n1,1\n2,2\n", "2 values; a law with 2 coefficients needs more"),
-        ("flow [lpm],pressure_drop [bar]\n1,1\n1,2\n1,3\n", "do not tell the 2 coefficients of a law apart"),
+        ("", wording.fit.no_heading),
+        ("flow [lpm],pressure drop [bar]\n", wording.fit.no_rows),
+        (
+            "flow [lpm],drop [bar]\n1,2\n",
+            ":1: pressure_drop: " + wording.fit.no_column.format(example="pressure_drop [bar]"),
+        ),
+        ("flow [lpm],flow [lpm],pressure_drop_Pa\n1,2,3\n", ":1: flow: " + wording.fit.stands_twice.format(count=2)),
+        (
+            "flow [bar],pressure_drop_Pa\n1,2\n",
+            ":2: flow [bar]: '1 bar' " + wording.files.is_not_a.format(quantity="a volume flow"),
+        ),
+        ("flow,pressure_drop_Pa\n1,2\n", ":2: flow: '1' " + wording.files.has_no_unit),
+        ("# rig 3\nflow [lpm],pressure_drop_Pa\n1,2\n3\n", ":4: pressure_drop_Pa: " + wording.fit.empty_cell),
+        ("flow [lpm],pressure_drop [bar]\n1,2\n0,x\n", ":3: flow [lpm]: " + wording.fit.more_than_zero.format(value=0)),
+        (
+            "flow [lpm],pressure_drop [bar]\n1,2\n0,x\n",
+            ":3: pressure_drop [bar]: " + wording.logs.not_a_number.format(value="x bar"),
+        ),
+        ("flow [lpm],pressure_drop [bar]\n" + "x,1\n" * 13, wording.fit.more_cells.format(count=3)),
+        ("flow [lpm],pressure_drop [bar]\n1,1\n2,2\n", wording.fit.too_few.format(values=2, coefficients=2)),
+        ("flow [lpm],pressure_drop [bar]\n1,1\n1,2\n1,3\n", wording.fit.not_told_apart.format(count=2)),
     ],
 )
 def test_a_bad_table_is_refused_with_row_and_column(vvdp, write, tmp_path, text, words):
@@ -201,16 +211,19 @@ def test_a_bad_table_is_refused_with_row_and_column(vvdp, write, tmp_path, text,
 
 def test_a_word_that_is_no_port_is_refused(vvdp, write):
     answer = vvdp("fit", str(write("opening,torque [N*m],port\n1,0.1,half\n")), "--law", "jet")
-    assert ":2: port: 'half'; expected closing or opening" in answer.err
+    assert ":2: port: " + wording.fit.port.format(port="half") in answer.err
 
 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("--law", "duck"), "--law: 'duck'; expected one of drop, jet, leakage"),
-        (("--law", "drop", "--part", "duck"), "--part: 'duck'; expected one of centre, nozzle, outlet"),
-        (("--law", "drop", "--set", "valve.sections=4"), "there is no system to set it in; give --on SYSTEM"),
-        (("--law", "drop", "--on", "boost-converter"), "needs a pump unit with a rotary valve"),
+        (("--law", "duck"), "--law: " + wording.fit.unknown_choice.format(value="duck", choices="drop, jet, leakage")),
+        (
+            ("--law", "drop", "--part", "duck"),
+            "--part: " + wording.fit.unknown_choice.format(value="duck", choices="centre, nozzle, outlet"),
+        ),
+        (("--law", "drop", "--set", "valve.sections=4"), wording.fit.no_system),
+        (("--law", "drop", "--on", "boost-converter"), wording.rig.needs_rotary_valve),
     ],
 )
 def test_options_that_mean_nothing_are_refused(vvdp, write, words, said):
@@ -221,7 +234,7 @@ def test_options_that_mean_nothing_are_refused(vvdp, write, words, said):
 
 def test_temperatures_without_an_oil_are_refused(vvdp, write):
     table = write("pressure_drop [bar],leakage [lpm],temperature [degC]\n50,0.1,40\n60,0.1,40\n70,0.1,40\n")
-    assert "--on SYSTEM is needed" in vvdp("fit", str(table), "--law", "leakage").err
+    assert wording.fit.system_needed in vvdp("fit", str(table), "--law", "leakage").err
 
 
 def test_semicolons_and_decimal_commas_are_read(fit, write):
@@ -238,10 +251,10 @@ def test_the_page_has_law_points_and_picture(vvdp, write, tmp_path):
     answer = vvdp("fit", str(write(drops_of(VALVE, 1))), "--law", "drop", "--on", "prototype", "--out",
                   str(tmp_path / "kept"))  # fmt: skip
     assert answer.code == 0, answer.err
-    assert "exponent m of the flow" in answer.out
+    assert wording.fit.exponent in answer.out
     assert f"vvdp run {tmp_path / 'kept' / 'fitted.toml'}" in answer.out
     assert (tmp_path / "kept" / "figures" / "fit.svg").is_file()
     page = (tmp_path / "kept" / "report.html").read_text("utf-8")
-    assert "flow exponent of the centre section" in page
+    assert wording.fit.centre_exponent in page
     content = json.loads((tmp_path / "kept" / "result.json").read_text("utf-8"))
     assert content["verb"] == "fit"

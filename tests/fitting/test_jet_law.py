@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.optimize import curve_fit
+from tests.words import wording
 
 from vvdp.base.errors import ParameterError
 from vvdp.fitting.jet import jet_law
@@ -51,5 +52,5 @@ def test_an_interval_of_the_asymmetry_holds_the_truth_as_often_as_it_says():
 
 
 def test_openings_that_are_all_one_tell_no_exponent():
-    with pytest.raises(ParameterError, match="do not tell"):
+    with pytest.raises(ParameterError, match=wording.fit.do_not_tell):
         jet_law(np.ones(5), np.linspace(0.1, 0.2, 5), np.zeros(5))

@@ -12,7 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from tests.report.browser import running
+from tests.words import wording
 
+from vvdp.base.files import list_all
 from vvdp.cli.main import main
 from vvdp.geometry.files import read_stl
 from vvdp.geometry.mesh import components, open_edges, volume
@@ -67,14 +69,14 @@ def test_the_command_makes_and_tells_everything(made, keys_as_described):
 def test_the_command_refuses_with_all_faults(command):
     said = command("prototype", "--set", "geometry.hub_radius=13 mm", "--set", "geometry.nozzle_arm=12.6 mm")
     assert said.code == 2
-    assert "hub_radius = 13 mm; expected less than 12.7 mm" in said.err
-    assert "nozzle_arm = 12.6 mm; expected less than 12.32 mm" in said.err
+    assert "hub_radius = 13 mm; " + wording.files.expected_less_than.format(limit="12.7 mm") in said.err
+    assert "nozzle_arm = 12.6 mm; " + wording.files.expected_less_than.format(limit="12.32 mm") in said.err
 
 
 def test_the_command_refuses_a_valve_that_cannot_be(command):
     said = command("prototype", "--set", "valve.nozzle_area=2000 mm^2")
     assert said.code == 2
-    assert "do not fit into the pitch of 26.6 mm" in said.err
+    assert wording.geometry.pitch.format(pitch="26.6 mm") in said.err
 
 
 def test_an_interruption_keeps_what_is_made(command, tmp_path, monkeypatch):
@@ -88,17 +90,17 @@ def test_an_interruption_keeps_what_is_made(command, tmp_path, monkeypatch):
     assert said.code == 130
     assert json.loads(said.out)["finished"] is False
     assert (tmp_path / "made" / "spool.stl").is_file()
-    assert "Run interrupted: results are partial" in (tmp_path / "made" / "report.html").read_text("utf-8")
+    assert wording.progress.partial_page in (tmp_path / "made" / "report.html").read_text("utf-8")
 
 
 def test_the_command_refuses_early(command, tmp_path):
     """Before anything is made: an angle without unit, a position that the sleeve does not allow."""
     said = command("prototype", "--angle", "3")
     assert said.code == 2
-    assert said.err.startswith("--angle: '3' has no unit")
+    assert said.err.startswith("--angle: '3' " + wording.files.has_no_unit)
     said = command("prototype", "--set", "operation.duty_ratio=1.2")
     assert said.code == 2
-    assert "the axial position 24.38 mm is outside the stroke, 0 to 20.32 mm" in said.err
+    assert wording.geometry.outside_stroke.format(position="24.38 mm", low=0, high="20.32 mm") in said.err
     assert list(tmp_path.iterdir()) == []
 
 
@@ -122,7 +124,8 @@ def test_the_result_agrees_with_the_files_and_the_formulas(made, built_valve):
 
 def test_shut_volumes_are_named(made):
     assert any(
-        "shut to this side" in each.text and "of the tank" in each.text for each in read_result(made.folder).findings
+        wording.geometry.shut_to_this_side in each.text and wording.geometry.of_the_tank in each.text
+        for each in read_result(made.folder).findings
     )
 
 
@@ -142,11 +145,12 @@ def test_the_page_shows_what_lies_in_the_directory(made, tmp_path):
     folder = shutil.copytree(made.folder, tmp_path / "less")
     assert 'src="data:image/gif' in (folder / "report.html").read_text("utf-8")
     description = json.loads((folder / "result.json").read_text("utf-8"))
-    gone = ("One PWM period", "Volumes of oil")
+    gone = (wording.geometry.one_period, wording.geometry.volumes_of_oil)
     description["sections"] = [each for each in description["sections"] if each["title"] not in gone]
     (folder / "result.json").write_text(json.dumps(description))
     (folder / "period.gif").unlink()
     shutil.rmtree(folder / "oil")
+    list_all(folder)
     page = write_geometry_report(folder).read_text("utf-8")
     assert "image/gif" not in page
     assert {path.stem for path in (folder / "figures").iterdir()} == {"unwrapped", "openings-over-angle", "solids"}

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ParameterError
 from vvdp.geometry.domains import (
@@ -150,7 +151,7 @@ def test_oil_can_be_made_wherever_the_nozzles_are_open(built_shape, built_valve,
         if share > 1e-3:
             assert make().volume > 0.0
         elif share == 0.0:
-            with pytest.raises(ParameterError, match=r"shut towards this side at a spool angle of .* mm"):
+            with pytest.raises(ParameterError, match=wording.geometry.shut_towards + ".* mm"):
                 make()
 
 
@@ -188,7 +189,7 @@ def test_too_coarse_parts_are_refused(built_shape, built_valve, command):
     """ceil(2 pi 8) = 51 edges dip 1.9e-3 of the radius inside, more than the overlap."""
     assert 1.0 - np.cos(np.pi / 51.0) > OVERLAP
     x = 0.5 * built_valve.helix_length
-    with pytest.raises(ParameterError, match="8 edges per spool radius; expected at least 10"):
+    with pytest.raises(ParameterError, match=wording.geometry.edges_per_radius.format(count=8, least=10)):
         centre_domain(built_shape, built_valve, 0.0, x, 8.0)
     said = command("prototype", "--fineness", "9.9")
     assert said.code == 2
@@ -196,5 +197,7 @@ def test_too_coarse_parts_are_refused(built_shape, built_valve, command):
 
 
 def test_beyond_the_stroke_is_refused(built_shape, built_valve):
-    with pytest.raises(ParameterError, match=r"axial position 21\.34 mm is outside the stroke, 0 to 20\.32 mm"):
+    with pytest.raises(
+        ParameterError, match=wording.geometry.outside_stroke.format(position="21.34 mm", low=0, high="20.32 mm")
+    ):
         turbine_domain(built_shape, built_valve, 0.0, 1.05 * built_valve.helix_length, 10.0)

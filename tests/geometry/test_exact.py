@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.geometry.exact import (
@@ -111,7 +112,7 @@ def test_step_has_no_time_in_it_and_the_same_bytes_again(tmp_path):
 def test_other_files_are_no_step(tmp_path):
     path = tmp_path / "wrong.step"
     path.write_text("hello", encoding="utf-8")
-    with pytest.raises(ConfigError, match="is not a STEP file"):
+    with pytest.raises(ConfigError, match=wording.geometry.no_step_file):
         read_step(path)
 
 

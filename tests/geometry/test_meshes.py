@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from manifold3d import Error, Manifold, Mesh64
+from tests.words import wording
 
 from vvdp.base.errors import RunError
 from vvdp.geometry.domains import rail_without_port
@@ -59,7 +60,7 @@ def test_a_hole_is_seen(closing):
     holed = replace(mesh, triangles=mesh.triangles[1:], patch=mesh.patch[1:])
     assert open_edges(holed) == 3
     assert closing(holed) > 0.05
-    with pytest.raises(RunError, match="3 open edges"):
+    with pytest.raises(RunError, match=wording.geometry.open_edges.format(count=3)):
         require_sound(holed, "cube", 1, 0)
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.geometry.domains import Domain, open_domain, rail_domain, rail_without_port
 from vvdp.geometry.makeable import contradictions
@@ -101,7 +102,7 @@ def test_section_across_the_jets(built_shape, built_valve, sleeve_mesh):
 
 def test_a_port_beyond_the_rail_is_refused(built_shape, built_valve):
     (found,) = contradictions(replace(built_shape, rail_port_angle=np.radians(320.0)), built_valve)
-    assert found == "rail_port_angle = 320 deg; expected at most the 310 deg of the rail"
+    assert found == "rail_port_angle = 320 deg; " + wording.geometry.at_most_of_rail.format(angle="310 deg")
 
 
 @pytest.fixture(scope="module")

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError, ParameterError
 from vvdp.geometry.makeable import contradictions
@@ -108,7 +109,7 @@ def test_a_larger_valve_is_the_same_in_proportion(built_shape, built_valve, larg
     assert shape.window_half_angle == built_shape.window_half_angle
     assert spool_volume(shape, larger_valve) == pytest.approx(1.25**3 * spool_volume(built_shape, built_valve))
     assert rail_volume(shape, larger_valve) == pytest.approx(1.25**3 * rail_volume(built_shape, built_valve))
-    assert "1.25 times the prototype's" in next(row.note for row in rows if row.key == "rail_radius")
+    assert wording.geometry.scaled.format(factor=1.25) in next(row.note for row in rows if row.key == "rail_radius")
 
 
 def test_every_length_has_a_status_and_a_reason():
@@ -134,19 +135,28 @@ def test_settings_replace_lengths_and_are_the_users(built_valve):
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"hub_radius": 13e-3}, r"hub_radius = 13 mm; expected less than 12\.7 mm"),
-        ({"window_half_angle": 1.1}, r"3 windows together take 378 deg"),
-        ({"outlet_arm": 11e-3}, r"outlet_arm and half a channel = 11\.81 mm; expected less than 11\.2 mm"),
-        ({"outlet_height": 0.9e-3}, r"width of an outlet channel = 9\.36 mm"),
-        ({"nozzle_arm": 12.6e-3}, r"nozzle_arm = 12\.6 mm; expected less than 12\.32 mm"),
+        ({"hub_radius": 13e-3}, "hub_radius = 13 mm; " + wording.files.expected_less_than.format(limit="12.7 mm")),
+        ({"window_half_angle": 1.1}, wording.geometry.windows_together.format(count=3, angle="378 deg")),
+        (
+            {"outlet_arm": 11e-3},
+            "outlet_arm and half a channel = 11.81 mm; " + wording.files.expected_less_than.format(limit="11.2 mm"),
+        ),
+        ({"outlet_height": 0.9e-3}, wording.geometry.outlet_channel.format(width="9.36 mm")),
+        ({"nozzle_arm": 12.6e-3}, "nozzle_arm = 12.6 mm; " + wording.files.expected_less_than.format(limit="12.32 mm")),
         ({"nozzle_taper": 0.8}, r"nozzle_taper = 0\.8; expected 1 or more"),
-        ({"rail_diameter": 7e-3}, r"length of a nozzle's root = 9\.146 mm; expected less than 7 mm"),
-        ({"rail_radius": 18e-3}, r"inside of the rail = 12\.8. mm; expected more than 13\.3"),
-        ({"rail_tail": 1.5}, r"the rail spans 408\.9 deg"),
-        ({"rail_port_diameter": 11e-3}, r"rail_port_diameter = 11 mm; expected less than 10\.33 mm"),
-        ({"collector_radius": 24e-3}, r"inside of the collector = 16\.5 mm; expected less than 14\.7 mm"),
-        ({"stroke_ratio": 0.0, "seal_length": 1e-3, "collector_diameter": 40e-3}, r"wall between inlet rail and coll"),
-        ({"port_length": 8e-3}, r"rail_radius and port_length = 34 mm; expected more than 36\.17 mm"),
+        ({"rail_diameter": 7e-3}, wording.geometry.nozzles_root.format(found="9.146 mm", limit="7 mm")),
+        ({"rail_radius": 18e-3}, wording.geometry.rail_inside.format(found="12.8. mm", limit=13.3)),
+        ({"rail_tail": 1.5}, wording.geometry.rail_spans.format(angle="408.9 deg")),
+        (
+            {"rail_port_diameter": 11e-3},
+            "rail_port_diameter = 11 mm; " + wording.files.expected_less_than.format(limit="10.33 mm"),
+        ),
+        ({"collector_radius": 24e-3}, wording.geometry.collector_inside.format(found="16.5 mm", limit="14.7 mm")),
+        ({"stroke_ratio": 0.0, "seal_length": 1e-3, "collector_diameter": 40e-3}, wording.geometry.wall_between),
+        (
+            {"port_length": 8e-3},
+            "rail_radius and port_length = 34 mm; " + wording.files.expected_more_than.format(limit="36.17 mm"),
+        ),
     ],
 )
 def test_what_cannot_be_made_is_refused_with_numbers(built_shape, built_valve, changes, words):
@@ -162,24 +172,24 @@ def test_a_clearance_larger_than_the_land_is_refused(built_shape, built_valve):
     """A barrier 0.3 mm wide is 0.25 mm thick across, less than twice a clearance of 0.2 mm."""
     thin = replace(built_valve, lap_ratio=0.3 / 3.9908, radial_clearance=0.2e-3)
     found = list(contradictions(built_shape, thin))
-    assert "barrier width across = 0.251 mm; expected more than 0.4 mm" in found[0]
+    assert wording.geometry.barrier_across.format(found="0.251 mm", limit="0.4 mm") in found[0]
 
 
 def test_a_negative_lap_beyond_the_barrier_is_refused(built_valve):
     with pytest.raises(ParameterError, match=r"lap_ratio: -0\.1 is outside 0"):
         replace(built_valve, lap_ratio=-0.1)
-    with pytest.raises(ParameterError, match="lap_ratio: 0 must be greater than 0"):
+    with pytest.raises(ParameterError, match="lap_ratio: " + wording.files.must_be_greater_than_zero.format(value="0")):
         replace(built_valve, lap_ratio=0.0)
 
 
 @pytest.mark.parametrize("name", ["hub_radius", "pocket_gap", "outlet_blades", "nozzle_taper", "sleeve_wall"])
 def test_nothing_is_refused(built_shape, name):
-    with pytest.raises(ParameterError, match=f"{name} must be greater than zero"):
+    with pytest.raises(ParameterError, match=f"{name}: .* must be greater than 0"):
         replace(built_shape, **{name: 0.0})
 
 
 def test_half_a_blade_is_refused(built_shape):
-    with pytest.raises(ParameterError, match=r"outlet_blades = 5\.5; expected a whole number"):
+    with pytest.raises(ParameterError, match=r"outlet_blades: 5\.5 must be a whole number"):
         replace(built_shape, outlet_blades=5.5)
 
 
@@ -188,7 +198,7 @@ def test_all_faults_of_a_file_at_once(built_valve, tmp_path):
     path.write_text('[geometry]\nrail_radious = "26 mm"\nhub_radius = "7.6"\n', encoding="utf-8")
     with pytest.raises(ConfigError) as refused:
         given_shape(built_valve, str(path), ())
-    assert "did you mean 'rail_radius'" in str(refused.value)
+    assert wording.files.did_you_mean.format(name="rail_radius") in str(refused.value)
     assert f"{path}:3: geometry.hub_radius" in str(refused.value)
 
 

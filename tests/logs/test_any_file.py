@@ -3,12 +3,16 @@
 import subprocess
 import sys
 import time
+import zlib
 
+import h5py
 import numpy as np
 import pytest
 from tests.logs import files, hostile
+from tests.words import wording
 
 from vvdp.cli.main import main
+from vvdp.logs.hdf5 import Parts
 
 pytestmark = pytest.mark.thorough
 
@@ -26,7 +30,7 @@ def estimate(path, out, capsys, *options):
     assert time.process_time() - began < LONGEST
     said = capsys.readouterr()
     assert "Traceback" not in said.err and "Warning" not in said.err
-    assert code in (0, 1, 2) and "mistake of vvdp" not in said.err
+    assert code in (0, 1, 2) and wording.logs.mistake_of_vvdp not in said.err
     assert code == 0 or said.err.strip()
     return code, said.err
 
@@ -68,13 +72,27 @@ def test_a_file_made_to_harm_is_refused_or_read_without_that(name, write, tmp_pa
         assert code == 2 and said
 
 
+def test_a_chunk_that_is_too_short_is_never_filled_up(tmp_path):
+    """HDF5 itself returns numbers for it, those that its memory held before."""
+    path = tmp_path / "short.h5"
+    with h5py.File(path, "w") as file:
+        whole = file.create_dataset("whole", (2000,), "f8", data=np.ones(2000), chunks=(1000,), compression="gzip")
+        whole.id.write_direct_chunk((1000,), zlib.compress(np.ones(999).tobytes()))
+        parts = Parts(whole)
+        assert np.array_equal(parts[slice(0, 1000),], np.ones(1000))
+        with pytest.raises(ValueError, match="holds 7992 bytes, its shape needs 8000"):
+            parts[slice(999, 1001),]
+        unwritten = file.create_dataset("unwritten", (2000,), "f8", chunks=(1000,), compression="gzip", fillvalue=7.0)
+        assert np.array_equal(Parts(unwritten)[slice(0, 2000),], np.full(2000, 7.0))
+
+
 def test_there_are_forty_files_made_to_harm():
     assert len({write.id for write in HOSTILE}) >= 40
 
 
 def test_edge_times_in_no_order_are_refused(tmp_path, capsys):
     code, said = estimate(hostile.unsorted(tmp_path / "a.csv"), tmp_path / "out", capsys, "--edges", "v")
-    assert code == 2 and "do not run forward, more than 1000 times" in " ".join(said.split())
+    assert code == 2 and wording.logs.not_forward.format(count=1000) in " ".join(said.split())
 
 
 BOMBS = """
@@ -111,4 +129,6 @@ def test_bombs_are_refused_soon_and_within_half_a_gigabyte(formats, tmp_path):
     times = [float(line.split()[1]) for line in done.stderr.splitlines() if line.startswith("took")]
     assert len(times) == len(made) and max(times) < 20.0
     assert float(done.stdout.splitlines()[-1]) < 500.0
-    assert "holds more than 10000" in done.stdout and "claims to hold" in done.stdout
+    assert (
+        wording.logs.holds_more_than.format(count=10000) in done.stdout and wording.logs.claims_to_hold in done.stdout
+    )

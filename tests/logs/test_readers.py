@@ -1,11 +1,13 @@
 """The same data in every format come out the same; every channel keeps its clock; what is wrong is said clearly."""
 
+import re
 import subprocess
 import sys
 from collections import defaultdict
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError, ParameterError
 from vvdp.base.extras import MissingExtraError
@@ -340,7 +342,7 @@ def test_parquet_with_instants_and_missing_values(tmp_path):
     pq.write_table(table, tmp_path / "a.parquet", row_group_size=2)
     with open_log(tmp_path / "a.parquet") as log:
         found, _ = read(log, ["v", "n"], 3)
-        assert log.unreadable["word"] == "holds text"
+        assert log.unreadable["word"] == wording.logs.holds_text
     assert np.array_equal(found["v"][0], np.arange(4) * 100_001 / 1e9)
     assert np.array_equal(found["v"][1], [1.0, np.nan, 3.0, 4.0], equal_nan=True)
     assert np.array_equal(found["n"][1], [1.0, 2.0, np.nan, 4.0], equal_nan=True)
@@ -370,7 +372,7 @@ def test_the_first_of_several_time_columns_is_taken_and_said(tmp_path):
     (tmp_path / "a.csv").write_text("t [s],Time [ms],v\n0,5,1\n1,6,2\n")
     with open_log(tmp_path / "a.csv") as log:
         found, _ = read(log, ["v"])
-        assert log.remarks == ("several columns may be the time ('t', 'Time'); the first is taken",)
+        assert log.remarks == (wording.logs.several_times.format(names="'t', 'Time'"),)
     assert np.array_equal(found["v"][0], [0.0, 1.0])
     with open_log(tmp_path / "a.csv", time="Time") as log:
         assert np.array_equal(read(log, ["v"])[0]["v"][0], [5 / 1e3, 6 / 1e3])
@@ -383,7 +385,7 @@ def test_several_clocks_of_one_length_are_refused_unless_one_is_named(tmp_path):
         file["t"], file["time"], file["v"] = np.arange(4.0), 2 * np.arange(4.0), np.ones(4)
         file["short/time"], file["short/v"] = np.arange(3.0), np.ones(3)
     with open_log(tmp_path / "a.h5") as log:
-        with pytest.raises(ConfigError, match="channel 'v' may have several clocks: 't', 'time'; name one"):
+        with pytest.raises(ConfigError, match=wording.logs.several_clocks.format(channel="v", names="'t', 'time'")):
             log.portions(["v"], 10)
         assert np.array_equal(read(log, ["short/v"])[0]["short/v"][0], np.arange(3.0))
     with open_log(tmp_path / "a.h5", time="time") as log:
@@ -398,7 +400,7 @@ def test_an_asammdf_without_what_is_needed_of_it_is_no_damage(tmp_path, data, mo
     monkeypatch.delattr(MDF4, "_load_data")
     with pytest.raises(ConfigError) as caught:
         open_log(tmp_path / "a.mf4")
-    assert f"cannot be read with asammdf {asammdf.__version__}, which" in str(caught.value)
+    assert wording.logs.cannot_be_read_with.format(library=f"asammdf {asammdf.__version__}") in str(caught.value)
     assert "damaged" not in str(caught.value)
 
 
@@ -477,35 +479,60 @@ def cut(write, name, keep):
 
 
 BAD = [
-    ("a.csv", content(b""), {}, "is empty"),
+    ("a.csv", content(b""), {}, wording.files.is_empty),
     ("a.xlsx", content(b"PK\3\4"), {}, "extension '.xlsx'"),
     ("a.csv", content(b"PK\3\4abc"), {}, "spreadsheet"),
     ("a.csv", content(b"\x1f\x8b\x08"), {}, "gzip"),
     ("a.csv", content("t,v\n0,1\n".encode("utf-16")), {}, "UTF-16"),
-    ("a.csv", content(b"\0\1\2\3" * 10), {}, "neither text nor a format"),
-    ("a.tdms", content(b"time,v\n0,1\n"), {}, "is text by its content, not TDMS"),
-    ("a.tdms", content(b"TDSh" + bytes(30)), {}, "TDMS index without its data"),
-    ("a.tdms", content(b"TDSm" + bytes(30)), {}, "damaged"),
-    ("a.mf4", content(b"MDF     4.10    "), {}, "damaged or cut off"),
-    ("a.parquet", content(b"PAR1" + bytes(30)), {}, "damaged or cut off"),
-    ("a.h5", content(b"\x89HDF\r\n\x1a\n" + bytes(30)), {}, "damaged or cut off"),
-    ("a.mat", content(b"MATLAB 5.0 MAT-file" + bytes(200)), {}, "damaged"),
-    ("a.mat", content(b"hello"), {}, "damaged"),
-    ("a.h5", cut(write_hdf5, "a.h5", 3000), {}, "damaged or cut off"),
-    ("a.mf4", cut(write_mdf, "a.mf4", 3000), {}, "damaged"),
-    ("a.parquet", cut(write_parquet, "a.parquet", 3000), {}, "damaged or cut off"),
-    ("a.mat", cut(write_mat, "a.mat", 3000), {}, "damaged"),
-    ("a.h5", faulty_hdf5, {}, "channel 'v' has 6 samples, its time channel 'time' 5"),
-    ("a.h5", no_clock_hdf5, {}, "channel 'pressure' has no clock; name the time channel, or give the sample rate"),
-    ("a.h5", no_clock_hdf5, {"time": "tiem"}, "no time channel 'tiem'"),
-    ("a.mat", cells, {"want": "held"}, "'held' is a cell array; expected a channel of numbers"),
-    ("a.csv", content(b"time,pressure\n0,1\n1,2\n"), {"want": "presure"}, "did you mean 'pressure'"),
-    ("a.csv", content(b"time [V],v\n0,1\n1,2\n"), {"want": "v"}, "time channel 'time' is in 'V'; expected one of s,"),
-    ("a.csv", content(b"time [s],v\n0,1\n1,2\n"), {"want": "v", "time_unit": "ms"}, "contradicts 'ms'"),
-    ("a.csv", content(b"time [s],v\n0,1\n1,2\n"), {"want": "v", "rate": 10.0}, "has a clock (channel 'time')"),
-    ("a.csv", content(b"u,v\n0,1\n1,2\n"), {"want": "v"}, "channel 'v' has no clock"),
-    ("a.csv", content(b"time,v\nmorning,1\nnoon,2\n"), {"want": "v"}, "time channel 'time' holds text"),
-]  # fmt: skip
+    ("a.csv", content(b"\0\1\2\3" * 10), {}, wording.logs.neither_text_nor_format),
+    ("a.tdms", content(b"time,v\n0,1\n"), {}, wording.logs.text_by_content.format(format="TDMS")),
+    ("a.tdms", content(b"TDSh" + bytes(30)), {}, wording.logs.index_without_data),
+    ("a.tdms", content(b"TDSm" + bytes(30)), {}, wording.logs.damaged),
+    ("a.mf4", content(b"MDF     4.10    "), {}, wording.logs.damaged_or_cut),
+    ("a.parquet", content(b"PAR1" + bytes(30)), {}, wording.logs.damaged_or_cut),
+    ("a.h5", content(b"\x89HDF\r\n\x1a\n" + bytes(30)), {}, wording.logs.damaged_or_cut),
+    ("a.mat", content(b"MATLAB 5.0 MAT-file" + bytes(200)), {}, wording.logs.damaged),
+    ("a.mat", content(b"hello"), {}, wording.logs.damaged),
+    ("a.h5", cut(write_hdf5, "a.h5", 3000), {}, wording.logs.damaged_or_cut),
+    ("a.mf4", cut(write_mdf, "a.mf4", 3000), {}, wording.logs.damaged),
+    ("a.parquet", cut(write_parquet, "a.parquet", 3000), {}, wording.logs.damaged_or_cut),
+    ("a.mat", cut(write_mat, "a.mat", 3000), {}, wording.logs.damaged),
+    ("a.h5", faulty_hdf5, {}, wording.logs.samples_differ.format(channel="v", samples=6, time="time", times=5)),
+    ("a.h5", no_clock_hdf5, {}, wording.logs.no_clock.format(channel="pressure") + wording.logs.name_time),
+    ("a.h5", no_clock_hdf5, {"time": "tiem"}, wording.logs.no_time_channel.format(channel="tiem")),
+    ("a.mat", cells, {"want": "held"}, wording.logs.cell_array_expected.format(channel="held")),
+    (
+        "a.csv",
+        content(b"time,pressure\n0,1\n1,2\n"),
+        {"want": "presure"},
+        wording.files.did_you_mean.format(name="pressure"),
+    ),
+    (
+        "a.csv",
+        content(b"time [V],v\n0,1\n1,2\n"),
+        {"want": "v"},
+        wording.logs.time_unit.format(channel="time", unit="V"),
+    ),
+    (
+        "a.csv",
+        content(b"time [s],v\n0,1\n1,2\n"),
+        {"want": "v", "time_unit": "ms"},
+        wording.files.contradicts.format(key="'ms'"),
+    ),
+    (
+        "a.csv",
+        content(b"time [s],v\n0,1\n1,2\n"),
+        {"want": "v", "rate": 10.0},
+        wording.logs.has_clock.format(channel="time"),
+    ),
+    ("a.csv", content(b"u,v\n0,1\n1,2\n"), {"want": "v"}, wording.logs.no_clock.format(channel="v")),
+    (
+        "a.csv",
+        content(b"time,v\nmorning,1\nnoon,2\n"),
+        {"want": "v"},
+        wording.logs.time_holds_text.format(channel="time"),
+    ),
+]
 
 
 @pytest.mark.parametrize(
@@ -529,7 +556,7 @@ def test_options_that_contradict_are_refused(tmp_path):
     (tmp_path / "a.csv").write_text("t,v\n0,1\n")
     with pytest.raises(ParameterError, match="0 samples"):
         open_log(tmp_path / "a.csv").portions(["v"], 0)
-    for path, reason in ((tmp_path / "b.csv", "no such file"), (tmp_path, "is a directory")):
+    for path, reason in ((tmp_path / "b.csv", wording.files.no_file), (tmp_path, wording.files.is_directory)):
         with pytest.raises(ConfigError, match=reason):
             open_log(path)
 
@@ -541,7 +568,8 @@ def test_options_that_contradict_are_refused(tmp_path):
 def test_a_missing_library_is_named(tmp_path, data, monkeypatch, library, extra, name, write):
     write(tmp_path / name, *data)
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None if name == library else object())
-    expected = rf"{name} \(.*\) needs {library}, which is not installed: pip install 'vvdp\[{extra}\]'"
+    needs = re.escape(wording.export.needs_library.format(library=library, extra=extra))
+    expected = rf"{name} \(.*\) {needs}"
     with pytest.raises(MissingExtraError, match=expected):
         open_log(tmp_path / name)
 
@@ -557,9 +585,9 @@ def test_a_channel_as_a_quantity(tmp_path):
         assert to_si(log.path, log.channel("p"), PRESSURE_LEVEL, "bara")(values)[1] == 1e5
         assert to_si(log.path, log.channel("p"), PRESSURE_LEVEL, "barg")(values)[1] == 201325.0
         for channel, unit, expected in (
-            ("q", None, "is in 'V'"),
-            ("x", None, "has no unit"),
-            ("p", "psi", "not in 'psi'"),
+            ("q", None, wording.logs.is_in.format(unit="V")),
+            ("x", None, wording.files.has_no_unit),
+            ("p", "psi", wording.logs.not_in.format(unit="psi")),
         ):
             with pytest.raises(ConfigError, match=expected):
                 to_si(log.path, log.channel(channel), PRESSURE_LEVEL, unit)

@@ -6,6 +6,7 @@ import h5py
 import numpy as np
 import pytest
 import scipy.io
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.logs.source import open_log
@@ -34,7 +35,7 @@ def test_structure_with_time_of_simulink(tmp_path):
     with open_log(tmp_path / "a.mat") as log:
         found = everything(log)
         assert log.channel("log.p_s").unit == "bar"
-        assert log.unreadable["log.blockName"] == "is text"
+        assert log.unreadable["log.blockName"] == wording.logs.is_text
     names = ["log.time", "log.p_s", "log.signals(2).values(:,1)", "log.signals(2).values(:,2)"]
     assert list(found) == names
     for name, factor in zip(names, (1, 2, 3, 4), strict=True):
@@ -147,10 +148,13 @@ def test_what_only_matlab_can_read_is_refused(tmp_path):
     scipy.io.savemat(tmp_path / "a.mat", content)
     with open_log(tmp_path / "a.mat") as log:
         assert log.unreadable == {
-            "held": "is a cell array", "z": "holds complex numbers", "s": "is a sparse matrix", "e": "is empty",
-            "c": "is an array of 2 x 3 x 4",
-        }  # fmt: skip
-        with pytest.raises(ConfigError, match="'held' is a cell array; expected a channel of numbers"):
+            "held": wording.logs.cell_array,
+            "z": wording.logs.complex_numbers,
+            "s": wording.logs.sparse_matrix,
+            "e": wording.files.is_empty,
+            "c": wording.logs.array_of.format(size="2 x 3 x 4"),
+        }
+        with pytest.raises(ConfigError, match=wording.logs.cell_array_expected.format(channel="held")):
             log.portions(["held"], 10)
 
 
@@ -193,6 +197,6 @@ def test_files_that_matlab_wrote_in_two_versions(sample_files):
             assert np.array_equal(times, second[key][0]) and np.array_equal(values, second[key][1], equal_nan=True)
     for name in ("ft_v7", "ft_v73"):
         with open_log(folder / f"{name}.mat") as log:
-            assert log.unreadable == {"data_epoched": "is a cell array"}
+            assert log.unreadable == {"data_epoched": wording.logs.cell_array}
     with open_log(folder / "mcos_class_instance_v7.mat") as log:
-        assert "of class some.Namespace.ClassName" in log.unreadable["a_class_instance"]
+        assert wording.logs.of_class.format(name="some.Namespace.ClassName") in log.unreadable["a_class_instance"]

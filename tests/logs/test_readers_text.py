@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.logs import text as module
@@ -132,7 +133,7 @@ def test_time_units_become_seconds(tmp_path, unit, seconds):
 def test_a_time_without_unit_is_taken_as_seconds_and_said(tmp_path):
     log = opened(tmp_path / "a.csv", "time,v\n0,1\n5,2\n")
     assert np.array_equal(column(log, "v")[0], [0.0, 5.0])
-    assert log.remarks == ("time channel 'time' has no unit; taken as s",)
+    assert log.remarks == (wording.logs.taken_as.format(channel="time", unit="s"),)
     log = opened(tmp_path / "a.csv", "time,v\n0,1\n5,2\n", time_unit="ms")
     assert np.array_equal(column(log, "v")[0], [0.0, 0.005]) and not log.remarks
     assert np.array_equal(column(opened(tmp_path / "a.csv", "t_ms,v\n0,1\n5,2\n"), "v")[0], [0.0, 0.005])
@@ -175,7 +176,7 @@ def test_date_times_are_read_to_the_nanosecond_with_any_offset():
 def test_impossible_date_times_are_refused(tmp_path):
     for bad in ("2024-02-30T00:00:00", "2024-01-01T24:30:00", "yesterday"):
         log = opened(tmp_path / "a.csv", f"time,v\n2024-01-01T00:00:00,0\n2024-01-01T00:00:01,1\n{bad},2\n")
-        with pytest.raises(ConfigError, match=rf"a.csv:4: time: '{bad}' is not a date-time"):
+        with pytest.raises(ConfigError, match="a.csv:4: time: " + wording.logs.no_date.format(value=bad)):
             column(log, "v")
 
 
@@ -184,9 +185,9 @@ def test_preamble_text_columns_and_names(tmp_path):
     log = opened(tmp_path / "a.csv", text)
     assert [info.name for info in log.channels()] == ["t", "p", "p #2"]
     assert np.array_equal(column(log, "p #2")[1], [2.0, 4.0])
-    assert log.unreadable == {"state": "holds text", "column 5": "is empty"}
-    assert any("lines 1 to 2 are not part of the table" in remark for remark in log.remarks)
-    with pytest.raises(ConfigError, match="'state' holds text; expected a channel of numbers"):
+    assert log.unreadable == {"state": wording.logs.holds_text, "column 5": wording.files.is_empty}
+    assert any(wording.logs.not_part_of_table.format(first=1, last=2) in remark for remark in log.remarks)
+    with pytest.raises(ConfigError, match=wording.logs.expected_numbers.format(channel="state")):
         log.channel("state")
 
 
@@ -207,7 +208,7 @@ def test_a_table_of_one_column(tmp_path, text):
 def test_a_file_without_names(tmp_path):
     log = opened(tmp_path / "a.csv", "0 1\n1 2\n2 3\n", time="column 1")
     assert np.array_equal(column(log, "column 2")[1], [1.0, 2.0, 3.0])
-    assert "the columns have no names" in log.remarks
+    assert wording.logs.no_names in log.remarks
 
 
 def test_the_separator_of_a_spreadsheet(tmp_path):
@@ -217,23 +218,29 @@ def test_the_separator_of_a_spreadsheet(tmp_path):
 def test_a_last_line_that_breaks_off_is_left_out_and_said(tmp_path):
     log = opened(tmp_path / "a.csv", "t,u,v\n0,1,2\n1,2,3\n2,3")
     assert np.array_equal(column(log, "v")[1], [2.0, 3.0])
-    assert any("line 4, the last one, breaks off" in remark for remark in log.remarks)
+    assert any(wording.logs.breaks_off.format(line=4) in remark for remark in log.remarks)
 
 
-@pytest.mark.parametrize(("text", "expected"), [
-    ("t,v\n0,1\n1,2\n2,x\n", "a.csv:4: v: 'x' is not a number"),
-    ("t,v\n0,1\n1,x\n2,3\n3,4\n", "a.csv:3: '1, x' is neither a heading nor a row"),
-    ("t,v\n0,1\n1,2\n2,3,4\n", "a.csv:4: 3 fields; expected 2"),
-    ("t,v\n0,1\n1,2\n2\n3,4\n", "a.csv:4: 1 fields; expected 2"),
-    ("t;v\n0;1,5\n1;2,5\n2;3.5\n", "a.csv:4: v: '3.5' has the decimal sign '.'; expected ',' as before"),
-    ("t;v\n0;1,5\n1;1.002,5\n2;1,5\n", "a.csv:3: '1; 1.002,5' is neither"),
-    ("t;v\n0;1,5\n1;2,5\n2;1.002,5\n", "a.csv:4: v: '1.002,5' is not a number"),
-    ("t,v,w\n0,1\n1,2\n", "a.csv:1: 3 names; expected 2"),
-    ("nothing\nbut words\n", "holds no row of numbers"),
-    ("t,v\r0,1\r1,2\r", "end in CR alone"),
-    ("t,v\n0,1\n1,1_000\n", "a.csv:2: '0, 1' is neither a heading nor a row"),
-    ("t,v\n0,1\n1,0\n2,1_0\n", "a.csv:4: v: '1_0' is not a number"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("t,v\n0,1\n1,2\n2,x\n", "a.csv:4: v: " + wording.logs.not_a_number.format(value="x")),
+        ("t,v\n0,1\n1,x\n2,3\n3,4\n", "a.csv:3: " + wording.logs.neither.format(line="1, x")),
+        ("t,v\n0,1\n1,2\n2,3,4\n", "a.csv:4: " + wording.logs.fields.format(found=3, expected=2)),
+        ("t,v\n0,1\n1,2\n2\n3,4\n", "a.csv:4: " + wording.logs.fields.format(found=1, expected=2)),
+        (
+            "t;v\n0;1,5\n1;2,5\n2;3.5\n",
+            "a.csv:4: v: " + wording.logs.decimal_sign.format(value=3.5, sign=".", expected=","),
+        ),
+        ("t;v\n0;1,5\n1;1.002,5\n2;1,5\n", "a.csv:3: " + wording.logs.neither.format(line="1; 1.002,5")),
+        ("t;v\n0;1,5\n1;2,5\n2;1.002,5\n", "a.csv:4: v: " + wording.logs.not_a_number.format(value="1.002,5")),
+        ("t,v,w\n0,1\n1,2\n", "a.csv:1: " + wording.logs.names.format(found=3, expected=2)),
+        ("nothing\nbut words\n", wording.logs.no_row),
+        ("t,v\r0,1\r1,2\r", wording.logs.cr_alone),
+        ("t,v\n0,1\n1,1_000\n", "a.csv:2: " + wording.logs.neither.format(line="0, 1")),
+        ("t,v\n0,1\n1,0\n2,1_0\n", "a.csv:4: v: " + wording.logs.not_a_number.format(value="1_0")),
+    ],
+)
 def test_a_fault_is_named_with_its_line(tmp_path, text, expected):
     with pytest.raises(ConfigError) as caught:
         column(opened(tmp_path / "a.csv", text), "v")
@@ -245,7 +252,7 @@ def test_a_fault_far_down_is_named_with_its_line(tmp_path):
     lines[15_432] = "15431,oops"
     log = opened(tmp_path / "a.csv", "\n".join(lines) + "\n")
     read = 0
-    with pytest.raises(ConfigError, match=r"a.csv:15433: v: 'oops' is not a number"):
+    with pytest.raises(ConfigError, match="a.csv:15433: v: " + wording.logs.not_a_number.format(value="oops")):
         for part in log.portions(["v"], 1000):
             read += part["v"].values.size
     assert 14_000 < read < 15_432  # what came before was given

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import NetworkError
 from vvdp.base.kinds import (
@@ -272,12 +273,15 @@ def test_command_turns_a_pump(oil, of):
 @pytest.mark.parametrize(
     ("reads", "told"),
     [
-        ({"pressure": "lime.pressure"}, "'lime.pressure' leads nowhere; did you mean 'line'"),
-        ({"pressure": "line.presure"}, "'line' has no 'presure'; did you mean 'pressure'"),
+        ({"pressure": "lime.pressure"}, "'lime.pressure' " + wording.network.leads_nowhere.format(meant="line")),
+        (
+            {"pressure": "line.presure"},
+            wording.network.node_has_no.format(node="line", name="presure", meant="pressure"),
+        ),
         ({"pressure": "load.flow"}, r"controller.pressure is a pressure level \[Pa\], 'load.flow' is a volume flow"),
-        ({"pressure": "line.enthalpy"}, "'line.enthalpy', which no sensor measures"),
-        ({}, "its reading and what `reads` gives differ in pressure"),
-        ({"pressure": "line.pressure", "flow": "load.flow"}, "differ in flow"),
+        ({"pressure": "line.enthalpy"}, "'line.enthalpy', " + wording.network.no_sensor_measures),
+        ({}, wording.network.reads_differs.format(kind="pressure")),
+        ({"pressure": "line.pressure", "flow": "load.flow"}, wording.network.differ_in.format(kind="flow")),
     ],
 )
 def test_reading_that_is_none(oil, of, reads, told):
@@ -297,13 +301,13 @@ def test_event_program_reads_states_alone(oil, of):
     net.add("load", ORIFICE, of.orifice, a="line", b="tank", area=constant(1e-6))
     net.program("switch", UNLOADING, UnloadingSettings(cut_out_pressure=2e7, cut_in_pressure=1e7),
                 reads={"pilot_pressure": "tank.pressure"})  # fmt: skip
-    with pytest.raises(NetworkError, match="which can read states alone"):
+    with pytest.raises(NetworkError, match=wording.network.reads_states_alone):
         build(net)
 
 
 def test_settings_of_another_class_are_refused(controlled, of):
     net = controlled()
-    with pytest.raises(NetworkError, match="expected Gain"):
+    with pytest.raises(NetworkError, match=wording.network.expected_program.format(program="Gain")):
         net.program("second", CONTROL, of.orifice, reads={"pressure": "line.pressure"})
 
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.conservation import Books, Stored
 from vvdp.base.errors import NetworkError
@@ -216,7 +217,7 @@ def test_component_may_be_called_as_its_type(oil, of):
 def test_name_that_the_text_needs_is_refused(small, of, name):
     net = small()
     net.volume(name, of.chamber, start=2e5)
-    with pytest.raises(NetworkError, match=f"{name!r} is what another name becomes"):
+    with pytest.raises(NetworkError, match=f"{name!r} {wording.network.another_name_becomes}"):
         build(net)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.tables import write_new
@@ -90,13 +91,16 @@ def test_all_faults_are_told_at_once_with_line_and_key(tmp_path):
     )
     joined = "\n".join(lines)
     for piece in (
-        ":3: sensor.sectors: 7 sectors; bright and dark alternate",
-        ":4: sensor.indexshift: unknown key; did you mean 'index_shift'?",
+        ":3: sensor.sectors: " + wording.estimate.alternate.format(count=7),
+        ":4: sensor.indexshift: " + wording.files.unknown_key.format(meant="index_shift"),
         ":6: threshold.hysteresis:",
-        ":8: filter.edge_variance: '0.1 rad' is not an angular variance; use one of rad^2",
-        ":10: valve.sections: 0; expected a whole number from 1 to 100",
-        ":11: outputs: unknown table; did you mean 'output'?",
-        ":14: pressure.unit: belongs to pressure.channel, which is missing",
+        ":8: filter.edge_variance: '0.1 rad' "
+        + wording.files.is_not_a.format(quantity="an angular variance")
+        + "; "
+        + wording.files.use_one_of.format(units="rad^2"),
+        ":10: valve.sections: " + wording.estimate.whole_number_from.format(value=0, low=1) + " to 100",
+        ":11: outputs: " + wording.files.unknown_table + "; " + wording.files.did_you_mean.format(name="output"),
+        ":14: pressure.unit: " + wording.estimate.belongs_to.format(key="pressure.channel"),
     ):
         assert piece in joined, joined
     assert len(lines) == 7
@@ -105,31 +109,37 @@ def test_all_faults_are_told_at_once_with_line_and_key(tmp_path):
 @pytest.mark.parametrize(
     ("text", "piece"),
     [
-        ("[sensor]\nsectors = 8\n", "no channel is named that holds the edges"),
-        ('[sensor]\nwave = "a"\ncounts = "b"\n', "sensor.wave and sensor.counts are given; expected one of them"),
-        ('[sensor]\nwave = "a"\nfalling = "b"\n', "belongs to edges"),
-        ('[sensor]\nedges = "a"\nfalling = "a"\n', "is the column of the rising edges as well"),
-        ('[sensor]\ncounts = "a"\n[threshold]\nlevel = 2.0\n', "belongs to a wave, not to counts"),
-        ("[sensor]\nwave = 3\n", "expected a name in quotes"),
-        ('[sensor]\nwave = "a"\n[threshold]\nlevel = "high"\n', 'expected "automatic" or a number'),
-        ('[sensor]\nwave = "a"\n[threshold]\nlevel = nan\n', "is not finite"),
-        ('[sensor]\nwave = "a"\n[threshold]\nhysteresis = 0.95\n', "or no edge is ever seen"),
-        ('[sensor]\nwave = "a"\nwidths = [1, 1]\nsectors = 2\n', "contradicts sensor.widths"),
-        ('[sensor]\nwave = "a"\nwidths = [1, -1]\n', "expected all above 0"),
-        ('[sensor]\nwave = "a"\nwidths = [1, "x"]\n', "one for each sector"),
-        ('[sensor]\nwave = "a"\nindex_shift = 2\n', "expected -0.9 to 0.9"),
-        ('[sensor]\nwave = "a"\nindex_shift = "much"\n', "expected a share of a sector"),
-        ('[sensor]\nwave = "a"\ninverted = 1\n', "expected true or false"),
-        ('[sensor]\nwave = "a"\n[log]\nfrom = "3 s"\nuntil = "2 s"\n', "is not after log.from"),
-        ('[sensor]\nwave = "a"\n[log]\ntime = "t"\nsample_rate = "1 kHz"\n', "expected one of them"),
+        ("[sensor]\nsectors = 8\n", wording.estimate.no_channel_named),
+        (
+            '[sensor]\nwave = "a"\ncounts = "b"\n',
+            wording.estimate.given_one_of.format(one="sensor.wave", other="sensor.counts"),
+        ),
+        ('[sensor]\nwave = "a"\nfalling = "b"\n', wording.estimate.belongs_to_edges),
+        ('[sensor]\nedges = "a"\nfalling = "a"\n', wording.estimate.rising_as_well),
+        ('[sensor]\ncounts = "a"\n[threshold]\nlevel = 2.0\n', wording.estimate.belongs_to_wave),
+        ("[sensor]\nwave = 3\n", wording.estimate.name_in_quotes),
+        ('[sensor]\nwave = "a"\n[threshold]\nlevel = "high"\n', wording.estimate.automatic_or_number),
+        ('[sensor]\nwave = "a"\n[threshold]\nlevel = nan\n', wording.estimate.not_finite),
+        ('[sensor]\nwave = "a"\n[threshold]\nhysteresis = 0.95\n', wording.estimate.no_edge_seen),
+        ('[sensor]\nwave = "a"\nwidths = [1, 1]\nsectors = 2\n', wording.files.contradicts.format(key="sensor.widths")),
+        ('[sensor]\nwave = "a"\nwidths = [1, -1]\n', wording.estimate.all_above_zero),
+        ('[sensor]\nwave = "a"\nwidths = [1, "x"]\n', wording.estimate.one_for_each),
+        ('[sensor]\nwave = "a"\nindex_shift = 2\n', wording.files.expected_range.format(low=-0.9, high=0.9)),
+        ('[sensor]\nwave = "a"\nindex_shift = "much"\n', wording.estimate.share_of_a_sector),
+        ('[sensor]\nwave = "a"\ninverted = 1\n', wording.estimate.true_or_false),
+        (
+            '[sensor]\nwave = "a"\n[log]\nfrom = "3 s"\nuntil = "2 s"\n',
+            wording.estimate.not_after.format(key="log.from"),
+        ),
+        ('[sensor]\nwave = "a"\n[log]\ntime = "t"\nsample_rate = "1 kHz"\n', wording.estimate.one_of_them),
         ('[sensor]\nwave = "a"\n[log]\ntime_unit = "bar"\n', "bar"),
-        ('[sensor]\nwave = "a"\n[log]\nsample_rate = "0 Hz"\n', "above zero"),
-        ('[sensor]\nwave = "a"\n[filter]\nedge_variance = "0 rad^2"\n', "expected above 0"),
-        ('[sensor]\nwave = "a"\n[pressure]\nchannel = "p"\nhysteresis = 0.9\n', "reaches a plateau"),
+        ('[sensor]\nwave = "a"\n[log]\nsample_rate = "0 Hz"\n', wording.files.above_zero),
+        ('[sensor]\nwave = "a"\n[filter]\nedge_variance = "0 rad^2"\n', wording.files.expected_above.format(limit=0)),
+        ('[sensor]\nwave = "a"\n[pressure]\nchannel = "p"\nhysteresis = 0.9\n', wording.estimate.reaches_plateau),
         ('[sensor]\nwave = "a"\n[pressure]\nchannel = "p"\nunit = "kg"\n', "kg"),
-        ("sensor = 3\n", "expected a table"),
-        ("[sensor\n", "is not valid TOML"),
-        ("", "is empty"),
+        ("sensor = 3\n", wording.estimate.expected_table),
+        ("[sensor\n", wording.files.is_not_toml),
+        ("", wording.files.is_empty),
     ],
 )
 def test_each_fault_is_told(tmp_path, text, piece):
@@ -142,7 +152,7 @@ def test_an_option_goes_before_the_file_and_is_named_in_its_faults(tmp_path):
     assert loaded(tmp_path, text, Option("sensor.counts", "--counts", "c")).source == Counts("c")
     assert len(loaded(tmp_path, text, Option("sensor.sectors", "--sectors", 10)).wheel.edges) == 10
     lines = told(tmp_path, text, Option("sensor.sectors", "--sectors", 9))
-    assert lines == ["--sectors: 9 sectors; bright and dark alternate, so expected an even number from 2"]
+    assert lines == ["--sectors: " + wording.estimate.alternate.format(count=9)]
 
 
 sources = st.one_of(
@@ -189,9 +199,9 @@ def test_what_is_written_reads_back_the_same(tmp_path_factory, source, wheel, ra
 def test_a_config_is_not_written_over_another(tmp_path):
     path = tmp_path / "c.toml"
     write_new(path, "a", force=False)
-    with pytest.raises(ConfigError, match="already exists"):
+    with pytest.raises(ConfigError, match=wording.files.already_exists):
         write_new(path, "b", force=False)
     write_new(path, "b", force=True)
     assert path.read_text() == "b"
-    with pytest.raises(ConfigError, match="cannot be written"):
+    with pytest.raises(ConfigError, match=wording.files.cannot_write):
         write_new(tmp_path / "none" / "c.toml", "a", force=False)

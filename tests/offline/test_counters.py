@@ -5,6 +5,7 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from tests.offline.records import TURN, Motion, counted, even_edges
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.offline.alignment import first_speed
@@ -46,7 +47,7 @@ def test_the_last_of_several_edges_lies_in_the_last_part_of_its_interval():
 
 def test_a_counter_with_two_steps_is_told_to_be_read_too_slowly(estimated):
     t = np.arange(3) * 0.2
-    with pytest.raises(ConfigError, match="in only 2 steps"):
+    with pytest.raises(ConfigError, match=wording.estimate.only_steps.format(count=2)):
         estimated({"time": (t, "s"), "n": (40.0 * np.arange(3), "")}, sensor__counts="n")
 
 

@@ -7,11 +7,12 @@ calls them, so no turn is won or lost; but a speed is per second of that clock, 
 import numpy as np
 import pytest
 from tests.offline.records import TURN, Motion, counted, crossings, even_edges, titles
+from tests.words import wording
 
 SPEED, UNTIL = 155.0, 20.0
 FAST, DRIFT = 1e-4, 2e-5
 """By how much the clock runs fast at the beginning, and how much faster in a second [1/s]."""
-LOST = {"Pauses without edges", "Missed edges", "Edges come twice", "Time runs backwards"}
+LOST = {wording.estimate.pauses, wording.estimate.missed_edges, "Edges come twice", wording.estimate.time_backwards}
 
 
 def clock(times):

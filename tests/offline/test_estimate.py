@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 from tests.offline.records import titles
+from tests.words import wording
 
 import vvdp.offline.estimate as estimating
 from vvdp.base.errors import ConfigError
+from vvdp.base.files import list_all
 from vvdp.estimation.event_memory import event_filter_start
 from vvdp.estimation.event_settings import event_filter
 from vvdp.estimation.fusion import FusionReading, fusion, fusion_start
@@ -31,6 +33,8 @@ from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import TURN, equal_wheel
 from vvdp.simulation.replay import Replay
 from vvdp.simulation.values import flat
+
+pytestmark = pytest.mark.heavy
 
 SPEED = TURN * 24.7
 PITCH = TURN / 8.0
@@ -120,7 +124,7 @@ def test_a_counter_gives_the_speed_with_the_noise_of_its_sampling(estimated):
     kept = estimated({"time": (t, "s"), "n": (counts, "")}, sensor__counts="n")
     assert kept.summary["edges"] == counts[-1]
     assert kept.summary["spool_speed_mean_rad_s"] == pytest.approx(SPEED, rel=1e-3)
-    assert not kept.summary["commensurate"] and "Perhaps a wrong number of sectors" not in titles(kept)
+    assert not kept.summary["commensurate"] and wording.estimate.wrong_sectors not in titles(kept)
 
 
 def test_small_portions_give_the_same_as_large_ones(estimated, monkeypatch):
@@ -170,7 +174,7 @@ def test_missed_edges_are_counted_one_by_one(estimated):
     kept = estimated(stamped(np.delete(times, lost)), sensor__edges="edge")
     assert kept.summary["missed_edges"] == 40
     assert kept.summary["edges"] == 1960
-    assert "Missed edges" in titles(kept)
+    assert wording.estimate.missed_edges in titles(kept)
     assert kept.summary["spool_speed_mean_rad_s"] == pytest.approx(SPEED, rel=1e-3)
     rows = kept.column("time")
     late = rows > 0.5
@@ -189,7 +193,7 @@ def test_through_a_pause_the_spool_is_said_to_stand_where_it_is(estimated):
     times = passing_times(800)
     pause = times[400] + 5.0
     kept = estimated(stamped(np.concatenate([times[:400], times[400:] + 5.0])), sensor__edges="edge")
-    assert kept.summary["pieces"] == 2 and "Pauses without edges" in titles(kept)
+    assert kept.summary["pieces"] == 2 and wording.estimate.pauses in titles(kept)
     t, angle = kept.column("time"), kept.column("angle")
     assert np.allclose(np.diff(t), 1e-3, atol=1e-9)
     bridge = bridged_time(PITCH / SPEED, event_filter(equal_wheel(8)))
@@ -213,7 +217,7 @@ def test_edges_long_after_the_last_change_nothing(estimated, late, lonely):
     bridge = bridged_time(PITCH / SPEED, event_filter(equal_wheel(8)))
     assert kept.column("time")[-1] < times[-1] + bridge + 2e-3
     assert kept.summary["duration_s"] == pytest.approx(times[-1] - times[0], rel=1e-12)
-    assert kept.summary["edges"] == 400 + lonely and "Edges left out" in titles(kept)
+    assert kept.summary["edges"] == 400 + lonely and wording.estimate.edges_left_out in titles(kept)
     assert any(f"{times[-1] + late:.6g}" in finding.text for finding in kept.findings)
 
 
@@ -280,14 +284,14 @@ def test_edge_times_that_are_no_numbers_are_told(estimated):
     times[[100, 101, 200]] = np.nan
     times[300] = np.inf
     kept = estimated(stamped(times), sensor__edges="edge")
-    assert kept.summary["not_numbers"] == 4 and "Values that are no numbers" in titles(kept)
+    assert kept.summary["not_numbers"] == 4 and wording.estimate.no_numbers in titles(kept)
 
 
 def test_time_that_runs_backwards_cuts_the_record(estimated):
     one, two = passing_times(300), passing_times(300, start=0.1)
     kept = estimated(stamped(np.concatenate([one, two])), sensor__edges="edge")
     assert kept.summary["backward_times"] == 1 and kept.summary["pieces"] == 2
-    assert "Time runs backwards" in titles(kept) and "Pauses without edges" not in titles(kept)
+    assert wording.estimate.time_backwards in titles(kept) and wording.estimate.pauses not in titles(kept)
     t, piece = kept.column("time"), kept.column("piece")
     assert t[piece == 2.0][0] < t[piece == 1.0][-1]
     assert kept.summary["spool_speed_mean_rad_s"] == pytest.approx(SPEED, rel=1e-6)
@@ -306,7 +310,7 @@ def test_gaps_and_values_that_are_no_numbers_are_told(estimated):
     kept = estimated({"time": (t[present], "s"), "diode": (v[present], "V")}, sensor__wave="diode",
                      sensor__index_shift=0.25)  # fmt: skip
     assert kept.summary["gaps"] == 1 and kept.summary["not_numbers"] == 3
-    assert {"Gaps in the record", "Values that are no numbers"} <= titles(kept)
+    assert {wording.estimate.gaps, wording.estimate.no_numbers} <= titles(kept)
     assert kept.summary["pieces"] == 1  # 30 ms are bridged
     # At 24.7 Hz 5.06 ms a sector: 0.03 s hold about six edges, of which those within are gone.
     assert 4 <= kept.summary["missed_edges"] <= 7
@@ -326,8 +330,8 @@ def test_a_threshold_that_is_off_is_found_and_a_better_one_named(estimated, leve
     expected = (level - 2.0) * 0.49 / 3.0 * (-1.0 if inverted else 1.0)
     assert kept.summary["threshold_bias_rad"] == pytest.approx(expected, rel=0.1)
     assert kept.summary["threshold_suggested"] == pytest.approx(2.0, abs=0.06)
-    assert "The threshold is off" in titles(kept)
-    assert "Edges lie elsewhere on the wheel" not in titles(kept)
+    assert wording.estimate.threshold_off in titles(kept)
+    assert wording.estimate.elsewhere not in titles(kept)
 
 
 def test_edges_that_lie_elsewhere_are_found_on_the_wheel(estimated):
@@ -341,10 +345,10 @@ def test_edges_that_lie_elsewhere_are_found_on_the_wheel(estimated):
     # a part K = P/S of it, below 8 %.
     assert offsets[3] == pytest.approx(0.0525, rel=0.1)
     assert np.delete(offsets, 3) == pytest.approx(np.full(7, -0.0075), abs=4.0 * JITTER / np.sqrt(500))
-    (finding,) = [f for f in kept.findings if f.title == "Edges lie elsewhere on the wheel"]
+    (finding,) = [f for f in kept.findings if f.title == wording.estimate.elsewhere]
     # 0.0525 rad are 3.01 degrees; see above for the 10 %
     lies = float(finding.text.removeprefix("Edge 3 lies ").partition(" \u00b0 beyond its place")[0])
-    assert lies == pytest.approx(np.degrees(0.0525), rel=0.1) and "stands alone" in finding.text
+    assert lies == pytest.approx(np.degrees(0.0525), rel=0.1) and wording.estimate.stands_alone in finding.text
 
 
 def test_an_eccentric_wheel_is_called_one(estimated):
@@ -352,7 +356,7 @@ def test_an_eccentric_wheel_is_called_one(estimated):
     nominal = numbers * PITCH
     true = nominal + 0.05 * np.sin(nominal) + np.random.default_rng(7).normal(0.0, 0.01, numbers.size)
     kept = estimated(stamped(0.1 + true / SPEED), sensor__edges="edge")
-    (finding,) = [f for f in kept.findings if f.title == "Edges lie elsewhere on the wheel"]
+    (finding,) = [f for f in kept.findings if f.title == wording.estimate.elsewhere]
     assert "eccentric" in finding.text
 
 
@@ -362,28 +366,28 @@ def test_a_wrong_number_of_sectors_is_suspected(estimated):
     numbers = np.arange(3000)
     true = TURN * (numbers // 10) + places[numbers % 10]
     kept = estimated(stamped(0.1 + true / SPEED), sensor__edges="edge", sensor__sectors=8)
-    (finding,) = [f for f in kept.findings if f.title == "Perhaps a wrong number of sectors"]
-    assert "repeat after 10 edges" in finding.text
+    (finding,) = [f for f in kept.findings if f.title == wording.estimate.wrong_sectors]
+    assert wording.estimate.repeat_after.format(count=10) in finding.text
     right = estimated(stamped(0.1 + true / SPEED), sensor__edges="edge", sensor__sectors=10)
-    assert "Perhaps a wrong number of sectors" not in titles(right)
+    assert wording.estimate.wrong_sectors not in titles(right)
 
 
 def test_an_index_that_is_not_there_is_missed(estimated):
     times = passing_times(800, jitter=JITTER)
     kept = estimated(stamped(times), sensor__edges="edge", sensor__index_shift=0.25)
-    assert kept.summary["index_found"] is False and "Index not found" in titles(kept)
+    assert kept.summary["index_found"] is False and wording.estimate.index_not_found in titles(kept)
     kept = estimated(stamped(passing_times(800, INDEXED, jitter=0.02)), sensor__edges="edge", sensor__index_shift=0.25)
-    assert kept.summary["index_found"] is True and "Index not found" not in titles(kept)
+    assert kept.summary["index_found"] is True and wording.estimate.index_not_found not in titles(kept)
 
 
 def test_edges_in_step_with_the_clock_are_told(estimated):
     t = np.arange(5000) / 1000.0
     counts = np.floor((0.1 + TURN * 25.0 * t) / PITCH + 1e-9)
     kept = estimated({"time": (t, "s"), "n": (counts, "")}, sensor__counts="n")
-    assert kept.summary["commensurate"] is True and "Edges in step with the clock" in titles(kept)
+    assert kept.summary["commensurate"] is True and wording.estimate.in_step in titles(kept)
 
 
-SETTINGS = "The settings of the filter do not fit this log"
+SETTINGS = wording.estimate.settings_do_not_fit
 
 
 def test_settings_that_do_not_fit_are_told_with_better_ones(estimated):
@@ -443,9 +447,12 @@ def test_settings_are_not_fitted_to_numbers_in_doubt(estimated):
     half = times[np.random.default_rng(3).random(times.size) > 0.5]
     kept = estimated(stamped(half), sensor__edges="edge", filter__fit=True)
     assert kept.summary["edge_variance_rad2"] == 3.47e-3
-    assert "Missed edges" in titles(kept) and not titles(kept) & {SETTINGS, "Perhaps a wrong number of sectors"}
+    assert wording.estimate.missed_edges in titles(kept) and not titles(kept) & {
+        SETTINGS,
+        wording.estimate.wrong_sectors,
+    }
     short = estimated(stamped(times[:40]), sensor__edges="edge", filter__fit=True)
-    assert short.summary["edge_variance_rad2"] == 3.47e-3 and "Taken for granted" in titles(short)
+    assert short.summary["edge_variance_rad2"] == 3.47e-3 and wording.estimate.taken_for_granted in titles(short)
 
 
 def test_the_fit_is_made_of_the_beginning_of_a_wave_too(estimated, monkeypatch):
@@ -464,7 +471,10 @@ def test_an_index_that_a_wave_does_not_have_is_not_found_and_no_threshold_named(
     channels = {"time": (t, "s"), "diode": (v, "V")}
     kept = estimated(channels, sensor__wave="diode", sensor__index_shift=0.25)
     assert kept.summary["index_found"] is False and kept.summary["threshold_suggested"] is None
-    assert "Index not found" in titles(kept) and not titles(kept) & {"The threshold is off", SETTINGS}
+    assert wording.estimate.index_not_found in titles(kept) and not titles(kept) & {
+        wording.estimate.threshold_off,
+        SETTINGS,
+    }
     right = estimated(channels, sensor__wave="diode")
     assert right.summary["threshold_suggested"] == pytest.approx(2.25, abs=0.02)
 
@@ -479,7 +489,7 @@ def test_a_threshold_outside_of_the_swing_is_not_named(estimated):
     # half of that at either edge; the filter follows 8 % of each, which the next one sees on top
     assert -kept.summary["threshold_bias_rad"] == pytest.approx(0.05 * PITCH, rel=0.15)
     assert kept.summary["threshold_suggested"] is None
-    (finding,) = [f for f in kept.findings if f.title == "The threshold is off"]
+    (finding,) = [f for f in kept.findings if f.title == wording.estimate.threshold_off]
     assert "threshold.level" not in finding.remedy
 
 
@@ -487,22 +497,27 @@ def test_of_an_eccentric_wheel_the_wheel_is_told_first(estimated):
     numbers = np.arange(1.0, 1200.0)
     times = (numbers * PITCH + 0.1 * np.sin(numbers * PITCH)) / 100.0
     kept = estimated(stamped(times), sensor__edges="edge")
-    assert kept.findings[0].title == "Edges lie elsewhere on the wheel" and SETTINGS not in titles(kept)
+    assert kept.findings[0].title == wording.estimate.elsewhere and SETTINGS not in titles(kept)
 
 
 def test_a_clock_in_place_of_edges_is_told(estimated):
     t = np.arange(5000) * 1e-4
     v = np.sin(SPEED * 4.0 * t)
     kept = estimated({"time": (t, "s"), "diode": (v, "V")}, sensor__edges="time")
-    assert kept.findings[0].title == "An even clock in place of edges" and kept.findings[0].grade is Grade.BAD
+    assert kept.findings[0].title == wording.estimate.even_clock and kept.findings[0].grade is Grade.BAD
     assert "0.0001 s apart" in kept.findings[0].text and "'diode'" in kept.findings[0].remedy
-    assert "An even clock in place of edges" not in titles(estimated(stamped(t[::50]), sensor__edges="edge"))
+    assert wording.estimate.even_clock not in titles(estimated(stamped(t[::50]), sensor__edges="edge"))
 
 
-@pytest.mark.parametrize(("count", "words"), [(1, "1 edge did"), (2, "2 edges did")])
+@pytest.mark.parametrize(
+    ("count", "words"),
+    [(1, wording.estimate.edge_did.format(count=1)), (2, wording.estimate.edges_did.format(count=2))],
+)
 def test_one_is_one(estimated, count, words):
     times = np.delete(passing_times(400, jitter=0.01), np.arange(200, 200 + 40 * count, 40))
-    (finding,) = [f for f in estimated(stamped(times), sensor__edges="edge").findings if f.title == "Missed edges"]
+    (finding,) = [
+        f for f in estimated(stamped(times), sensor__edges="edge").findings if f.title == wording.estimate.missed_edges
+    ]
     assert finding.text.startswith(words)
 
 
@@ -543,7 +558,9 @@ def test_each_column_of_edge_times_has_its_own_unit(estimated, unit, factor):
 def test_the_unit_of_edge_times_is_for_those_that_have_none(estimated):
     kept = estimated({"edge": (1e3 * passing_times(400), "")}, sensor__edges="edge", log__time_unit="ms")
     assert kept.summary["spool_speed_mean_rad_s"] == pytest.approx(SPEED, rel=1e-7)
-    with pytest.raises(ConfigError, match="'edge' is in 's', which contradicts 'ms'"):
+    with pytest.raises(
+        ConfigError, match=wording.estimate.contradicts_unit.format(channel="edge", unit="s", other="ms")
+    ):
         estimated(stamped(passing_times(400)), sensor__edges="edge", log__time_unit="ms")
 
 
@@ -570,7 +587,7 @@ def test_a_wheel_with_an_index_that_is_sampled_too_slowly_is_none(estimated):
     t = np.arange(0.0, 60.0, 1.0 / 60.0)
     counts = np.floor((TURN * 20.0 * t + 0.2 + 0.3 * np.sin(0.5 * t)) / PITCH)
     kept = estimated({"time": (t, "s"), "n": (counts, "")}, sensor__counts="n", sensor__index_shift=0.3)
-    assert kept.summary["index_found"] is False and "Index not found" in titles(kept)
+    assert kept.summary["index_found"] is False and wording.estimate.index_not_found in titles(kept)
     assert kept.summary["spool_speed_mean_rad_s"] == pytest.approx(TURN * 20.0, rel=0.01)
 
 
@@ -773,20 +790,40 @@ def test_the_pressure_carries_the_angle_where_the_encoder_is_late(estimated, mon
 @pytest.mark.parametrize(
     ("channels", "keys", "piece"),
     [
-        ({"edge": (np.empty(0), "s")}, {"sensor__edges": "edge"}, "no samples"),
-        ({"edge": (np.array([0.1, 0.2]), "s")}, {"sensor__edges": "edge"}, "2 edges were found"),
-        ({"edge": (passing_times(90)[::-1], "s")}, {"sensor__edges": "edge"}, "time runs backwards there, 89 times"),
-        ({"edge": (1e6 * passing_times(90), "s")}, {"sensor__edges": "edge"}, "look at the unit of the times"),
-        ({"edge": (passing_times(9), "s")}, {"sensor__edges": "edge", "log__from": "9 s"}, "time range"),
-        ({"edge": (passing_times(9), "V")}, {"sensor__edges": "edge"}, "'edge' is in 'V'; expected one of s, "),
-        ({"edge": (passing_times(9), "s")}, {"sensor__edges": "egde"}, "did you mean 'edge'"),
-        ({"time": (np.arange(900.0), "s"), "w": (np.ones(900), "V")}, {"sensor__wave": "w"}, "no threshold"),
+        ({"edge": (np.empty(0), "s")}, {"sensor__edges": "edge"}, wording.estimate.no_samples),
+        (
+            {"edge": (np.array([0.1, 0.2]), "s")},
+            {"sensor__edges": "edge"},
+            wording.estimate.edges_found.format(count=2),
+        ),
+        (
+            {"edge": (passing_times(90)[::-1], "s")},
+            {"sensor__edges": "edge"},
+            wording.estimate.backwards_times.format(count=89),
+        ),
+        ({"edge": (1e6 * passing_times(90), "s")}, {"sensor__edges": "edge"}, wording.estimate.look_at_unit),
+        ({"edge": (passing_times(9), "s")}, {"sensor__edges": "edge", "log__from": "9 s"}, wording.estimate.time_range),
+        (
+            {"edge": (passing_times(9), "V")},
+            {"sensor__edges": "edge"},
+            wording.estimate.edge_unit.format(channel="edge", unit="V"),
+        ),
+        ({"edge": (passing_times(9), "s")}, {"sensor__edges": "egde"}, wording.files.did_you_mean.format(name="edge")),
+        (
+            {"time": (np.arange(900.0), "s"), "w": (np.ones(900), "V")},
+            {"sensor__wave": "w"},
+            wording.estimate.no_threshold,
+        ),
         (
             {"edge": (passing_times(9), "s")},
             {"sensor__edges": "edge", "pressure__channel": "edge"},
-            "needs a clock of its own",
+            wording.estimate.needs_clock,
         ),
-        ({"edge": (passing_times(9), "s")}, {"sensor__edges": "edge", "log__time": "edge"}, "clock themselves"),
+        (
+            {"edge": (passing_times(9), "s")},
+            {"sensor__edges": "edge", "log__time": "edge"},
+            wording.estimate.clock_themselves,
+        ),
         (
             {"time": (np.arange(9.0), "s"), "w": (np.ones(9), "V"), "p": (np.ones(9), "kg")},
             {"sensor__wave": "w", "pressure__channel": "p"},
@@ -852,7 +889,9 @@ def test_an_interruption_of_the_second_pass_keeps_all_but_what_it_had_to_come(es
     assert kept.summary["finished"] is False and kept.summary["edges"] == 4000
     assert shares == sorted(shares) and 0.5 in shares and 0.6 < shares[-1] < 0.9
     (finding,) = [f for f in kept.findings if f.title == "Interrupted"]
-    assert "of piece 1 on the smoothed columns are NaN" in finding.text and "second pass" in finding.text
+    assert (
+        wording.estimate.smoothed_nan.format(piece=1) in finding.text and wording.estimate.second_pass in finding.text
+    )
     until = float(finding.text.partition("from ")[2].split()[0])
     t, speed, angle = (kept.column(name) for name in ("time", "smoothed_speed", "smoothed_angle"))
     assert 4.0 < until < 18.0
@@ -914,9 +953,11 @@ def test_all_that_is_kept_has_units_and_names(estimated, tmp_path):
 def test_a_damaged_result_is_refused(estimated):
     kept = estimated(stamped(passing_times(300)), sensor__edges="edge")
     (kept.directory / "result.json").write_text("[")
-    with pytest.raises(ConfigError, match="is damaged"):
+    list_all(kept.directory)
+    with pytest.raises(ConfigError, match=wording.files.is_damaged):
         read_result(kept.directory)
     (kept.directory / "result.json").unlink()
+    list_all(kept.directory)
     with pytest.raises(ConfigError, match=r"result\.json missing"):
         read_result(kept.directory)
 
@@ -984,14 +1025,14 @@ def test_a_pressure_that_is_cut_off_and_has_holes_is_told(estimated):
     pressure = np.fmin(pressure_of(angle) + 0.5 * np.sin(7.0 * t), 60.0)
     channels = {"time": (t, "s"), "diode": (brightness(angle, equal_wheel(8)), "V"), "inlet": (pressure, "bar")}
     kept = estimated(channels, sensor__wave="diode", pressure__channel="inlet")
-    (told,) = [each for each in kept.findings if each.title == "The record of the pressure"]
-    assert "gap in time from 1.3998 s to 1.4004 s (row 7000, 2 samples)" in told.text
-    assert "saturated at its largest value" in told.text
+    (told,) = [each for each in kept.findings if each.title == wording.estimate.record_of_pressure]
+    assert wording.estimate.gap.format(begin="1.3998 s", end="1.4004 s", row=7000, samples=2) in told.text
+    assert wording.estimate.saturated in told.text
     whole = np.arange(0.0, 3.0, 2e-4)
     sound = pressure_of(0.3 + SPEED * whole) + 0.5 * np.sin(7.0 * whole)
     diode = brightness(0.3 + SPEED * whole, equal_wheel(8))
     channels = {"time": (whole, "s"), "diode": (diode, "V"), "inlet": (sound, "bar")}
-    assert "The record of the pressure" not in titles(
+    assert wording.estimate.record_of_pressure not in titles(
         estimated(channels, sensor__wave="diode", pressure__channel="inlet")
     )
 
@@ -1012,7 +1053,11 @@ def test_a_wheel_that_lacks_a_tooth_is_known_by_its_gap(estimated, teeth, first)
     widths = [1.0] * (2 * teeth - 3) + [3.0]
     kept = estimated(stamped(times), sensor__edges="edge", sensor__widths=widths, filter__edge_variance="1e-5 rad^2")
     found = kept.summary
-    assert found["index_found"] is True and found["missed_edges"] == 0 and not titles(kept) & {"Index not found"}
+    assert (
+        found["index_found"] is True
+        and found["missed_edges"] == 0
+        and not titles(kept) & {wording.estimate.index_not_found}
+    )
     assert found["spool_speed_mean_rad_s"] == pytest.approx(15.0 * TURN, rel=1e-4)
     rows, angle = kept.column("time"), kept.column("angle")
     late = rows > times[4 * teeth]

@@ -1,10 +1,12 @@
 """The file of an estimation on a disk that fails: told as such at any moment, and HDF5 is none the wiser."""
 
+import re
 import resource
 
 import h5py
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import WriteError
 from vvdp.offline import estimate_result
@@ -44,7 +46,7 @@ def test_rows_come_back_as_they_were_appended(tmp_path, monkeypatch):
 def test_a_disk_that_fails_after_any_number_of_bytes_is_told(tmp_path, monkeypatch, small_files, size):
     monkeypatch.setattr(estimate_result, "ROWS_IN_CHUNK", 4096)
     small_files(size)
-    with pytest.raises(WriteError, match=r"result\.h5: cannot be written \(File too large\)"):
+    with pytest.raises(WriteError, match=re.escape("result.h5: " + wording.files.cannot_write + " (File too large)")):
         fill(tmp_path / "result.h5")
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.offline.records import TURN, Motion, crossings, even_edges, titles, wave_of
+from tests.words import wording
 
 from vvdp.offline.alignment import CLEARLY, RATHER, sectors_passed
 from vvdp.offline.edges import Edges
@@ -52,16 +53,19 @@ def speed_of(kept):
 @pytest.mark.parametrize(
     ("sectors", "moved", "only", "title", "taken"),
     [
-        (8, 2, 1, "Edges of one kind only", 4),
-        (4, 1, 0, "Another number of sectors", 4),
-        (16, 1, 0, "Another number of sectors", 16),
+        (8, 2, 1, wording.estimate.one_kind, 4),
+        (4, 1, 0, wording.estimate.another_number, 4),
+        (16, 1, 0, wording.estimate.another_number, 16),
     ],
 )
 def test_another_number_of_edges_in_a_turn_is_taken_and_said_first(estimated, sectors, moved, only, title, taken):
     kept = estimated(edge_log(steady(), even_edges(sectors, moved, 0.25), only), **LOGGED_SHIFT)
     assert speed_of(kept) == pytest.approx(SPEED, rel=1e-3)
     assert kept.summary["sectors"] == taken and kept.summary["index_found"] is True
-    assert first_warning(kept).title == title and f"{taken} edges pass in a turn, not 8" in first_warning(kept).text
+    assert (
+        first_warning(kept).title == title
+        and wording.estimate.edges_in_a_turn.format(edges=taken, expected=8) in first_warning(kept).text
+    )
     again = estimated(edge_log(steady(), even_edges(sectors, moved, 0.25), only), **of_config(kept))
     assert speed_of(again) == pytest.approx(SPEED, rel=1e-3) and title not in titles(again)
 
@@ -79,7 +83,7 @@ def test_an_odd_number_of_edges_in_a_turn_is_said(estimated):
     # 6 sectors, rising edges alone: 3 in a turn. No wheel has that many, so the filter sees half the speed.
     kept = estimated(edge_log(steady(), even_edges(6, 2, 0.25), 1), sensor__sectors=6, **LOGGED_SHIFT)
     found = first_warning(kept)
-    assert found.title == "Edges of one kind only" and "The speed is 2 times what is shown" in found.text
+    assert found.title == wording.estimate.one_kind and wording.estimate.speed_is_times.format(factor=2) in found.text
     assert kept.summary["index_found"] is False
 
 
@@ -88,9 +92,9 @@ def test_a_wheel_without_the_index_that_was_told_says_that_nothing_confirms_the_
     kept = estimated(edge_log(steady(), even_edges(sectors)), **LOGGED_SHIFT)
     assert kept.summary["index_found"] is False
     found = first_warning(kept)
-    assert found.title == "Index not found" and "the speed is twice or half of what is shown" in found.text
+    assert found.title == wording.estimate.index_not_found and wording.estimate.twice_or_half in found.text
     # the even wheel is taken, so no edge of it seems out of place
-    assert "Edges lie elsewhere on the wheel" not in titles(kept)
+    assert wording.estimate.elsewhere not in titles(kept)
     assert kept.summary["spool_speed_std_rad_s"] < 0.1
 
 
@@ -99,11 +103,11 @@ def test_the_default_number_of_sectors_is_said_first_and_written(estimated):
     kept = estimated(log, sensor__edges="edge", sensor__sectors=None)
     assert kept.summary["sectors_assumed"] is True and kept.summary["sectors"] == 8
     found = first_warning(kept)
-    assert found.title == "Sectors assumed" and "rising edges alone logged, 4 a turn, the speed is twice" in found.text
+    assert found.title == wording.estimate.assumed_title and wording.estimate.rising_alone.format(count=4) in found.text
     assert "# sectors = 8" in kept.config and "assumed" in kept.config
     given = estimated(log, sensor__edges="edge", sensor__sectors=8)
-    assert given.summary["sectors_assumed"] is False and "Sectors assumed" not in titles(given)
-    assert "taken for granted: such a wheel does not tell" in given.result.findings[-1].text
+    assert given.summary["sectors_assumed"] is False and wording.estimate.assumed_title not in titles(given)
+    assert wording.estimate.granted in given.result.findings[-1].text
     # an index that fits confirms them
     shown = estimated(edge_log(steady(), even_edges(8, 1, 0.25)), sensor__sectors=None, **LOGGED_SHIFT)
     assert shown.summary["sectors_assumed"] is True and not titles(shown)
@@ -132,7 +136,7 @@ def test_the_index_tells_polarity_and_direction(estimated, moved, shift, speed, 
     assert found["spool_speed_mean_rad_s"] == pytest.approx(direction * SPEED, rel=1e-3)
     assert found["spool_speed_max_rad_s"] - found["spool_speed_min_rad_s"] < 1.0 and found["nis_mean"] < 0.05
     assert found["pwm_frequency_mean_Hz"] == pytest.approx(3.0 * SPEED / TURN, rel=1e-3)
-    said = [title for title in titles(kept) if title in ("The wave is inverted", "The spool turns backwards")]
+    said = [title for title in titles(kept) if title in (wording.estimate.inverted, wording.estimate.turns_backwards)]
     assert len(said) == (polarity < 0) + (direction < 0)
     assert not said or first_warning(kept).title in said
     if inverted:
@@ -160,7 +164,7 @@ def test_columns_of_rising_and_falling_edges_are_exchanged(estimated):
     log = {"up": (times[signs > 0], "s"), "down": (times[signs < 0], "s")}
     kept = estimated(log, sensor__edges="up", sensor__falling="down", sensor__index_shift=0.25)
     assert kept.summary["polarity"] == -1 and kept.summary["index_found"] is True
-    assert "Exchange --edges and --falling" in first_warning(kept).remedy
+    assert wording.estimate.exchange in first_warning(kept).remedy
     assert 'edges = "down"' in kept.config and 'falling = "up"' in kept.config
 
 
@@ -232,18 +236,18 @@ def test_an_alias_is_said_first(estimated):
     kept = estimated(wave_log(steady(until=8.0), even_edges(8), rate=120.0, ramp=0.02), sensor__wave="diode")
     assert speed_of(kept) == pytest.approx(120.0 * TURN / 4.0 - SPEED, rel=0.03)
     found = first_warning(kept)
-    assert found.title == "Perhaps an alias"
+    assert found.title == wording.estimate.alias
     named = [float(word.strip(",")) for word in found.text.split() if word[0].isdigit()]
     assert any(each == pytest.approx(SPEED * 60.0 / TURN, rel=0.01) for each in named)  # the true one, in rpm
     fine = estimated(wave_log(steady(), even_edges(8)), sensor__wave="diode")
-    assert "Perhaps an alias" not in titles(fine)
+    assert wording.estimate.alias not in titles(fine)
 
 
 @pytest.mark.parametrize("rate", [150.0, 250.0, 400.0])
 def test_two_samples_in_a_sector_are_called_too_few(estimated, rate):
     from vvdp.base.errors import ConfigError
 
-    with pytest.raises(ConfigError, match="too few samples for each sector"):
+    with pytest.raises(ConfigError, match=wording.estimate.too_few_samples):
         estimated(wave_log(steady(until=6.0), even_edges(8), rate=rate, ramp=0.49), sensor__wave="diode")
 
 
@@ -254,8 +258,8 @@ def test_edge_times_in_ticks_are_taken_for_what_they_are(estimated):
     # 25 turns a second in ticks of 1 ms: every edge at the same place in its tick
     times, _ = crossings(steady(25.0 * TURN, 6.0), even_edges(8))
     kept = estimated({"edge": (np.ceil(times * 1e3 - 1e-6) / 1e3, "s")}, sensor__edges="edge")
-    assert kept.summary["commensurate"] is True and "Edges in step with the clock" in titles(kept)
-    assert "Edges lie elsewhere on the wheel" not in titles(kept)
+    assert kept.summary["commensurate"] is True and wording.estimate.in_step in titles(kept)
+    assert wording.estimate.elsewhere not in titles(kept)
     variance = kept.column("edges/variance")[-1]
     assert variance == pytest.approx((25.0 * TURN * 1e-3) ** 2 / 12.0 + 3.47e-3, rel=1e-3)
     fine = estimated({"edge": (np.round(times, 7), "s")}, sensor__edges="edge")
@@ -286,9 +290,13 @@ def test_a_reversal_is_told_by_the_mirrored_index(estimated, with_polarity):
         kept = estimated(wave_log(motion, edges), sensor__wave="diode", sensor__index_shift=0.25)
     else:
         kept = estimated(edge_log(motion, edges), **LOGGED_SHIFT)
-    (found,) = [each for each in kept.findings if each.title == "The spool reversed"]
-    assert "At about 2.3 s" in found.text and kept.summary["direction"] is None and kept.summary["pieces"] == 2
-    assert "Pauses without edges" not in titles(kept)
+    (found,) = [each for each in kept.findings if each.title == wording.estimate.reversed]
+    assert (
+        wording.estimate.at_about.format(time="2.3 s") in found.text
+        and kept.summary["direction"] is None
+        and kept.summary["pieces"] == 2
+    )
+    assert wording.estimate.pauses not in titles(kept)
     t = kept.column("time")
     settled = ((t > 0.5) & (t < 1.3)) | ((t > 3.6) & (t < 4.9))
     error = kept.column("angle") - motion.angle_at(t)
@@ -299,10 +307,12 @@ def test_a_reversal_is_told_by_the_mirrored_index(estimated, with_polarity):
 
 def test_without_an_index_a_slow_passage_is_said(estimated):
     kept = estimated(edge_log(*reversing(index=False)), sensor__edges="edge")
-    (found,) = [each for each in kept.findings if each.title == "Perhaps turned back"]
-    assert "At about 2.3 s" in found.text and "cannot tell whether it turned back" in found.text
+    (found,) = [each for each in kept.findings if each.title == wording.estimate.turned_back]
+    assert wording.estimate.at_about.format(time="2.3 s") in found.text and wording.estimate.cannot_tell in found.text
     steadily = Motion(lambda t: 100.0 - 12.0 * t, 5.0)  # slows down, and does not turn
-    assert "Perhaps turned back" not in titles(estimated(edge_log(steadily, even_edges(8)), sensor__edges="edge"))
+    assert wording.estimate.turned_back not in titles(
+        estimated(edge_log(steadily, even_edges(8)), sensor__edges="edge")
+    )
 
 
 @pytest.mark.parametrize("portion", [1_000_000, 700])
@@ -312,7 +322,7 @@ def test_a_reversal_does_not_depend_on_the_portions(estimated, monkeypatch, port
     monkeypatch.setattr(passes, "SAMPLES_AT_ONCE", portion)
     motion, edges = reversing(index=True)
     kept = estimated(wave_log(motion, edges, 2e3), sensor__wave="diode", sensor__index_shift=0.25)
-    assert "The spool reversed" in titles(kept) and kept.summary["edges"] == pytest.approx(509, abs=2)
+    assert wording.estimate.reversed in titles(kept) and kept.summary["edges"] == pytest.approx(509, abs=2)
     t = kept.column("time")
     assert np.allclose(np.diff(t), 1e-3) and t.size == pytest.approx(4990, abs=12)
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.words import wording
 
 from vvdp.logs.channel import Portion
 from vvdp.logs.source import open_log
@@ -42,7 +43,7 @@ def test_a_gap_is_found_and_cuts():
     (gap,), parts = inspected(times[keep], values[keep])
     # Samples 40, 41, 42 are missing, between 19.5 s and 21.5 s; the next row is row 40 of the file.
     assert gap == record_check.Finding("c", record_check.GAP_FOUND, 19.5, 21.5, 3, 40)
-    assert str(gap) == "c: gap in time from 19.5 s to 21.5 s (row 40, 3 samples)"
+    assert str(gap) == "c: " + wording.estimate.gap.format(begin="19.5 s", end="21.5 s", row=40, samples=3)
     assert [part[0].size for part in parts] == [40, 57]
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from tests.offline.rippling import passing_times
+from tests.words import wording
 
 from vvdp.offline.config import Option, load_estimation
 from vvdp.offline.facts import ripple_words, settings_facts
@@ -49,10 +50,8 @@ def errors_of_speed(kept, order, amplitude, smoothed=""):
 
 def test_a_ripple_that_the_filter_is_not_told_of_is_told(estimated):
     kept = estimated(stamped(3, 0.032), sensor__edges="edge", sensor__index_shift=0.25)
-    (finding,) = [each for each in kept.findings if each.title == "A ripple of the speed, or an uneven wheel"]
-    assert finding.text.startswith(
-        "A ripple of 3.2 % at 3 per turn, or a wheel with offsets of the same pattern: edges"
-    )
+    (finding,) = [each for each in kept.findings if each.title == wording.estimate.ripple_or_wheel]
+    assert finding.text.startswith(wording.estimate.ripple_of.format(amplitude="3.2 %", order=3))
     assert "--fit" in finding.remedy and "ripple_order = 3" in finding.remedy
     found = [kept.summary[f"ripple_{key}"] for key in ("order_fitted", "amplitude_fitted")]
     assert found == pytest.approx([3.0, 0.032], rel=2e-3)
@@ -67,8 +66,10 @@ def test_with_fitted_settings_the_speed_within_the_ripple_is_known_as_well_as_is
     kept = estimated(
         stamped(order, amplitude, jitter), sensor__edges="edge", sensor__index_shift=0.25, filter__fit=True
     )
-    assert titles(kept) == ["Taken for granted"]
-    assert kept.findings[0].text == f"{ripple_words(SpeedRipple(order, amplitude, 0.0, 0.0))}; taken for ripple."
+    assert titles(kept) == [wording.estimate.taken_for_granted]
+    assert kept.findings[0].text == wording.estimate.ripple_taken.format(
+        ripple=ripple_words(SpeedRipple(order, amplitude, 0.0, 0.0))
+    )
     z = errors_of_speed(kept, order, amplitude)
     assert np.mean(np.abs(z) < 2.0) > 0.9
     assert np.mean(z * z) < 2.0
@@ -106,8 +107,11 @@ def test_what_too_few_edges_cannot_tell_is_told(load_edges):
     told = fit_noise(edges_of(0.02 * np.array([1.0, -1.0, 0.5, -0.5])), 4, Noise(0.25, 3.47e-3), 3)
     assert told.ripple is None
     (finding,) = ripple_findings(told, load_edges(sensor__sectors=4))
-    assert finding.title == "A ripple cannot be seen whole"
-    assert "it takes more than 6 edges in a turn" in finding.text and "the wheel has 4" in finding.text
+    assert finding.title == wording.estimate.ripple_not_whole
+    assert (
+        wording.estimate.ripple_takes.format(count=6) in finding.text
+        and wording.estimate.wheel_has.format(count=4) in finding.text
+    )
     told = fit_noise(edges_of(np.zeros(4)), 4, Noise(0.25, 3.47e-3), 3)
     assert not ripple_findings(told, load_edges(sensor__sectors=4))
 

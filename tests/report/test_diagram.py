@@ -9,6 +9,7 @@ from dataclasses import replace
 from itertools import combinations, pairwise
 
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import NetworkError
 from vvdp.network.graph import Graph, GraphComponent, GraphNode, GraphProgram, NodeKind
@@ -424,13 +425,13 @@ def every_drawing():
 
 def test_a_graph_that_does_not_hold_together_is_refused_by_name():
     node = Node("a", V)
-    with pytest.raises(NetworkError, match="port 'in' of 'x' ends at 'b'"):
+    with pytest.raises(NetworkError, match=wording.report.port_ends.format(port="in", part="x", node="b")):
         Graph("Bad", (node,), (Part("x", "orifice", {"in": "b"}),))
-    with pytest.raises(NetworkError, match="two parts are named 'a'"):
+    with pytest.raises(NetworkError, match=wording.report.two_parts.format(name="a")):
         Graph("Bad", (node,), (Part("a", "orifice", {}),))
-    with pytest.raises(NetworkError, match="two parts are named 'x'"):
+    with pytest.raises(NetworkError, match=wording.report.two_parts.format(name="x")):
         Graph("Bad", (node,), (Part("x", "orifice", {}),), (GraphProgram("x"),))
-    with pytest.raises(NetworkError, match="marked 'V1'"):
+    with pytest.raises(NetworkError, match=wording.report.marked.format(designation="V1")):
         Graph("Bad", (node,), tuple(Part(n, "orifice", {}, designation="V1") for n in "xy"))
 
 

@@ -6,8 +6,10 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError
+from vvdp.base.files import write_listed
 from vvdp.offline.config import Option, load_estimation
 from vvdp.offline.estimate import estimate, open_for_estimate
 from vvdp.offline.wheel_charts import enlargement
@@ -66,16 +68,16 @@ def test_the_page_stands_alone_with_every_figure(written):
 def test_it_tells_numbers_findings_and_settings(written):
     page = (written / "report.html").read_text("utf-8")
     said = re.sub(r"<[^>]*>", "", page.partition("<body>")[2])
-    assert "1482" in said and "frequency of 74.1 Hz" in said and "2026-01-02" in said
-    assert "settings of the filter fit" in said and "standard deviation of the speed, stated by the filter" in said
+    assert "1482" in said and wording.report.frequency_of.format(frequency="74.1 Hz") in said and "2026-01-02" in said
+    assert wording.report.filter_settings in said and wording.report.speed_deviation in said
     assert "threshold [V]" in said and "rad/s" not in said.partition("Settings")[0]
     assert "wave = &quot;photodiode&quot;" in said
     assert "bench &lt;b&gt;.csv" in said and "<b>.csv" not in page
 
 
 def test_made_again_it_has_the_same_bytes_and_stale_figures_go(written, directory):
-    (directory / "figures").mkdir()
-    (directory / "figures" / "old.svg").write_text("<svg/>")
+    with write_listed(directory, ["figures/old.svg"], pages=True):
+        (directory / "figures" / "old.svg").write_text("<svg/>")
     write_result_report(directory)
     one, two = ({path.name: path.read_bytes() for path in place.rglob("*") if path.is_file()}
                 for place in (written, directory))  # fmt: skip
@@ -137,13 +139,13 @@ def test_small_offsets_are_not_blown_up():
 
 def test_the_captions_say_what_is_left_out_or_put_together(written):
     page = (written / "report.html").read_text("utf-8")
-    assert "within their errors and left out" in page and "the last step holds all from 7.8 on" in page
+    assert wording.report.left_out_errors in page and wording.report.last_step.format(offset=7.8) in page
 
 
 def test_what_is_no_estimation_is_refused(tmp_path):
-    with pytest.raises(ConfigError, match="holds no result"):
+    with pytest.raises(ConfigError, match=wording.files.holds_no_result):
         write_result_report(tmp_path)
-    with pytest.raises(ConfigError, match="no such directory"):
+    with pytest.raises(ConfigError, match=wording.files.no_directory):
         write_result_report(tmp_path / "none")
 
 
@@ -155,5 +157,5 @@ def test_a_short_record_of_stamps_still_gives_a_report(tmp_path):
     with open_for_estimate(path, wanted) as log:
         estimate(log, wanted, tmp_path / "run")
     page = write_result_report(tmp_path / "run").read_text("utf-8")
-    assert "Too short" in page and "the filter has not settled" in page
+    assert wording.report.too_short in page and wording.report.filter_not_settled in page
     assert not (tmp_path / "run" / "figures" / "wave.svg").exists()

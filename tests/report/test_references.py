@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+from tests.words import wording
 
 import vvdp
 from vvdp.report.references import bibliography, parsed_references
@@ -57,5 +58,5 @@ def test_an_entry_is_read():
 
 
 def test_an_open_brace_is_refused():
-    with pytest.raises(ValueError, match="left open"):
+    with pytest.raises(ValueError, match=wording.report.left_open):
         list(parsed_references("@book{a, title = {never"))

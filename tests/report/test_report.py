@@ -8,8 +8,10 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError
+from vvdp.base.files import list_all, write_listed
 from vvdp.base.kinds import SPEED
 from vvdp.report.report import write_report
 from vvdp.report.result_page import listing_html
@@ -65,6 +67,7 @@ def words(text):
 
 def edit(path, **changes):
     path.write_text(json.dumps(json.loads(path.read_text()) | changes))
+    list_all(path.parent)
 
 
 def test_the_page_stands_alone_and_is_well_formed(orifice):
@@ -105,7 +108,7 @@ def written(whole, tmp_path_factory):
 def test_it_lists_what_is_assumed_and_where_values_come_from(written):
     text = written
     system = load_system("prototype")
-    assert f"{len(system.assumptions)} of {len(system.rows)} values" in text
+    assert wording.report.assumed.format(assumed=len(system.assumptions), values=len(system.rows)) in text
     listed = text.partition('id="assumed-values"')[2].partition('id="parameters"')[0].replace("<wbr>", "")
     for row in system.assumptions:
         assert f"{row.table}.{row.key}" in listed
@@ -117,7 +120,7 @@ def test_numbers_are_in_the_units_people_use(whole, written):
     found = json.loads((whole / "summary.json").read_text())
     said = words(written)
     assert f"{found['mean_load_flow_m3_s'] * 6e4:.2f} lpm" in said
-    assert f"pressure of {found['pressure_mean_load_line_Pa'] / 1e5:.4g} bar" in said
+    assert wording.report.pressure_of.format(pressure=f"{found['pressure_mean_load_line_Pa'] / 1e5:.4g} bar") in said
     assert f"{found['efficiency'] * 100:.2f} %" in said
     assert "prototype" in said and "2026-01-02" in said
     assert "vvdp run prototype" in said
@@ -136,7 +139,7 @@ def test_lines_of_the_overview_are_all_that_is_lost(whole):
     rows = {row.label: row.values for row in key_listings(open_run(whole))["overview"].rows}
     for column in (0, 1):
         parts = [values[column] for label, values in rows.items() if label.startswith("loss, ")]
-        total = rows["input power minus load power"][column]
+        total = rows[wording.report.input_less_load][column]
         assert sum(part for part in parts if part is not None) == pytest.approx(total, rel=1e-3)
 
 
@@ -152,19 +155,19 @@ def test_words_stand_behind_the_unit(whole):
 def test_a_drawing_names_no_input_that_comes_of_parameters(written):
     """The valve is told below which pressure oil evaporates: nothing that a line of the drawing could lead to."""
     said = words(written)
-    assert "axial position:" in said
-    assert "cavitation pressure:" not in said and "cavitation limit of" not in said
+    assert wording.report.axial_position in said
+    assert wording.report.cavitation_pressure not in said and wording.report.cavitation_limit not in said
 
 
 def test_a_run_that_balances_is_trusted(written):
     said = words(written)
-    assert "balances close" in said and "BALANCES DO NOT CLOSE" not in said
+    assert wording.report.balances in said and wording.report.does_not_balance not in said
 
 
 def test_a_run_that_does_not_balance_is_marked(orifice):
     edit(orifice / "summary.json", trusted=False, energy_residual=3.2e-4)
     text = page(orifice)
-    assert '<li class="bad">BALANCES DO NOT CLOSE</li>' in text
+    assert f'<li class="bad">{wording.report.does_not_balance}</li>' in text
     assert "3.20·10⁻⁴" in text or "0.000320" in text
     assert "run.relative_tolerance" in text
 
@@ -172,12 +175,18 @@ def test_a_run_that_does_not_balance_is_marked(orifice):
 @pytest.mark.parametrize(
     ("changes", "expected"),
     [
-        ({"within_validity": False, "pressure_min_inlet_Pa": -0.9e5}, "Lowest absolute pressure, at inlet: 0.1133 bar"),
-        ({"second_law": False, "loss_pump_friction_W": -5.0}, "gives energy back (loss_pump_friction_W)"),
-        ({"efficiency": None, "stored_power_W": 900.0}, "went into store"),
-        ({"motor_overloaded": True, "input_power_W": 6000.0}, "6000 W on average"),
-        ({"settled": False}, "Not settled"),
-        ({"stiff_method": True}, "stiff method"),
+        (
+            {"within_validity": False, "pressure_min_inlet_Pa": -0.9e5},
+            wording.report.lowest_pressure.format(place="inlet", pressure="0.1133 bar"),
+        ),
+        (
+            {"second_law": False, "loss_pump_friction_W": -5.0},
+            wording.report.gives_energy_back.format(loss="loss_pump_friction_W"),
+        ),
+        ({"efficiency": None, "stored_power_W": 900.0}, wording.report.into_store),
+        ({"motor_overloaded": True, "input_power_W": 6000.0}, wording.report.on_average.format(power="6000 W")),
+        ({"settled": False}, wording.report.not_settled_title),
+        ({"stiff_method": True}, wording.report.stiff_method),
     ],
 )
 def test_what_lies_outside_its_bounds_is_said_with_numbers(orifice, changes, expected):
@@ -190,10 +199,18 @@ def test_what_lies_outside_its_bounds_is_said_with_numbers(orifice, changes, exp
 @pytest.mark.parametrize(
     ("name", "settings", "badge"),
     [
-        ("prototype", [], Badge("not settled", Grade.WARNING)),
-        ("prototype", ["operation.duty_ratio={step=['0.5','0.4'], at='0.15 s'}"], Badge("varies by design")),
-        ("prototype", ["operation.duty_ratio={step=['0.5','0.4'], at='0.02 s'}"], Badge("not settled", Grade.WARNING)),
-        ("displacement-chapter6", [], Badge("varies by design")),
+        ("prototype", [], Badge(wording.report.not_settled, Grade.WARNING)),
+        (
+            "prototype",
+            ["operation.duty_ratio={step=['0.5','0.4'], at='0.15 s'}"],
+            Badge(wording.report.varies_by_design),
+        ),
+        (
+            "prototype",
+            ["operation.duty_ratio={step=['0.5','0.4'], at='0.02 s'}"],
+            Badge(wording.report.not_settled, Grade.WARNING),
+        ),
+        ("displacement-chapter6", [], Badge(wording.report.varies_by_design)),
     ],
 )
 def test_screen_badge_and_finding_agree_on_what_should_have_settled(name, settings, badge):
@@ -203,15 +220,18 @@ def test_screen_badge_and_finding_agree_on_what_should_have_settled(name, settin
     assert not run.has("settled")
     shown, expected = run_result(run), badge.grade is Grade.WARNING
     assert badge in shown.badges
-    assert any(each.title == "Not settled" for each in shown.findings) is expected
-    assert any(line.startswith("not settled: ") for line in warnings(run.system, run.summary)) is expected
+    assert any(each.title == wording.report.not_settled_title for each in shown.findings) is expected
+    assert (
+        any(line.startswith(wording.report.not_settled_because) for line in warnings(run.system, run.summary))
+        is expected
+    )
 
 
 def test_the_cavitation_numbers_are_printed_with_what_they_mean(whole, written):
     run = open_run(whole)
     listing = key_listings(run)["overview"]
-    assert any(row.label.startswith("cavitation number") for row in listing.rows)
-    assert f"below {CAVITATION_NUMBER:g} oil is held to evaporate" in listing.note
+    assert any(row.label.startswith(wording.report.cavitation_number) for row in listing.rows)
+    assert wording.report.evaporates.format(number=f"{CAVITATION_NUMBER:g}") in listing.note
     assert OVERVIEW_NOTE in words(written)
 
 
@@ -219,22 +239,23 @@ def test_text_of_a_user_cannot_become_markup(orifice):
     path = orifice / "system.toml"
     text = path.read_text().replace('title = "Prototype', 'title = "<script>alert(1)</script> & Prototype')
     path.write_text(text.replace('note = "open', 'note = "<b>').replace('"wang2017"', '"<i>someone</i>"'))
+    list_all(orifice)
     said = page(orifice)
     assert "<script>alert" not in said and "<i>someone" not in said
     assert "&lt;script&gt;alert(1)&lt;/script&gt; &amp; Prototype" in said
-    assert "are not in the bibliography: &lt;i&gt;someone&lt;/i&gt;" in said
+    assert wording.report.not_in_bibliography + ": &lt;i&gt;someone&lt;/i&gt;" in said
 
 
 def test_a_pressure_source_takes_the_spectrum_of_the_inlet(constant):
     said = words(page(constant))
-    assert "amplitude of the inlet pressure" in said
+    assert wording.report.inlet_amplitude in said
     assert "Nodes" in said and "load line" in said and "area:" not in said
 
 
 def test_a_run_without_marks_still_gives_a_report(standing):
     said = words(page(standing))
-    assert "no PWM period" in said
-    assert "Fewer than two PWM periods were completed" in said and "The end of the run" in said
+    assert wording.report.no_period in said
+    assert wording.report.too_few_periods in said and wording.report.end_of_run in said
     assert not (standing / "figures" / "cycle-angle.svg").exists()
 
 
@@ -242,11 +263,12 @@ def test_an_interrupted_run_says_so(interrupted):
     text = page(interrupted)
     assert '<li class="bad">interrupted</li>' in text
     assert "of 2 s" in words(text)
-    assert "ended before its finely recorded part" in words(text)
+    assert wording.report.ended_before in words(text)
 
 
 @pytest.mark.parametrize(
-    ("window", "expected"), [("100 ms", "The last 3 PWM periods"), ("40 ms", "The last 2 PWM periods")]
+    ("window", "expected"),
+    [("100 ms", wording.report.last_periods.format(count=3)), ("40 ms", wording.report.last_periods.format(count=2))],
 )
 def test_few_periods_are_shown_as_they_are(window, expected):
     run = run_system(load_system("prototype", [f'run.window="{window}"'], "0.1 s"))
@@ -275,21 +297,22 @@ def test_every_number_of_a_summary_has_a_kind(whole):
 
 def test_figures_of_an_earlier_report_do_not_stay(orifice):
     stale = orifice / "figures" / "old.svg"
-    stale.parent.mkdir()
-    stale.write_text("<svg/>")
+    with write_listed(orifice, ["figures/old.svg"], pages=True):
+        stale.write_text("<svg/>")
     write_report(orifice)
     assert not stale.exists()
 
 
 def test_what_is_no_result_directory_is_refused(tmp_path):
-    with pytest.raises(ConfigError, match="not a result directory"):
+    with pytest.raises(ConfigError, match=wording.files.is_no_result):
         write_report(tmp_path)
-    with pytest.raises(ConfigError, match="no such directory"):
+    with pytest.raises(ConfigError, match=wording.files.no_directory):
         write_report(tmp_path / "none")
 
 
 def test_a_system_that_cannot_be_read_is_refused_before_anything_is_written(orifice):
     (orifice / "system.toml").write_text('circuit = "orifice-load"\n')
+    list_all(orifice)
     with pytest.raises(ConfigError):
         write_report(orifice)
     assert not (orifice / "report.html").exists() and not (orifice / "figures").exists()

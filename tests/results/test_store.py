@@ -5,8 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError
+from vvdp.base.files import list_all
 from vvdp.base.kinds import COUNT, FLAG, FLOW, GAUGE_PRESSURE, MEAN_POWER, PRESSURE_LEVEL, Kind
 from vvdp.results.chart import Bars, Chart, Colour, Field, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Finding, Grade, Listing, Number, Result, Row, Section, Table
@@ -100,7 +102,12 @@ def test_flat_has_whole_counts_true_flags_and_warnings_as_a_list():
 def test_a_damaged_result_is_refused_by_name(tmp_path, damage):
     write_result(tmp_path, RESULT, "")
     (tmp_path / "result.json").write_text(damage)
-    with pytest.raises(ConfigError, match="is damaged"):
+    with pytest.raises(ConfigError, match="result.json: " + wording.directories.has_changed):
+        read_result(tmp_path)
+    list_all(tmp_path)
+    with pytest.raises(
+        ConfigError, match=f"{wording.files.is_damaged}|{wording.study.written_in_format.format(format=None)}"
+    ):
         read_result(tmp_path)
 
 
@@ -108,6 +115,9 @@ def test_a_table_that_was_cut_off_is_refused(tmp_path):
     write_result(tmp_path, RESULT, "")
     text = (tmp_path / "map.csv").read_text()
     (tmp_path / "map.csv").write_text(text.replace("33333.333333333336", "3333x"))
+    with pytest.raises(ConfigError, match="map.csv: " + wording.directories.has_changed):
+        read_result(tmp_path)
+    list_all(tmp_path)
     with pytest.raises(ConfigError, match="is damaged"):
         read_result(tmp_path)
 
@@ -116,5 +126,6 @@ def test_another_format_is_named(tmp_path):
     write_result(tmp_path, RESULT, "")
     content = json.loads((tmp_path / "result.json").read_text())
     (tmp_path / "result.json").write_text(json.dumps(content | {"format": 99}))
-    with pytest.raises(ConfigError, match="was written in format 99"):
+    list_all(tmp_path)
+    with pytest.raises(ConfigError, match=wording.study.written_in_format.format(format=99)):
         read_result(tmp_path)

@@ -4,6 +4,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.signal import constant
@@ -192,14 +193,14 @@ def test_ripple_falls_with_frequency_and_volume(orifice_stand):
 
 
 def test_drives_need_a_load_line(source_stand):
-    with pytest.raises(ParameterError, match="expected a system with a load line"):
+    with pytest.raises(ParameterError, match=wording.rig.expected_load_line):
         self_against_driven(source_stand)
 
 
 def test_claims_without_a_load_line_say_what_is_missing(source_stand):
     found = claims(source_stand)
     assert set(found.tables) == {"throttling", *SUPPLY, "actuation", "verdicts"}
-    assert any("need a load line" in sentence for sentence in found.left_out)
+    assert any(wording.rig.need_load_line in sentence for sentence in found.left_out)
     assert found.numbers["rotary_power_exponent"].value == pytest.approx(2.0)
     assert found.numbers["linear_power_exponent"].value == pytest.approx(3.0)
     assert found.numbers["least_saving_over_metering"].value > 0.3
@@ -221,7 +222,7 @@ def test_driven_spool_that_the_flow_cannot_turn(orifice_stand, quick_claims):
     area = orifice_stand.bench.valve.friction_area
     found = quick_claims(orifice_stand.with_tables(valve={"friction_area": 20.0 * area}).with_motor(60.0))
     assert set(found.tables) == {"throttling", *SUPPLY, "ripple_frequency", "ripple_volume", "actuation", "verdicts"}
-    words = "Self-spinning against driven: left to itself the spool does not turn: with a friction of 0.0267 N*m*s"
+    words = wording.rig.does_not_turn.format(friction="0.0267 N*m*s")
     assert any(sentence.startswith(words) for sentence in found.left_out)
     assert "largest_drive_power_W" not in found.numbers
 
@@ -243,7 +244,9 @@ def test_system_that_delivers_nothing_has_claims(orifice_stand, quick_claims):
     """At duty ratio 0.005 no orifice holds the pressure: what runs at other duty ratios is there still."""
     found = quick_claims(orifice_stand.with_tables(operation={"duty_ratio": constant(0.005)}))
     assert {"throttling", "actuation"} < set(found.tables)
-    words = "Left to itself the spool has no steady state at any of these flows."
+    words = wording.rig.no_steady_state
     assert any(finding.text == words for finding in found.findings)
-    assert any(sentence.startswith("Ripple: prototype: no periodic state") for sentence in found.left_out)
+    assert any(
+        sentence.startswith(wording.rig.no_periodic_state.format(system="prototype")) for sentence in found.left_out
+    )
     assert "largest_drive_power_W" not in found.numbers

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.fluid.mixture import enthalpy, specific_volume_ratio
 from vvdp.rigs.capacity import (
@@ -86,14 +87,14 @@ def test_numbers_are_those_of_the_system_itself(found, source_stand):
         assert number.value == table[key][row]
     commanded = found.numbers["commanded_capacity_m3_rad"].value
     assert commanded == pytest.approx(0.5 * source_stand.bench.pump.displacement, rel=1e-12)
-    assert "95.3 % of the commanded 11.11 cm³/rev" in found.findings[0].text
+    assert wording.rig.of_commanded.format(share="95.3 %", displacement="11.11 cm³/rev") in found.findings[0].text
 
 
 def test_a_lag_of_the_relief_valve_is_said():
     changes = ["relief_valve.override_pressure=10 bar", "relief_valve.opening_time=5 ms"]
     lagging = stand(load_system("prototype-constant-load", changes))
     (told,) = map_result(analytic_map(lagging, THREE)).flat["warnings"]
-    assert told.startswith("The averages do not hold: the relief valve opens with a lag of 5 ms")
+    assert told.startswith(wording.rig.averages_do_not_hold.format(lag="5 ms"))
 
 
 def test_three_points_by_hand(source_stand):

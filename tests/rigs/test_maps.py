@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError, ParameterError, RunError
 from vvdp.base.signal import constant
@@ -33,6 +34,8 @@ from vvdp.studies.dask_engines import LocalDask
 from vvdp.studies.engine import ThisProcess
 from vvdp.systems.summary import simulated_summary
 from vvdp.systems.system import load_system
+
+pytestmark = pytest.mark.heavy
 
 ZERO = 101325.0
 COARSE = Axes((0.1, 0.4, 0.7, 1.0), (ZERO + 20e5, ZERO + 60e5, ZERO + 100e5), (188.49555921538757,), (313.15,))
@@ -175,13 +178,28 @@ def test_what_varies_is_held_and_what_watches_is_dropped(orifice_stand):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"duty_ratios": ()}, "none; expected at least one"),
-        ({"load_pressures": (ZERO + 100e5, ZERO + 10e5)}, "load pressures: 10 bar after 100 bar; expected increasing"),
-        ({"load_pressures": (-1e5, ZERO)}, "-2.01325 bar; expected numbers above -1.01325 bar"),
-        ({"pump_speeds": (-104.71975511965977,)}, "pump speeds: -1000 rpm; expected numbers above 0 rpm"),
-        ({"temperatures": (np.nan,)}, "nan °C; expected numbers above -273.15 °C"),
-        ({"duty_ratios": (-0.2, 0.5)}, "duty ratios: -0.2; expected numbers from 0 to 1"),
-        ({"duty_ratios": (0.5, 1.2, 1.5)}, "duty ratios: 1.2 and 1 more; expected numbers from 0 to 1"),
+        ({"duty_ratios": ()}, wording.map.at_least_one.format(value="none")),
+        (
+            {"load_pressures": (ZERO + 100e5, ZERO + 10e5)},
+            wording.map.increasing.format(axis="load pressures", value="10 bar", before="100 bar"),
+        ),
+        (
+            {"load_pressures": (-1e5, ZERO)},
+            wording.files.expected_numbers_above.format(value="-2.01325 bar", limit="-1.01325 bar"),
+        ),
+        (
+            {"pump_speeds": (-104.71975511965977,)},
+            "pump speeds: " + wording.files.expected_numbers_above.format(value="-1000 rpm", limit="0 rpm"),
+        ),
+        ({"temperatures": (np.nan,)}, wording.files.expected_numbers_above.format(value="nan °C", limit="-273.15 °C")),
+        (
+            {"duty_ratios": (-0.2, 0.5)},
+            wording.map.numbers_between.format(axis="duty ratios", value=-0.2, low=0, high=1),
+        ),
+        (
+            {"duty_ratios": (0.5, 1.2, 1.5)},
+            wording.map.numbers_between.format(axis="duty ratios", value="1.2 and 1 more", low=0, high=1),
+        ),
     ],
 )
 def test_bad_axes_are_refused(change, words):
@@ -195,20 +213,20 @@ def test_all_faults_of_axes_at_once():
     assert len(caught.value.faults) == 3
 
 
-STUCK = "with a friction of 0.442 N.m.s .valve.friction_area 0.9 m.2. it stops where both ports are nearly shut"
+STUCK = f"{wording.map.friction.format(friction='0.442 N*m*s', area='0.9 m^2')} {wording.map.ports_nearly_shut}"
 
 
 def test_spool_that_cannot_turn_is_refused_at_once(source_stand, tmp_path):
     """The prototype's 1.3347e-3 N m s times 0.9 m^2 over its own area; a run would wait minutes for a mark."""
     braked = source_stand.with_tables(valve={"friction_area": 0.9})
     for found in (lambda: analytic_map(braked, COARSE), lambda: simulated_map(braked, COARSE, tmp_path / "m")):
-        with pytest.raises(ParameterError, match=STUCK + ", at each of 12 points"):
+        with pytest.raises(ParameterError, match=re.escape(STUCK + wording.map.at_each_point.format(count=12))):
             found()
     assert not (tmp_path / "m").exists()
     (state,) = steady_states([(braked, COARSE.points[5])])
     assert state.periodic is None
     assert state.reason is not None
-    assert "it stops where both ports are nearly shut" in state.reason
+    assert wording.map.ports_nearly_shut in state.reason
     driven = braked.with_motor(70.0)
     assert driven.standstill(COARSE.points[5], driven.means(COARSE.points[5])) is None
 
@@ -227,19 +245,19 @@ def test_why_a_point_has_no_efficiency(source_stand):
     """Nothing can be delivered above the relief setting of 120 bar, and no power at the tank's pressure."""
     levels = (ZERO, ZERO + 100e5, ZERO + 160e5, ZERO + 200e5)
     found = analytic_map(source_stand, replace(COARSE, duty_ratios=(0.4, 0.7), load_pressures=levels))
-    relief = "the load pressure is above the relief setting of 120 bar"
-    assert found.reasons == (*["no load pressure above the tank's, so no efficiency"] * 2, None, None, *[relief] * 4)
+    relief = wording.map.above_relief_setting.format(setting="120 bar")
+    assert found.reasons == (*[wording.map.below_tank] * 2, None, None, *[relief] * 4)
     assert map_result(found).numbers["points_without_result"].value == 6.0
     assert np.isfinite(found.columns["overall_efficiency"]).tolist() == [reason is None for reason in found.reasons]
     flow = map_result(found).charts["flow"]
-    assert "A load above the relief setting drives oil backwards, down to" in flow.caption
+    assert wording.map.backwards in flow.caption
     assert flow.panels[0].low == pytest.approx(-0.1 * 40e-3 / 60.0, rel=1e-3)
 
 
 def test_best_efficiency_says_where(source_stand):
     wide = replace(COARSE, pump_speeds=(94.24777960769379, 188.49555921538757), temperatures=(303.15, 333.15))
     several, one = (map_result(analytic_map(source_stand, axes)).findings[0].text for axes in (wide, COARSE))
-    assert re.search(r"bar, (900|1800) rpm, (30|60) °C; at most", several)
+    assert re.search(r"bar, (900|1800) rpm, (30|60) °C; " + wording.map.best_at_most, several)
     assert "rpm" not in one
 
 
@@ -250,7 +268,7 @@ def test_long_tables_are_thinned_evenly(source_stand):
     assert len(rows) == 90
     flows = (np.array(table["flow_m3_s"])[rows] * 6e4).reshape(2, 3, 15)
     np.testing.assert_allclose(flows, np.broadcast_to(np.arange(4.0, 61.0, 4.0), flows.shape))
-    assert words == ", 1 in 2 of the values of flow"
+    assert words == wording.map.thinned.format(count=2, axis="flow")
     found = map_result(analytic_map(source_stand, default_axes(source_stand, 40, 30))).tables["map"]
     rows, words = thinned_rows(found)
     assert 75 < len(rows) <= 150
@@ -307,7 +325,7 @@ def test_interrupted_map_goes_on(source_stand, simulated, tmp_path, monkeypatch)
     part = simulated_map(source_stand, COARSE, tmp_path, progress=interrupting)
     assert part.ran == 24
     assert not part.is_finished
-    assert "Interrupted: 4 of 12 points were not run yet." in [each.text for each in map_result(part).findings]
+    assert wording.map.interrupted.format(left=4, all=12) in [each.text for each in map_result(part).findings]
     whole = simulated_map(source_stand, COARSE, tmp_path)
     assert whole.ran == 4
     np.testing.assert_allclose(whole.columns["overall_efficiency"], simulated.columns["overall_efficiency"], rtol=1e-9)
@@ -327,7 +345,7 @@ def test_a_worker_with_another_program_is_refused(source_stand, tmp_path, monkey
     linked = maps.link(source_stand.model, source_stand.bench.case)
     digests = iter(["here", "there"])
     monkeypatch.setattr(maps, "link", lambda *_: linked._replace(digest=next(digests)))
-    with pytest.raises(RunError, match="has another vvdp, Python, NumPy or Numba than this machine"):
+    with pytest.raises(RunError, match=wording.progress.other_machine):
         simulated_map(source_stand, COARSE, tmp_path)
 
 
@@ -372,7 +390,7 @@ def test_killed_map_loses_no_finished_point(source_stand, tmp_path):
 
 def test_directory_of_something_else_is_refused(tmp_path):
     (tmp_path / "notes.txt").write_text("mine")
-    with pytest.raises(ConfigError, match="holds something else than a map"), map_directory(tmp_path):
+    with pytest.raises(ConfigError, match=wording.map.something_else), map_directory(tmp_path):
         pass
     assert (tmp_path / "notes.txt").read_text() == "mine"
     with pytest.raises(RuntimeError), map_directory(tmp_path / "new"):
@@ -407,8 +425,8 @@ def test_where_the_ripple_reaches_the_relief_valve(orifice_stand, tmp_path):
     np.testing.assert_allclose(quick.columns["estimated_ripple_Pa"][~marked], swing[~marked], rtol=0.08)
     result = map_result(quick)
     (warning,) = (each for each in result.findings if each.grade is Grade.WARNING)
-    assert "At 4 of 8 points" in warning.text
-    assert "without --analytic" in warning.remedy
+    assert wording.map.at_points.format(count=4, all=8) in warning.text
+    assert wording.map.without_analytic in warning.remedy
     assert {panel.marks for panel in result.charts["efficiency"].panels} == {"ripple_reaches_relief"}
     assert result.listings["overall-efficiency"].rows[3].values[1] == "61.9*†"
     assert "ripple_reaches_relief" not in slow.columns
@@ -434,5 +452,5 @@ def test_points_outside_the_range_of_a_law_are_warned_of(simulated):
     """Two of twelve by a flag for each; nothing is said where all are within their ranges."""
     (told,) = validity_findings([1.0, 0.0, 1.0, 1.0, 0.0, *[1.0] * 7])
     assert told.grade is Grade.WARNING
-    assert told.text == "At 2 of 12 points a law is used outside its range."
+    assert told.text == wording.map.law_outside_range.format(count=2, all=12)
     assert map_result(simulated).flat["warnings"] == []

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ParameterError
 from vvdp.rigs import maps
@@ -62,12 +63,12 @@ def test_interrupted_test_leaves_out_the_dynamics(source_stand, tmp_path, monkey
 
 
 def test_bad_step_is_refused_before_the_map(source_stand, tmp_path):
-    with pytest.raises(ParameterError, match=r"from duty ratio 0\.4 to 1\.4; expected two different ones from 0 to 1"):
+    with pytest.raises(ParameterError, match=wording.rig.two_duty_ratios.format(begin=0.4, end=1.4)):
         pump(source_stand, tmp_path, steps=(0.4, 1.4))
     assert not list(tmp_path.iterdir())
 
 
 def test_numbers_of_a_map_without_results_are_missing(source_stand, tmp_path):
     nothing = simulated_map(source_stand, Axes((0.01, 0.02), (110e5,), (188.5,), (313.15,)), tmp_path)
-    assert set(nothing.reasons) == {"delivers nothing"}
+    assert set(nothing.reasons) == {wording.rig.delivers_nothing}
     assert control_numbers(nothing) == {}

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ParameterError
 from vvdp.rigs.ripple import line_capacity, power_of, ripple
@@ -64,7 +65,7 @@ def test_mean_pressure_is_held(found):
 
 
 def test_source_has_no_ripple(source_stand):
-    with pytest.raises(ParameterError, match="a source holds the load pressure"):
+    with pytest.raises(ParameterError, match=wording.rig.load_pressure_held):
         ripple(source_stand)
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ParameterError
 from vvdp.rigs.response import _of_value, _of_volume, crossing_time, response_frequencies, settling_time
@@ -105,19 +106,19 @@ def test_load_gets_what_is_delivered(against_orifice):
     assert load == pytest.approx(delivered, rel=5e-3)
 
 
-@pytest.mark.parametrize(("frequencies", "words"), [([0.0], "above 0"), ([40.0], "half the PWM frequency")])
+@pytest.mark.parametrize(("frequencies", "words"), [([0.0], "above 0"), ([40.0], wording.rig.half_pwm_frequency)])
 def test_bad_frequencies_are_refused(source_stand, frequencies, words):
     with pytest.raises(ParameterError, match=words):
         dynamics(source_stand, (0.4, 0.6), frequencies)
 
 
 def test_no_step_is_refused(source_stand):
-    with pytest.raises(ParameterError, match="expected two different ones"):
+    with pytest.raises(ParameterError, match=wording.rig.two_different):
         dynamics(source_stand, (0.4, 0.4))
 
 
 def test_step_beyond_the_duty_ratios_is_refused(source_stand):
-    with pytest.raises(ParameterError, match=r"from duty ratio 0 to 1\.5; expected two different ones from 0 to 1"):
+    with pytest.raises(ParameterError, match=wording.rig.two_duty_ratios.format(begin=0, end=1.5)):
         dynamics(source_stand, (0.0, 1.5))
 
 
@@ -132,9 +133,9 @@ def test_order_of_the_duty_ratios_does_not_matter(source_stand, against_source):
 
 def test_static_gain_says_what_it_is_of(against_source, against_orifice):
     """Through the same orifice more flow meets more pressure: a fifth less than the 40 lpm at a constant pressure."""
-    fixed, held = (next(f.text for f in each.findings if "static gain" in f.text) for each in
+    fixed, held = (next(f.text for f in each.findings if wording.rig.static_gain in f.text) for each in
                    (against_orifice, against_source))  # fmt: skip
     assert values(against_orifice)["static_gain_m3_s"] == pytest.approx(0.81 * 40e-3 / 60.0, rel=0.01)
-    assert "through an orifice that stays as it is: more flow raises the load pressure" in fixed
-    assert fixed.endswith("At a constant load pressure it is about the pump flow, 40 lpm.")
-    assert held.endswith("at a load pressure that stays.")
+    assert wording.rig.orifice_stays in fixed
+    assert fixed.endswith(wording.rig.about_pump_flow.format(flow="40 lpm"))
+    assert held.endswith(wording.rig.pressure_stays)

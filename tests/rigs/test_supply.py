@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.fluid.mixture import compression_energy_per_volume
 from vvdp.hydraulics.supply_losses import drag_power
@@ -190,7 +191,7 @@ def test_a_cycle_beyond_the_pump_is_told(prototype):
         cycle=DutyCycle(times=(0.0, 0.5, 1.0), positions=(0.05, 0.25, 0.05), forces=(-1e3,) * 3),
     )
     claim = supply_claim(prototype, [fast])
-    assert any(each.text == "fast: the pump gives less than the cycle asks for." for each in claim.findings)
+    assert any(each.text == wording.rig.too_little_flow.format(duty="fast") for each in claim.findings)
 
 
 # The claim

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.conservation import NOTHING, Books, Stored
 from vvdp.base.errors import RunError
@@ -157,7 +158,9 @@ def test_energy_that_is_handed_on_may_come_back():
 
 def test_a_run_stops_where_a_pressure_falls_below_absolute_zero():
     """It is named at the first step behind zero: at 2e5 Pa, falling by 5e6 Pa/s, t = 40 ms."""
-    with pytest.raises(RunError, match=r"t = 0\.04\d* s: pressure has fallen below 0 Pa absolute"):
+    with pytest.raises(
+        RunError, match=r"t = 0\.04\d* s: " + wording.systems.below_zero_absolute.format(place="pressure", limit="0 Pa")
+    ):
         found(emptied, Handed, until=0.05)
 
 

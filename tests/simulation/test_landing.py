@@ -1,9 +1,11 @@
 """Steps that end where a mode or a kink changes: against closed forms, and the order of the methods across them."""
 
+import re
 from typing import Annotated, NamedTuple
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.conservation import NOTHING, Nothing
 from vvdp.base.errors import RunError
@@ -133,7 +135,7 @@ def restless(t: float, s: Level, u: Held, p: Rates) -> tuple[Level, Nothing, Tur
 
 
 def test_modes_that_lead_to_each_other_are_named():
-    with pytest.raises(RunError, match=r"t = 1 s: the mode 'direction' changes to and fro without end \(chattering\)"):
+    with pytest.raises(RunError, match=re.escape("t = 1 s: the mode 'direction' " + wording.simulation.chattering)):
         run_of(restless, Held(Turning(0.0)), Rates(up=1.0, down=1.0), 2.0)
 
 

@@ -11,6 +11,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.conservation import NOTHING, Nothing
 from vvdp.base.errors import RunError
@@ -118,8 +119,8 @@ def by_module(t, s, u, p):
 @pytest.mark.parametrize(
     ("circuit", "told"),
     [
-        (closing(2.0), "closing.<locals>.circuit closes over variables; hand values over in params"),
-        (Callable(), "is not a plain function"),
+        (closing(2.0), "closing.<locals>.circuit " + wording.simulation.closes_over),
+        (Callable(), wording.simulation.no_plain_function),
         (by_list, r"FACTORS \(in by_list\) is a list, which may change unseen; write a tuple or an array"),
         (by_mapping, r"SHARES \(in by_mapping\) is a dict"),
         (by_record, r"WHOLE \(in by_record\) is a Gain; .*use params"),
@@ -133,7 +134,7 @@ def test_what_cannot_be_hashed_is_refused_by_name(circuit, told, tmp_path):
 
 
 def test_memory_and_settings_are_those_of_the_programs(tmp_path):
-    with pytest.raises(RunError, match="for each program"):
+    with pytest.raises(RunError, match=wording.simulation.for_each_program):
         link(Model(sound), Case(Level(1.0), Gain(gain=1.0), memory={"other": NOTHING}), tmp_path)
 
 
@@ -151,7 +152,7 @@ def test_what_cannot_be_compiled_is_told_in_one_readable_message_each_time(tmp_p
             link(Model(uncompilable), CASE, tmp_path)
         message = str(caught.value)
         assert "uncompilable" in message
-        assert "cannot be compiled" in message
+        assert wording.simulation.cannot_be_compiled in message
         assert "test_link.py" in message  # where
         assert "Traceback" not in message
         assert len(message.splitlines()) <= 6
@@ -390,13 +391,17 @@ def test_time_left_while_compiling_by_hand(tmp_path, monkeypatch):
     names = {"pending_a": (2.0, "the circuit"), "pending_b": (6.0, ""), "pending_c": (12.0, "the program p")}
     parts = [Bulky(name, seconds, Part("", {}, Classes(), title)) for name, (seconds, title) in names.items()]
     pending = linking.Pending(parts, tmp_path)
-    assert pending.words(parts[0]) == "compiling the circuit (first use only): part 1 of 3, about 20 s left"
+    assert pending.words(parts[0]) == wording.simulation.compiling_part.format(
+        what="the circuit", part=1, parts=3, seconds=20
+    )
     now[0] += 5.0
     assert pending.words(parts[1]) == ""
     now[0] += 15.0
-    assert pending.words(parts[2]) == "compiling the program p (first use only): part 3 of 3, about 30 s left"
+    assert pending.words(parts[2]) == wording.simulation.compiling_part.format(
+        what="the program p", part=3, parts=3, seconds=30
+    )
     alone = linking.Pending(parts[:1], tmp_path)
-    assert alone.words(parts[0]) == "compiling the circuit (first use only): about 2 s left"
+    assert alone.words(parts[0]) == wording.simulation.compiling_left.format(what="the circuit", seconds=2)
 
 
 def test_the_first_line_counts_all_that_is_compiled_afterwards(tmp_path, monkeypatch):
@@ -411,9 +416,9 @@ def test_the_first_line_counts_all_that_is_compiled_afterwards(tmp_path, monkeyp
         Bulky(f"first_{title}", seconds, Part("", {}, Classes(), title)) for seconds, title in ((2.0, "a"), (12.0, "b"))
     ]
     pending = linking.Pending(parts, tmp_path, loop=installed.SECONDS)
-    assert pending.words(parts[0]) == "compiling a (first use only): part 1 of 3, about 46 s left"
+    assert pending.words(parts[0]) == wording.simulation.compiling_part.format(what="a", part=1, parts=3, seconds=46)
     now[0] += 6.0
-    assert pending.words(parts[1]) == "compiling b (first use only): part 2 of 3, about 63 s left"
+    assert pending.words(parts[1]) == wording.simulation.compiling_part.format(what="b", part=2, parts=3, seconds=63)
 
 
 def test_each_loop_is_told_before_it_is_compiled_and_never_again(tmp_path, monkeypatch):
@@ -426,8 +431,8 @@ def test_each_loop_is_told_before_it_is_compiled_and_never_again(tmp_path, monke
         (tmp_path / "__pycache__" / f"{loop}-12.py312.nbi").touch()
         installed.announce(loop, said.append)
     assert said == [
-        "compiling the simulation loop (once for each installation): about half a minute",
-        "compiling the loop for many cases at once (once for each installation): about a minute",
+        wording.simulation.loop,
+        wording.simulation.lane_loop,
     ]
 
 
@@ -437,12 +442,12 @@ def test_each_part_with_a_title_is_told_with_its_place_among_all(tmp_path, fresh
     said: list[str] = []
     link(TANK, tank_case(), tmp_path, said.append)
     assert [text.partition(":")[0] for text in said] == [
-        "compiling the circuit tank (first use only)",
-        "compiling the program controller (first use only)",
-        "compiling the program counter (first use only)",
+        wording.simulation.compiling.format(what="the circuit tank"),
+        wording.simulation.compiling.format(what="the program controller"),
+        wording.simulation.compiling.format(what="the program counter"),
     ]
     places = [text.partition(": ")[2].partition(",")[0] for text in said]
-    assert places == [f"part {number} of 9" for number in (1, 5, 7)]
+    assert places == [wording.simulation.part_of.format(part=number, parts=9) for number in (1, 5, 7)]
 
 
 def other_controller(t, memory, reading, settings):
@@ -465,7 +470,7 @@ def test_another_gain_compiles_nothing_and_another_controller_only_itself(tmp_pa
     programs = {**PROGRAMS, "controller": Program(flow_sensor, other_controller, Flow(0.0))}
     link(Model(tank, conditions=tank_conditions, programs=programs, mark=tank_mark), tank_case(), tmp_path, said.append)
     assert len(folders(tmp_path) - before) == 2  # the step, and what joins the programs
-    assert said == ["compiling the program controller (first use only): part 1 of 2, about 1 s left"]
+    assert said == [wording.simulation.compiling_part.format(what="the program controller", part=1, parts=2, seconds=1)]
 
     before = folders(tmp_path)
     link(Model(other_tank, conditions=tank_conditions, programs=PROGRAMS, mark=tank_mark), tank_case(), tmp_path)
@@ -602,7 +607,7 @@ def test_changed_formula_in_another_file_is_never_served_stale(by_module, tmp_pa
     write(tmp_path, 3.0, "consts.FACTOR * gain", by_module=by_module)
     first = run_python(PROGRAM, tmp_path, cache).splitlines()
     assert float(first[-1]) == 6.0
-    assert any("compiling the circuit" in line for line in first)
+    assert any(wording.simulation.compiling_what.format(what="the circuit") in line for line in first)
 
     again = run_python(PROGRAM, tmp_path, cache).splitlines()
     assert again == [first[-1]]  # no word of compiling, and the same to the last digit
@@ -666,7 +671,7 @@ def test_damaged_compiled_code_is_compiled_anew_and_told(ending, damage, tmp_pat
     damage(one_file(tmp_path, ending))
     forget()
     assert rates_of(link(Model(sound), CASE, tmp_path, said.append), CASE).tolist() == [-2.0]
-    assert [line for line in said if "is damaged; compiling it anew" in line] == said != []
+    assert [line for line in said if wording.simulation.damaged_anew in line] == said != []
     assert folders(tmp_path) == before
     forget()
     link(Model(sound), CASE, tmp_path, said.append)
@@ -694,11 +699,13 @@ def test_cache_that_others_may_write_to_is_not_executed(tmp_path, fresh):
     link(Model(sound), CASE, cache)
     forget()
     cache.chmod(0o777)
-    with pytest.raises(RunError, match=rf"other users may write to {cache}; chmod go-w .* or set VVDP_CACHE"):
+    with pytest.raises(
+        RunError, match=rf"{wording.simulation.others_may_write_to} {cache}; chmod go-w .* or set VVDP_CACHE"
+    ):
         link(Model(sound), CASE, cache)
     cache.chmod(0o700)
     next(cache.iterdir()).chmod(0o777)
-    with pytest.raises(RunError, match="other users may write to"):
+    with pytest.raises(RunError, match=wording.simulation.others_may_write_to):
         for folder in cache.iterdir():
             check_private(folder)
 
@@ -709,12 +716,12 @@ def test_whose_folders_matter(tmp_path, monkeypatch):
     cache.mkdir(parents=True)
     check_private(cache)
     cache.parent.chmod(0o777)
-    with pytest.raises(RunError, match=rf"other users may write to {cache.parent}"):
+    with pytest.raises(RunError, match=f"{wording.simulation.others_may_write_to} {cache.parent}"):
         check_private(cache)
     cache.parent.chmod(0o1777)  # sticky, as /tmp: nobody but its owner can take the folder away
     check_private(cache)
     monkeypatch.setattr(os, "getuid", lambda: cache.stat().st_uid + 1)
-    with pytest.raises(RunError, match="belongs to another user"):
+    with pytest.raises(RunError, match=wording.simulation.belongs_to_another):
         check_private(cache)
 
 

@@ -5,6 +5,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.conservation import NOTHING, Nothing
 from vvdp.base.errors import RunError
@@ -196,7 +197,7 @@ def test_edges_that_nobody_names_are_found_by_short_steps_only():
     assert run.final[0] == pytest.approx(1.25, abs=2e-3)
     assert run.steps >= 5.0 / 2e-4
     assert len(run.remarks) == 1
-    assert "the rates seem to jump at about t = 0." in run.remarks[0] and "which no stop names" in run.remarks[0]
+    assert wording.simulation.rates_jump + "0." in run.remarks[0] and wording.simulation.no_stop_names in run.remarks[0]
 
 
 # Events
@@ -379,7 +380,7 @@ def test_a_program_is_called_where_anothers_command_trips_its_trigger():
 def test_commands_that_pile_up_are_refused():
     program = Program(see_sum, tallied, Sign(1.0), trigger=whole, latency=20.0)
     case = Case(Sum(0.5), Nothing(), Floor(Sign(1.0)), {"bounce": Tally(1.0, 0.0, np.zeros(32))}, {"bounce": NOTHING})
-    with pytest.raises(RunError, match="more than 16 commands"):
+    with pytest.raises(RunError, match=wording.simulation.too_many_commands.format(count=16)):
         simulate(Model(turned, programs={"bounce": program}), case, stepping(10.0, sample_period=10.0))
 
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from tests.dense_filter import update_n
+from tests.words import wording
 
 from vvdp.base.errors import RunError
 from vvdp.base.kinds import Ratio, Time
@@ -94,7 +95,7 @@ def test_other_settings_need_no_new_compilation(replay):
 def test_what_does_not_fit_is_refused(replay):
     with pytest.raises(RunError, match=r"expected \(samples, 2\)"):
         replay(START, np.zeros((5, 3)))
-    with pytest.raises(RunError, match="memory that differs"):
+    with pytest.raises(RunError, match=wording.simulation.memory_differs):
         Replay(forgetful, START, Sample(1.0, 0.0), SETTINGS)
 
 

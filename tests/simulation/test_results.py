@@ -6,10 +6,11 @@ from dataclasses import replace
 import h5py
 import numpy as np
 import pytest
+from tests.words import wording
 
 import vvdp
 from vvdp.base.errors import ConfigError
-from vvdp.base.files import result_directory
+from vvdp.base.files import list_all, result_directory
 from vvdp.simulation.record import record_bytes, record_of
 from vvdp.simulation.results import Results, origin, read_results, write_results
 from vvdp.simulation.run import Stepping, simulate
@@ -71,6 +72,7 @@ def test_remarks_of_the_run_are_told(run, written):
 def test_results_of_an_earlier_format_are_refused_with_what_to_do(written):
     meta = json.loads((written / "meta.json").read_text())
     (written / "meta.json").write_text(json.dumps(meta | {"format": 1}))
+    list_all(written)
     with pytest.raises(ConfigError, match=r"was written in format 1; this version reads format 2: run its system.toml"):
         read_results(written)
 
@@ -78,6 +80,9 @@ def test_results_of_an_earlier_format_are_refused_with_what_to_do(written):
 @pytest.mark.parametrize("text", ["", "[]", "{"])
 def test_a_damaged_directory_is_told_as_such(written, text):
     (written / "meta.json").write_text(text)
+    with pytest.raises(ConfigError, match="meta.json: " + wording.directories.has_changed):
+        read_results(written)
+    list_all(written)
     with pytest.raises(ConfigError, match="is damaged"):
         read_results(written)
 

@@ -4,6 +4,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base import signal as signals
 from vvdp.base.arrays import Array
@@ -286,7 +287,7 @@ def rooted(t: float, s: Level, u: Nothing, p: Nothing) -> tuple[Level, Nothing]:
 @pytest.mark.parametrize("method", [*METHODS, Method.AUTOMATIC])
 def test_rate_that_is_no_number_ends_the_run_with_an_error(method):
     """x' = -1 - sqrt(x): x reaches 0 at 2 (1 - ln 2) s = 0.614 s from x = 1, and no further."""
-    with pytest.raises(RunError, match=r"t = 0\.61\d* s: a rate is no longer finite.*x = "):
+    with pytest.raises(RunError, match=r"t = 0\.61\d* s: a rate is " + wording.simulation.no_longer_finite + ".*x = "):
         simulate(Model(rooted), Case(Level(1.0), Nothing()), stepping(2.0, method=method))
 
 
@@ -385,7 +386,7 @@ def test_stiff_follower_of_a_smooth_curve(method):
         ({"until": 1.0, "sample_period": 0.0}, "sample_period"),
         ({"until": 1.0, "relative_tolerance": 0.1}, "relative_tolerance"),
         ({"until": 1.0, "window_interval": 1e-9}, "at most 2e7"),
-        ({"until": 1.0, "begin": 1.0}, "after begin, 1 s"),
+        ({"until": 1.0, "begin": 1.0}, wording.simulation.after_begin.format(begin="1 s")),
         ({"until": 1.0, "longest_step": 0.0}, "longest_step"),
         ({"until": "1 s"}, "Stepping.until: '1 s' is a text; .*vvdp.base.units.parse"),
     ],
@@ -408,8 +409,12 @@ def test_a_run_that_takes_long_says_so_and_why():
     """By hand: in 2 s it came 1 ms of 10 s far, in 5000 steps and 50 periods."""
     before, now = runs.Count(0.0, 100.0, 0.0), runs.Count(1e-3, 5100.0, 50.0)
     words = long_run(10.0, 2.0, before, now)
-    assert words == "this run will take about 5.55 h more: 5e+04 periods of 100 steps in a second of its time"
-    assert "about 5.55 h more: 5e+06 steps in a second" in long_run(10.0, 2.0, before, now._replace(marks=0.0))
+    assert words == wording.simulation.will_take_about + wording.simulation.periods.format(
+        time="5.55 h", periods="5e+04", steps=100
+    )
+    assert wording.simulation.steps.format(time="5.55 h", steps="5e+06") in long_run(
+        10.0, 2.0, before, now._replace(marks=0.0)
+    )
     assert long_run(10.0, 2.0, before, runs.Count(1.0, 5100.0, 50.0)) == ""
 
 
@@ -419,4 +424,4 @@ def test_it_is_said_once_and_before_the_end(monkeypatch, switching):
     monkeypatch.setattr(runs, "LONG", 0.0)
     said = []
     simulate(model, case(3e6), Stepping(until=0.05), say=said.append, portion=200.0)
-    assert len([words for words in said if words.startswith("this run will take about ")]) == 1
+    assert len([words for words in said if words.startswith(wording.simulation.will_take_about)]) == 1

@@ -6,6 +6,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.conservation import Nothing
 from vvdp.base.errors import RunError
@@ -102,7 +103,7 @@ def test_another_thread_sees_the_time_go_on_and_can_end_the_run():
         while len(seen) < 3 and not run.done():
             seen.add(float(reached.clock[places.TIME]))
         ready.vectors.params[0] = np.nan
-        with pytest.raises(RunError, match="no longer finite"):
+        with pytest.raises(RunError, match=wording.simulation.no_longer_finite):
             run.result()
     assert max(seen) < ENDLESS and len(seen) == 3
 
@@ -153,7 +154,7 @@ def test_a_stopped_batch_keeps_the_cases_that_have_ended(monkeypatch, lanes, par
     run = simulate_batch(MODEL, cases, chosen, 0.0, cores=1, lanes=lanes, stop=both_are_on_their_way)
     whole = simulate_batch(MODEL, cases[:1], chosen, 0.0, lanes=lanes)
     assert run.stopped and not whole.stopped
-    assert run.reasons[0] is None and run.reasons[1].startswith("stopped at t = ")
+    assert run.reasons[0] is None and run.reasons[1].startswith(wording.simulation.stopped_at)
     assert run.lanes == (lanes, lanes)
     for name in ("final", "low", "high", "evaluations"):
         assert np.array_equal(getattr(run, name)[0], getattr(whole, name)[0]), name
@@ -169,7 +170,7 @@ def test_a_batch_that_is_stopped_before_it_begins(lanes):
     chosen = stepping(ENDLESS)
     run = simulate_batch(MODEL, [turning(FAST)] * count, chosen, 0.0, cores=1, lanes=lanes, stop=lambda: True)
     assert run.stopped and run.end.max() < ENDLESS
-    assert run.reasons[-1] == "stopped at t = 0 s"
+    assert run.reasons[-1] == wording.simulation.stopped_at + "0 s"
     assert run.final[-1].tolist() == [0.0, 1.0] == run.low[-1].tolist()
     assert run.evaluations[-1] == 0
 

@@ -5,6 +5,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.kinds import Kind
 from vvdp.base.params import Params
@@ -149,7 +150,7 @@ def test_what_cannot_be_traced_is_told_why():
     for circuit, words in told.items():
         with pytest.raises(Untraceable, match=words):
             traced(circuit)
-    with pytest.raises(Untraceable, match=r"params\.gains is an array or a table"):
+    with pytest.raises(Untraceable, match=r"params\.gains " + wording.simulation.array_or_table):
         traced(swing, Case(Pair(0.0, 0.0), Listed(gains=(1.0, 2.0))))
 
 

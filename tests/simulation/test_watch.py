@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.kinds import Pressure
 from vvdp.base.params import Params
@@ -158,10 +159,10 @@ def test_what_is_wrong_is_said_each_time(monkeypatch):
     model, case = model_and_case()
     reached(model, case)
     monkeypatch.setitem(globals(), "speed", lambda: np.nan)
-    with pytest.raises(Exception, match="no finite rate"):
+    with pytest.raises(Exception, match=wording.simulation.no_finite_rate):
         reached(model, case)
     monkeypatch.undo()
-    with pytest.raises(Exception, match="starts wrongly"):
+    with pytest.raises(Exception, match=wording.simulation.starts_wrongly):
         reached(model, replace(case, state=State(-1e5)))
 
 

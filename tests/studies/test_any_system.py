@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.simulation.run import simulate
@@ -129,7 +130,7 @@ def test_a_loaded_network_can_be_set_and_lengthened(drawn: Path) -> None:
 
 def test_what_a_network_does_not_have_is_refused(drawn: Path) -> None:
     path = str(drawn / "drain.toml")
-    with pytest.raises(ConfigError, match="no such output"):  # a closed form of the rotary valve
+    with pytest.raises(ConfigError, match=wording.study.no_such_output):  # a closed form of the rotary valve
         run_study(Study(path, [{"nodes.line.volume": "2 l"}], ("analytic_loss_total_W",)), drawn / "kept")
     with pytest.raises(ConfigError, match=r"components\.drain\.aera"):
         run_study(Study(path, [{"components.drain.aera": "2 mm^2"}], ("loss_drain_W",)), drawn / "kept")

@@ -1,5 +1,7 @@
 """What is to be known before the numbers of a case reaches whoever runs a study."""
 
+from tests.words import wording
+
 from vvdp.studies.results import study_result
 from vvdp.studies.run import run_study
 from vvdp.studies.study import Study
@@ -14,7 +16,7 @@ def test_cases_outside_the_range_of_a_law_are_named(tmp_path):
     assert doubts[words] == (1, 2)
     assert found.outputs["trusted"].values.tolist() == [1.0, 0.0, 0.0]
     said = [finding.text for finding in study_result(found).findings]
-    assert f"cases 1, 2: {words}" in said
+    assert wording.study.in_cases.format(cases="1, 2", words=words) in said
 
 
 def test_a_study_without_doubts_says_nothing(tmp_path):

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import psutil
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError, Fault, ParameterError, RunError
 from vvdp.base.extras import MissingExtraError
@@ -119,11 +120,11 @@ def test_a_caller_may_stop_early(engine: Engine) -> None:
 
 
 def test_senseless_numbers_are_refused() -> None:
-    with pytest.raises(ParameterError, match=f"expected 1 to {all_cores()}"):
+    with pytest.raises(ParameterError, match=wording.engine.expected_up_to.format(cores=all_cores())):
         ThisProcess(0)
-    with pytest.raises(ParameterError, match="0 workers with 1 cores"):
+    with pytest.raises(ParameterError, match=wording.engine.workers_with.format(workers=0, cores=1)):
         LocalDask(0)
-    with pytest.raises(ParameterError, match="1 jobs with 0 cores"):
+    with pytest.raises(ParameterError, match=wording.engine.jobs_with.format(jobs=1, cores=0)):
         Slurm(1, 0)
 
 
@@ -143,7 +144,7 @@ def test_dask_gives_the_same_numbers(two_workers: LocalDask, tmp_path: Path) -> 
         assert np.array_equal(column.values, there.outputs[name].values)
     heard: list[str] = []
     again = run_study(study, tmp_path / "a", engine=two_workers, say=heard.append)
-    assert again.ran == 0 and heard == ["12 of 12 cases are finished already"]
+    assert again.ran == 0 and heard == [wording.progress.finished_already.format(done=12, all=12, what="cases")]
 
 
 @pytest.mark.slow
@@ -166,7 +167,7 @@ def test_a_worker_that_is_killed_costs_nothing_that_was_finished(
 
 
 def test_an_item_that_kills_every_worker_is_told() -> None:
-    with LocalDask(2) as engine, pytest.raises(RunError, match="lost one after the other"):
+    with LocalDask(2) as engine, pytest.raises(RunError, match=wording.engine.lost_one_by_one):
         list(engine.run_all(deadly, [1]))
 
 
@@ -174,7 +175,7 @@ def test_an_engine_without_workers_gives_up_here(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(LocalDask, "_longest_wait", 1.0)
     with LocalDask(1) as engine:
         engine._client.retire_workers()
-        with pytest.raises(RunError, match="no Dask worker is left"):
+        with pytest.raises(RunError, match=wording.engine.no_worker_left):
             list(engine.run_all(squared, [1]))
 
 
@@ -235,7 +236,7 @@ def test_a_scheduler_by_its_address(start, tmp_path: Path) -> None:
         first = start(*worker_of(address))
         ((item, (square, cores, process)),) = engine.run_all(squared, [3])
         assert (item, square, cores, process) == (3, 9, min(2, all_cores()), first.pid)
-        assert heard == ["waiting for Dask workers"]
+        assert heard == [wording.engine.waiting]
         second = start(*worker_of(address))
         until = time.monotonic() + 60.0
         while engine.workers < 2 and time.monotonic() < until:
@@ -246,7 +247,7 @@ def test_a_scheduler_by_its_address(start, tmp_path: Path) -> None:
         endless = engine.run_all(asleep, [0.01, 60.0])
         next(endless)
         scheduler.kill()
-        with pytest.raises(RunError, match="the Dask scheduler is lost"):
+        with pytest.raises(RunError, match=wording.engine.scheduler_lost):
             next(endless)
 
 
@@ -254,14 +255,14 @@ def test_a_scheduler_without_the_package_of_the_task_is_told(start, tmp_path: Pa
     start(*scheduler_at(tmp_path / "scheduler.json"), bare=True)
     address = address_in(tmp_path / "scheduler.json")
     start(*worker_of(address))
-    with pytest.raises(RunError, match="is not installed where it is to be run: No module named 'tests'"):
+    with pytest.raises(RunError, match=wording.engine.not_installed_there.format(reason="No module named 'tests'")):
         list(DaskScheduler(address).run_all(squared, [3]))
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense://x"])
 def test_an_address_without_a_scheduler_is_told(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(dask_engines, "CONNECTING", 1.0)
-    with pytest.raises(ConfigError, match="no Dask scheduler answers there"):
+    with pytest.raises(ConfigError, match=wording.engine.no_scheduler):
         list(DaskScheduler(address).run_all(squared, [3]))
 
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.kinds import DUTY_RATIO, EFFICIENCY, PRESSURE_LEVEL
 from vvdp.report.plot import draw_chart
@@ -62,14 +63,18 @@ def test_a_failed_case_and_one_to_come_are_told():
     failure = Failure(1, {}, "cannot go on")
     found = study_result(results(duty([0.2, 0.4, 0.6]), [1.0, np.nan, np.nan], failures=(failure,), missing=(2,)))
     assert not found.finished
-    assert found.tables["study"]["failure"].tolist() == ["", "cannot go on", "not run yet"]
+    assert found.tables["study"]["failure"].tolist() == ["", "cannot go on", wording.study.not_run_yet]
     assert {key: n.value for key, n in found.numbers.items()} == {"cases": 3, "failed_cases": 1, "missing_cases": 1}
-    assert found.flat["efficiency"][0] == 1.0 and found.flat["warnings"] == ["case 1 failed: cannot go on"]
+    assert found.flat["efficiency"][0] == 1.0 and found.flat["warnings"] == [
+        wording.study.case_failed.format(case=1, reason="cannot go on")
+    ]
 
 
 @pytest.mark.parametrize("count", [11, 13])
 def test_of_many_failures_the_first_ten_are_told(count):
     failures = tuple(Failure(k, {}, "no") for k in range(count))
     found = study_result(results(duty(np.linspace(0.1, 0.9, count)), [np.nan] * count, failures=failures))
-    assert len(found.findings) == 11 and found.findings[-1].text.startswith(f"{count - 10} more case")
+    assert len(found.findings) == 11 and found.findings[-1].text.startswith(
+        wording.study.more_cases.format(count=count - 10)
+    )
     assert found.listings["ranges"].rows[1].values == (None, None, None)

@@ -13,6 +13,7 @@ from types import SimpleNamespace
 import numpy as np
 import psutil
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError, RunError
 from vvdp.base.kinds import DUTY_RATIO, FLAG, PRESSURE_LEVEL
@@ -121,7 +122,7 @@ def test_failing_cases_are_listed_and_not_tried_again(tmp_path: Path) -> None:
     assert found.inputs["operation.duty_ratio"].values.tolist() == [0.4, 0.5, 0.6]
     assert run_study(study, tmp_path).ran == 0
     result = study_result(found)
-    assert result.findings[0].text == f"case 1 failed: {failure.reason}"
+    assert result.findings[0].text == wording.study.case_failed.format(case=1, reason=failure.reason)
     assert result.numbers["failed_cases"].value == 1.0 and result.numbers["cases"].value == 3.0
     head, *rows = csv.reader(table_text(result.tables["study"]).splitlines())
     assert head[:2] == ["case", "operation.duty_ratio"] and head[-2:] == ["load_power_W", "failure"]
@@ -138,7 +139,7 @@ def test_signals_and_constants_may_be_mixed(tmp_path: Path) -> None:
     assert found.is_finished and np.isfinite(found.outputs["load_power_W"].values).all()
     assert found.inputs["operation.duty_ratio"].values.tolist() == [
         "0.5",
-        "between 0.4 and 0.6, corners at 0.05 s",
+        wording.files.corners.format(low=0.4, high=0.6, corners="0.05 s"),
         "0.6",
     ]
 
@@ -158,29 +159,29 @@ def test_everything_wrong_is_told_before_anything_is_run(tmp_path: Path) -> None
     with pytest.raises(ConfigError) as caught:
         run_study(Study("prototype", grid, ("efficiency",)), tmp_path / "s")
     assert [(fault.place, fault.key) for fault in caught.value.faults] == [
-        ("case 0 and 1 more", "oil.air_friction"),
+        (wording.study.and_more.format(case=0, count=1), "oil.air_friction"),
         ("case 1", "operation.duty_ratio"),
     ]
-    with pytest.raises(ConfigError, match="eficiency: no such output; did you mean 'efficiency'"):
+    with pytest.raises(ConfigError, match="eficiency: " + wording.study.no_such_output + "; did you mean 'efficiency'"):
         run_study(Study("prototype", GRID, ("eficiency",)), tmp_path / "s")
-    with pytest.raises(ConfigError, match="no cases"):
+    with pytest.raises(ConfigError, match=wording.study.no_cases):
         run_study(Study("prototype", {"operation.duty_ratio": []}, ("efficiency",)), tmp_path / "s")
     assert not (tmp_path / "s").exists()
 
 
 def test_a_directory_with_something_else_or_damaged_is_refused(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
-    with pytest.raises(ConfigError, match="holds something else than a study"):
+    with pytest.raises(ConfigError, match=wording.study.something_else):
         run_study(STUDY, tmp_path)
     run_study(STUDY, tmp_path / "s")
     (tmp_path / "s" / ".cases-1.json.77.tmp").write_text('{"half')  # what a kill may leave
     assert run_study(STUDY, tmp_path / "s").ran == 0
     (path,) = (tmp_path / "s").glob("cases-*.json")
     path.write_text(path.read_text()[:-100])
-    with pytest.raises(ConfigError, match=r"is damaged .*; remove it to have its cases run again"):
+    with pytest.raises(ConfigError, match=wording.files.is_damaged + " .*; " + wording.study.remove_it):
         run_study(STUDY, tmp_path / "s")
     path.write_text(json.dumps({"format": 99, "cases": []}))
-    with pytest.raises(ConfigError, match="written in format 99"):
+    with pytest.raises(ConfigError, match=wording.study.written_in_format.format(format=99)):
         run_study(STUDY, tmp_path / "s")
 
 
@@ -286,9 +287,9 @@ def test_a_second_ctrl_c_does_not_wait(tmp_path: Path) -> None:
 
 def test_other_equations_on_a_worker_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def other(*arguments, **options):
-        return dataclasses.replace(simulate_batch(*arguments, **options), digest="of another version")
+        return dataclasses.replace(simulate_batch(*arguments, **options), digest=wording.study.of_another_version)
 
     monkeypatch.setattr(running, "simulate_batch", other)
-    with pytest.raises(RunError, match="has another vvdp, Python, NumPy or Numba than this machine"):
+    with pytest.raises(RunError, match=wording.progress.other_machine):
         run_study(STUDY, tmp_path)
     assert len(read_study(STUDY, tmp_path).missing) == 4

@@ -9,6 +9,7 @@ import numpy as np
 import psutil
 import pytest
 from tests.slurm import told
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.studies.dask_engines import Slurm
@@ -81,12 +82,12 @@ def test_the_command_line_runs_a_study_on_slurm(
     except SystemExit as problem:
         main_ended = problem.code
     assert not main_ended, capsys.readouterr().err
-    assert "3 cases run" in capsys.readouterr().err
+    assert wording.study.cases_run.format(count=3) in capsys.readouterr().err
     assert list((tmp_path / "out" / "slurm").glob("*.err"))
 
 
 def test_no_sbatch_is_told(long_study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(ConfigError, match="sbatch: is not installed here"):
+    with pytest.raises(ConfigError, match=wording.engine.not_installed.format(program="sbatch")):
         run_study(long_study, tmp_path / "s", engine=Slurm())
     assert len(read_study(long_study, tmp_path / "s").missing) == 120

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError, ParameterError
 from vvdp.studies.study import Normal, Random, Study, Uniform, load_study
@@ -70,9 +71,9 @@ def test_draws_have_the_distribution_that_was_asked_for() -> None:
 def test_spreads_need_one_unit_and_the_right_order() -> None:
     uniform = (Uniform("1 bar", "2 MPa"), Uniform("2 bar", "1 bar"))
     for spread in (*uniform, Normal("1 bar", "0.1 MPa"), Normal("1 bar", "-1 bar")):
-        with pytest.raises(ParameterError, match="expected one unit"):
+        with pytest.raises(ParameterError, match=wording.study.one_unit):
             spread.quantile(0.5)
-    with pytest.raises(ParameterError, match="not a number with a unit"):
+    with pytest.raises(ParameterError, match=wording.files.is_no_number_with_unit):
         Uniform("low", "high").quantile(0.5)
 
 
@@ -142,7 +143,7 @@ seed = 1.5
         (12, "random.spreads.valve.radial_clearance"),
         (13, "cases"),
     ]
-    with pytest.raises(ConfigError, match="nothing is varied"):
+    with pytest.raises(ConfigError, match=wording.study.nothing_varied):
         load_study(written(tmp_path, 'system = "prototype"\noutputs = ["efficiency"]\n'))
 
 

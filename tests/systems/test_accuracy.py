@@ -11,6 +11,8 @@ from vvdp.systems.quantities import summary_units
 from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system, shipped_systems
 
+pytestmark = pytest.mark.heavy
+
 FINEST = 1e-11
 SEEN = 1e-9
 """Changes below this are those of rounding."""

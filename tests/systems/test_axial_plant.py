@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.fluid.mixture import fluid_state
@@ -107,26 +108,26 @@ def test_two_chambers_and_no_spring():
 
 
 def test_what_does_not_move_is_refused():
-    with pytest.raises(ConfigError, match="prototype: `vvdp observability` needs what moves along its axis"):
+    with pytest.raises(ConfigError, match="prototype: " + wording.observability.needs_axis):
         axial_plant(load_system("prototype"))
 
 
 def test_another_name_is_refused(tmp_path):
-    with pytest.raises(ConfigError, match="'spool' is none of these: slide"):
+    with pytest.raises(ConfigError, match=wording.observability.none_of_these.format(part="spool", parts="slide")):
         axial_plant(spool(tmp_path), "spool")
 
 
 def test_one_of_several_is_asked_for(tmp_path):
     second = SPOOL.replace("spool = {", 'other = { type = "rod" }\nspool = {') + SECOND.replace("slide", "other", 1)
     system = spool(tmp_path, second.replace('rod = "slide"\nmass', 'rod = "other"\nmass'))
-    with pytest.raises(ConfigError, match=r"which one.*slide, other"):
+    with pytest.raises(ConfigError, match=wording.observability.which_one + ".*slide, other"):
         axial_plant(system)
     assert axial_plant(system, "other").plant == pytest.approx((1.5, 0.0, 0.0), abs=1e-12)
 
 
 def test_a_spring_that_pushes_away_is_refused(tmp_path):
     """Over the centre: the force falls with the position, and no place is at rest."""
-    with pytest.raises(ConfigError, match="slide: pushed off every place"):
+    with pytest.raises(ConfigError, match="slide: " + wording.observability.off_every_place):
         axial_plant(_pushing(spool(tmp_path)))
 
 

@@ -1,6 +1,7 @@
 """Closed forms beside a run: there where they describe it, left out with a sentence where they do not."""
 
 import pytest
+from tests.words import wording
 
 from vvdp.systems.bench import rotary_bench
 from vvdp.systems.bench_overview import ANALYTIC
@@ -16,17 +17,23 @@ STIFF = ("oil.liquid_bulk_modulus=1e12 Pa", "oil.air_fraction=0")
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        ((OVERRIDE, "relief_valve.opening_time=5 ms"), "relief valve opens with a lag of 5 ms"),
-        ((OVERRIDE, "relief_valve.reseat_drop=12 bar"), "relief valve shuts only 12 bar below its setting"),
-        (("operation.duty_ratio=0.25",), "duty ratio 0.25 lies outside 0.3001 to 0.6999"),
-        (("operation.duty_ratio=0.75",), "duty ratio 0.75 lies outside 0.3001 to 0.6999"),
+        ((OVERRIDE, "relief_valve.opening_time=5 ms"), wording.systems.opening_time_lag.format(lag="5 ms")),
+        ((OVERRIDE, "relief_valve.reseat_drop=12 bar"), wording.systems.reseats_below.format(drop="12 bar")),
+        (
+            ("operation.duty_ratio=0.25",),
+            wording.valve.duty_ratio_outside_range.format(duty=0.25, low=0.3001, high=0.6999),
+        ),
+        (
+            ("operation.duty_ratio=0.75",),
+            wording.valve.duty_ratio_outside_range.format(duty=0.75, low=0.3001, high=0.6999),
+        ),
     ],
 )
 def test_left_out_with_a_sentence(ran, changes, sentence):
     found, _ = ran(BENCH, changes, "0.1 s")
     assert not set(ANALYTIC) & set(found)
     bench = rotary_bench(load_system(BENCH, changes), "run")
-    told = [text for text in bench.warnings(found) if text.startswith("no analytic results")]
+    told = [text for text in bench.warnings(found) if text.startswith(wording.systems.no_analytic_results)]
     assert len(told) == 1
     assert sentence in told[0]
 
@@ -68,7 +75,7 @@ def test_left_out_where_the_load_line_is_too_stiff(ran):
     assert not set(ANALYTIC) & set(found)
     bench = rotary_bench(load_system("prototype", ("load_line.gas_volume=0 cc",)), "run")
     assert load_swing(bench, found) == pytest.approx(0.58, abs=0.03)
-    assert any("the load line is so stiff" in text for text in bench.warnings(found))
+    assert any(wording.systems.stiff_load_line in text for text in bench.warnings(found))
     shipped, _ = ran("prototype", (), "0.3 s")
     assert load_swing(rotary_bench(load_system("prototype"), "run"), shipped) == pytest.approx(0.085, abs=0.01)
     assert set(ANALYTIC) <= set(shipped)

@@ -26,6 +26,7 @@ from tests.systems.chapter6_cases import (
     sample_rows,
     sine_text,
 )
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.simulation.record import record_of
@@ -294,19 +295,30 @@ def test_faster_than_real_time():
 @pytest.mark.parametrize(
     ("settings", "told"),
     [
-        (["cycle.stroke=26 cm"], "cycle.stroke: 310 mm is asked for; the cylinder goes from 0 mm to 300 mm"),
-        (["initial.position=-1 cm"], "initial.position: -10 mm is asked for"),
+        (
+            ["cycle.stroke=26 cm"],
+            "cycle.stroke: " + wording.systems.stroke_too_long.format(stroke="310 mm", low="0 mm", high="300 mm"),
+        ),
+        (["initial.position=-1 cm"], "initial.position: " + wording.systems.asked_for.format(position="-10 mm")),
         (
             ["cycle.stroke_time=0.5 s"],
-            "cycle.stroke_time: 432 mm/s take 52.51 lpm; at most 40 lpm are asked of the pump (flow_split.largest",
+            "cycle.stroke_time: "
+            + wording.systems.takes_flow.format(speed="432 mm/s", flow="52.51 lpm", most="40 lpm")
+            + " (flow_split.largest",
         ),
         (
             ["operation.load_force=-20 kN"],
-            "operation.load_force: -2e+04 N at 54 mm/s takes 102.1 bar in the supply chamber; "
-            "pressure_bounds.highest_pressure is 80 bar",
+            "operation.load_force: "
+            + wording.systems.force_takes_pressure.format(
+                force="-2e+04 N",
+                speed="54 mm/s",
+                pressure="102.1 bar",
+                key="pressure_bounds.highest_pressure",
+                limit="80 bar",
+            ),
         ),
-        (["chamber_b.volume=0 cc"], "chamber_b.volume: 0 m^3; at the end of the stroke its pressure would jump"),
-        (["pump.lag=0 s"], "0 ms must be greater than 0"),
+        (["chamber_b.volume=0 cc"], "chamber_b.volume: " + wording.systems.pressure_would_jump.format(volume="0 m^3")),
+        (["pump.lag=0 s"], wording.files.must_be_greater_than_zero.format(value="0 ms")),
     ],
 )
 def test_impossible_demands_are_told_before(settings, told):
@@ -330,7 +342,10 @@ def test_impossible_row_of_a_cycle_of_ones_own_is_told(tmp_path):
     text = sine_text().replace('"15.957', '"20.957', 1)
     path = tmp_path / "jump.toml"
     path.write_text(text, "utf-8")
-    with pytest.raises(ConfigError, match=r"row 2: 5157 mm/s take 626.9 lpm; at most 40 lpm"):
+    with pytest.raises(
+        ConfigError,
+        match=wording.systems.row_takes_flow.format(row=2, speed="5157 mm/s", flow="626.9 lpm", most="40 lpm"),
+    ):
         load_system(str(path))
 
 
@@ -351,8 +366,8 @@ def test_pictures():
 def test_what_is_said():
     """A sentence where a chamber was drawn empty, one where no bound was near, nothing of a steady state."""
     system = load_system(NAME)
-    assert "no pressure mode acted" in " ".join(system.extras.merits(ran()[0]))
+    assert wording.systems.no_mode_acted in " ".join(system.extras.merits(ran()[0]))
     assert not list(system.extras.warnings(ran()[0]))
     off = ran(*OVERRUNNING, *OUT_OF_REACH)[0]
-    assert "below tank pressure" in " ".join(system.extras.warnings(off))
+    assert wording.systems.below_tank_pressure in " ".join(system.extras.warnings(off))
     assert not list(system.extras.merits(off | {"mode_1_share": 0.5}))

@@ -13,11 +13,14 @@ from tests.systems.axial_texts import (
     run_of,
     system_of,
 )
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.simulation.record import record_of
 from vvdp.systems.summary import summary
 from vvdp.systems.system import shipped_systems
+
+pytestmark = pytest.mark.heavy
 
 SHIPPED = shipped_systems()["vvdp-duty-control"]
 
@@ -68,12 +71,12 @@ def test_what_the_storage_says():
     """A sentence among the findings, or one among the warnings that tells how often, how much and when."""
     extras = run_of(SHIPPED)[0].extras
     found = found_in(SHIPPED)
-    assert "never rose beyond what the spool gave it" in " ".join(extras.merits(found))
+    assert wording.systems.never_rose_beyond in " ".join(extras.merits(found))
     assert not any("rose" in told for told in extras.warnings(found))
     raw = found_in(change(SHIPPED, "raw_feedback", **RAW))
     assert not list(extras.merits(raw))
     (told,) = (told for told in extras.warnings(raw) if "rose" in told)
-    assert f"in {raw['storage_rises']:.0f} samples" in told
+    assert wording.systems.in_samples.format(count=f"{raw['storage_rises']:.0f}") in told
     assert 1e-5 < raw["storage_rise_largest_J"] < 1e-3
 
 
@@ -176,18 +179,27 @@ REFUSED = {
     ),
     "noise": (
         change(CHAMBER, "axial_observer", sensor_deviation="0 um"),
-        "sensor_deviation: 0; no sensor is without noise",
+        "sensor_deviation: " + wording.systems.no_noise.format(value=0),
     ),
-    "period": (change(CHAMBER, "axial_observer", sample_period="0 ms"), "sample_period: 0 s; expected a time above"),
-    "stroke": (change(CHAMBER, "operation", duty_ratio="0.4"), "8.128 mm take 13.37 bar"),
+    "period": (
+        change(CHAMBER, "axial_observer", sample_period="0 ms"),
+        "sample_period: " + wording.systems.expected_time_above.format(value="0 s"),
+    ),
+    "stroke": (
+        change(CHAMBER, "operation", duty_ratio="0.4"),
+        wording.systems.takes_pressure.format(distance="8.128 mm", pressure="13.37 bar"),
+    ),
     "calibration": (
         change(CHAMBER, "axial_sensor", light="LIGHT").replace('"LIGHT"', '["96 %", "76 %", "80 %", "36 %", "16 %"]'),
-        "axial_sensor.light: row 3 has 0.8 after 0.76",
+        "axial_sensor.light: " + wording.systems.table_falls.format(row=3, value=0.8, before=0.76),
     ),
-    "filter": (change(CHAMBER, "raw_feedback", velocity_rate="0 1/s"), "velocity_rate: 0 1/s; expected a rate above 0"),
+    "filter": (
+        change(CHAMBER, "raw_feedback", velocity_rate="0 1/s"),
+        "velocity_rate: " + wording.systems.expected_rate_above.format(value="0 1/s", limit=0),
+    ),
     "both": (
         change(change(CHAMBER, "raw_feedback", **RAW), "true_feedback", **TRUE),
-        "expected at most one of the tables [raw_feedback] and [true_feedback]",
+        wording.systems.expected_one_feedback,
     ),
     "no law": (rename(CHAMBER, "passivity", "believed_oil"), "believed_oil"),
 }

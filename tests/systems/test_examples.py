@@ -31,6 +31,8 @@ from vvdp.simulation.run import Run, Stepping, simulate
 from vvdp.systems.summary import Summary, summary
 from vvdp.systems.system import load_system, source_text
 
+pytestmark = pytest.mark.heavy
+
 PAGE = (Path(__file__).parents[2] / "docs" / "examples.md").read_text("utf-8")
 NAMES = (
     "buck-converter",

@@ -3,11 +3,14 @@
 import numpy as np
 import pytest
 from tests.systems.axial_texts import change, run_of, system_of, without
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.systems.axial_loop import HOME, LEARN, RUN, STOP
 from vvdp.systems.summary import summary
 from vvdp.systems.system import shipped_systems
+
+pytestmark = pytest.mark.heavy
 
 SHIPPED = shipped_systems()["axial-gerotor"]
 UNIT = shipped_systems()["vvdp-duty-control-gerotor"]
@@ -86,10 +89,16 @@ def test_pump_unit_is_held_within_the_dead_band(seeds):
 
 def test_what_is_refused():
     assert "axial_observer" in refusal(without(SHIPPED, "axial_observer"))
-    assert "'calibration' is missing" in refusal(without(SHIPPED, "calibration"))
+    assert wording.systems.is_missing.format(table="calibration") in refusal(without(SHIPPED, "calibration"))
     told = refusal(change(SHIPPED, "operation", duty_ratio="1.4"))
-    assert "operation.duty_ratio: 28.45 to 28.45 mm are asked for, the drive goes from -6.2 to 27 mm" in told
-    assert "calibration.lag: 0 s; no motor follows at once" in refusal(change(SHIPPED, "calibration", lag="0 s"))
+    assert (
+        "operation.duty_ratio: "
+        + wording.systems.drive_range.format(low=28.45, high="28.45 mm", least=-6.2, most="27 mm")
+        in told
+    )
+    assert "calibration.lag: " + wording.systems.no_motor_follows.format(lag="0 s") in refusal(
+        change(SHIPPED, "calibration", lag="0 s")
+    )
     assert "straight_flow" in refusal(change(SHIPPED, "calibration", straight_flow="2 lpm"))
     text = without(SHIPPED, "axial_observer")
     values = {

@@ -23,6 +23,8 @@ from vvdp.systems.rotary_bench import orifice_load
 from vvdp.systems.summary import Summary, summary
 from vvdp.systems.system import System, load_system
 
+pytestmark = pytest.mark.heavy
+
 SETTINGS = ("run.window=0 s",)
 SOON = 0.02
 """Time within which a jam is to be told [s]: half a turn at 25 turns/s, four sectors."""

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.signal import signal_value
@@ -95,20 +96,26 @@ def test_all_faults_are_told_at_once():
 @pytest.mark.parametrize(
     ("settings", "told"),
     [
-        (["operation.axial_position=5 mm", "operation.duty_ratio=0.2"], "contradicts operation.duty_ratio"),
-        (["engine.speed=3 rpm"], "unknown table"),
+        (
+            ["operation.axial_position=5 mm", "operation.duty_ratio=0.2"],
+            wording.files.contradicts.format(key="operation.duty_ratio"),
+        ),
+        (["engine.speed=3 rpm"], wording.files.unknown_table),
         (["operation.oil_temperature=warm"], "oil_temperature"),
         (["operation.pump_speed=30 Hz"], "1800 rpm"),
-        (["relief_valve.override_pressure=0 bar", "relief_valve.opening_time=2 ms"], "opening_time: 2 ms must be 0 if"),
-        (["valve.sections=2.5"], "whole number"),
-        (["valve.lap_ratio=8"], "do not fit"),
+        (
+            ["relief_valve.override_pressure=0 bar", "relief_valve.opening_time=2 ms"],
+            "opening_time: 2 ms " + wording.files.must_be_zero_if.format(key="override_pressure"),
+        ),
+        (["valve.sections=2.5"], wording.systems.whole_number),
+        (["valve.lap_ratio=8"], wording.systems.do_not_fit),
         (["run.method=magic"], "automatic, explicit, stiff"),
         (["run.average_from=2 s"], "average_from"),
         (["run.relative_tolerance=0.5"], "relative_tolerance"),
-        (["run.window_interval=1 ns"], "at most 2e7"),
+        (["run.window_interval=1 ns"], wording.systems.at_most.format(limit="2e7")),
         (["pump"], "table.key"),
         (["oil.air_fraction=60 %"], "outside"),
-        (["oil.viscosity_40=5 cSt"], "does not exceed"),
+        (["oil.viscosity_40=5 cSt"], wording.systems.does_not_exceed),
     ],
 )
 def test_fault_says_what_was_expected(settings, told):
@@ -121,7 +128,7 @@ def test_until_that_is_no_time():
 
 def test_name_that_is_none():
     text = faults("prototpye")[0]
-    assert "prototype" in text and "neither a shipped system" in text
+    assert "prototype" in text and wording.files.no_system in text
 
 
 def broken(tmp_path, old: str, new: str) -> list[str]:
@@ -140,8 +147,11 @@ def test_fault_in_a_file_has_its_line(tmp_path):
 
 
 def test_missing_key_and_missing_table(tmp_path):
-    assert any("missing key 'volume'" in fault for fault in broken(tmp_path, "volume = {", "volumes = {"))
-    assert any("missing table" in fault for fault in broken(tmp_path, "[motor]", "[engine]"))
+    assert any(
+        wording.files.missing_key.format(key="volume") in fault
+        for fault in broken(tmp_path, "volume = {", "volumes = {")
+    )
+    assert any(wording.files.missing_table in fault for fault in broken(tmp_path, "[motor]", "[engine]"))
 
 
 def test_circuit_that_does_not_exist(tmp_path):

@@ -1,6 +1,7 @@
 """What options change in a system file: the length of a run, and what they stand in for is still checked."""
 
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.studies.run import _base
@@ -34,7 +35,7 @@ def test_an_explicit_start_of_averaging_wins_over_the_length():
 
 
 def test_a_start_of_averaging_behind_the_end_is_refused():
-    with pytest.raises(ConfigError, match=r"average_from 0\.7 s; expected less than until = 0\.6 s"):
+    with pytest.raises(ConfigError, match=wording.systems.average_from.format(begin="0.7 s", until="0.6 s")):
         load_system("prototype-constant-load", ["run.average_from=0.7 s"], until="0.6 s")
 
 
@@ -46,7 +47,9 @@ def test_the_same_holds_in_a_study():
 
 def test_a_bad_length_in_the_file_is_seen_behind_the_option(write):
     path = write('until = "1 s"', 'until = "1 parsec"')
-    with pytest.raises(ConfigError, match=r"mine.toml:\d+: run.until: '1 parsec' is not a time"):
+    with pytest.raises(
+        ConfigError, match=r"mine.toml:\d+: run.until: '1 parsec' " + wording.files.is_not_a.format(quantity="a time")
+    ):
         load_system(path, until="0.2 s")
 
 
@@ -62,14 +65,15 @@ def test_what_the_file_leaves_to_the_options_is_no_fault(write):
 
 
 def test_a_fault_of_a_setting_is_placed_at_the_option():
-    with pytest.raises(ConfigError, match=r"^--set: operation.duty_ratio: -4.5 is outside -1 to 2 for a duty ratio"):
+    outside = wording.files.outside_range.format(value=-4.5, low=-1, high=2)
+    with pytest.raises(ConfigError, match="^--set: operation.duty_ratio: " + outside):
         load_system("prototype", ["operation.duty_ratio=-4.5"])
-    with pytest.raises(ConfigError, match=r"^--set: operation.duty_ratio: -8.5 is outside"):
+    with pytest.raises(ConfigError, match="^--set: operation.duty_ratio: -8.5 " + wording.files.is_outside):
         load_system("prototype", ['operation.duty_ratio={sine="0.5", amplitude="9", frequency="5 Hz"}'])
 
 
 def test_a_bad_length_in_a_setting_is_seen_behind_the_option():
-    with pytest.raises(ConfigError, match=r"run\.until: '-5 s' = -5 s is outside"):
+    with pytest.raises(ConfigError, match="run.until: '-5 s' = -5 s " + wording.files.is_outside):
         load_system("prototype-constant-load", ["run.until=-5 s"], until="2 s")
 
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.simulation.run import simulate
@@ -43,6 +44,8 @@ def test_a_return_line_that_pulses_costs_the_same_however_seldom_it_is_sampled(f
 
 def test_a_temperature_too_fast_for_its_sampling_is_refused():
     fast = 'operation.oil_temperature={sine="40 degC", amplitude="5 K", frequency="60 Hz"}'
-    with pytest.raises(ConfigError, match=r"swings at 60 Hz and is read once per sample; expected at most 0.00083 s"):
+    with pytest.raises(
+        ConfigError, match=wording.systems.swings_once_per_sample.format(frequency="60 Hz", limit="0.00083 s")
+    ):
         load_system("prototype", [fast])
     assert load_system("prototype", [fast, "run.sample_period=0.5 ms"]).stepping.sample_period == 5e-4

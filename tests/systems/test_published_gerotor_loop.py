@@ -12,6 +12,8 @@ from tests.systems.axial_texts import change, run_of, without
 from vvdp.sensing.axial_sensor import pollution_at
 from vvdp.systems.system import shipped_systems
 
+pytestmark = pytest.mark.heavy
+
 STROKE = 20.32e-3
 SETTLED = 6.0
 """From so long after the start on errors count [s]."""

@@ -23,6 +23,7 @@ from tests.systems.axial_texts import (
     trapezoid_text,
     without,
 )
+from tests.words import wording
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.signal import signal_value
@@ -37,6 +38,8 @@ from vvdp.systems import axial_control, axial_numbers, chamber_loop
 from vvdp.systems.axial_loop import PROGRAM, AxialCommand, AxialPlace
 from vvdp.systems.axial_numbers import loop_of, rows_under_control, samples_under_control
 from vvdp.systems.chamber_loop import ChamberLoop, LoopMemory, PassiveLoop, passive_axial_step
+
+pytestmark = pytest.mark.heavy
 
 TRAPEZOID = trapezoid_text()
 MIDDLE = 2.75
@@ -145,20 +148,20 @@ def test_sample_periods_beyond_the_limit(period, published):
     found = tracking(sample_text(TRAPEZOID, period))
     assert published < found < 2.0 * published
     told = " ".join(system_of(sample_text(TRAPEZOID, period)).extras.warnings({}))
-    assert f"sampled every {period:g} ms it will limit-cycle: its limit is 2.54 ms" in told
+    assert wording.systems.limit_cycle.format(period=f"{period:g} ms", limit="2.54 ms") in told
 
 
 def test_the_run_warns_before_it_limit_cycles():
     """At 2 ms it still tracks; at 1 ms there is nothing to be said. With 1 % of air the same gain takes a fifth."""
     assert not list(system_of(TRAPEZOID).extras.warnings({}))
     (told,) = system_of(sample_text(TRAPEZOID, 2.0)).extras.warnings({})
-    assert "a sample period of 2 ms is above the 1.2" in told
+    assert wording.systems.period_above_limit.format(period="2 ms", limit=1.2) in told
     stiff = change(TRAPEZOID, "pilot_oil", air_fraction="0.990099 %")
     (told,) = system_of(sample_text(stiff, 0.4)).extras.warnings({})
     assert "limit" not in told
     assert tracking(sample_text(stiff, 0.4)) < 5.0
     (told,) = system_of(sample_text(stiff, 0.6)).extras.warnings({})
-    assert "it will limit-cycle" in told
+    assert wording.systems.will_limit_cycle in told
     assert tracking(sample_text(stiff, 0.6)) > 100.0
 
 
@@ -326,7 +329,7 @@ def test_lyapunov_function_of_the_loop_with_its_observer(learn, least):
 def test_no_weight_makes_a_noisy_estimate_fall():
     """White noise moves the estimate either way at every sample: the function is one of the loop without noise."""
     stored, estimated = storages(resting_text("20 um", "0.3 s"))
-    with pytest.raises(ParameterError, match="no weight makes their sum fall"):
+    with pytest.raises(ParameterError, match=wording.systems.no_weight):
         least_estimation_weight(stored, estimated)
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.runs import ranges as ranges_of_runs
 from vvdp.runs.ranges import expected_evaluations, headline, kept_ranges, run_ranges, with_ranges
@@ -94,11 +95,11 @@ def test_a_run_keeps_its_ranges_and_shows_them(plain_run, ranges):
     for key, ends in ranges.ends.items():
         assert np.array_equal(again.ends[key], ends)
     result = run_result(run)
-    assert [each.title for each in result.sections].count("What the results rest on") == 1
+    assert [each.title for each in result.sections].count(wording.report.rests_on) == 1
     assert result.charts["rests-on"].panels
     assert result.tables["ranges"].rows == len(ranges.rows)
     first = result.listings["spans"].rows[0]
-    assert first.values[-1] == "lap ratio of the valve, 0.5 to 1.2"
+    assert first.values[-1] == wording.systems.lap_range.format(low=0.5, high=1.2)
     assert "rests-on" not in run_result(plain_run).charts
 
 
@@ -108,7 +109,8 @@ def test_an_end_that_contradicts_other_values_is_left_out_with_its_reason():
     run = run_with(setting, until="0.2 s")
     found = run_ranges(run)
     assert found is not None
-    assert "15 ms must be 0 if override_pressure is 0" in found.left_out["relief_valve.opening_time"]
+    reason = "15 ms " + wording.files.must_be_zero_if.format(key="override_pressure")
+    assert reason in found.left_out["relief_valve.opening_time"]
     place = [row.setting for row in found.rows].index("relief_valve.opening_time")
     low, high = found.ends["efficiency"][place]
     assert low == pytest.approx(run.number("efficiency"), rel=1e-5)
@@ -118,8 +120,8 @@ def test_an_end_that_contradicts_other_values_is_left_out_with_its_reason():
 
 def test_a_value_is_called_what_a_person_calls_it():
     named = {row.setting: value_words(row) for row in load_system("prototype").rows}
-    assert named["oil.viscosity_40"] == "viscosity at 40 °C of the oil"
-    assert named["relief_valve.opening_time"] == "opening time of the relief valve"
+    assert named["oil.viscosity_40"] == wording.systems.viscosity
+    assert named["relief_valve.opening_time"] == wording.systems.opening_time
 
 
 def test_a_value_that_somebody_sets_has_no_range():

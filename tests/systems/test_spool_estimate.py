@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.numerics.kalman import chance_band
 from vvdp.systems.spool_estimate import (
@@ -77,8 +78,8 @@ def test_an_estimate_is_doubted_where_it_is_too_sure_or_not_sure_enough(scale, d
     said = list(estimate_doubts(found, 0.0))
     assert len(said) == 2 * doubts
     if scale == 6.0:
-        assert "states 19.1 rpm (speed of the instant) and errs by" in said[1]
-        assert "two stated deviations" in said[1]
+        assert wording.systems.spool_speed.format(speed="19.1 rpm") in said[1]
+        assert wording.systems.two_deviations in said[1]
 
 
 @pytest.mark.parametrize("height", [0.5, 2.2])

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.tables import Table, parsed_table
@@ -87,19 +88,22 @@ def test_end_stops_that_reach_both_duty_ratios_are_no_conflict(valve):
 
 def test_end_stops_short_of_a_duty_ratio_are_told_with_numbers(valve):
     low, high = helix_conflicts(Travel(0.0, 6.34e-3), valve)
-    assert low == "the spool stops at 0 mm, duty ratio 0 needs \u22126.097 mm; kappa is 0.300 of a helix of 20.32 mm"
-    assert high.startswith("the spool stops at 6.34 mm, duty ratio 1 needs 26.42 mm")
+    assert low == wording.systems.spool_stops.format(
+        stop="0 mm", duty=0, position="−6.097 mm"
+    ) + wording.systems.of_helix.format(kappa="0.300", helix="20.32 mm")
+    assert high.startswith(wording.systems.spool_stops.format(stop="6.34 mm", duty=1, position="26.42 mm"))
 
 
 def test_solids_in_the_way_are_told_with_what_they_take(valve):
     shape = given_shape(valve, None, ()).shape
     low, high = solid_conflicts(Travel(-6.2e-3, 26.4e-3), valve, shape)
     assert low.startswith(
-        "the spool goes down to \u22126.2 mm, its solids end at 0 mm; geometry.stroke_ratio is 1.00, it takes"
+        wording.systems.goes_down.format(position="−6.2 mm", end="0 mm")
+        + wording.systems.stroke_ratio_is.format(ratio="1.00")
     )
-    assert high.startswith("the spool goes up to 26.4 mm, its solids end at 20.32 mm")
+    assert high.startswith(wording.systems.goes_up.format(position="26.4 mm", end="20.32 mm"))
     # 2 (1/2 + 6.2/20.32) = 1.6102
-    assert low.endswith("it takes 1.62")
+    assert low.endswith(wording.systems.takes_ratio.format(ratio=1.62))
     assert list(solid_conflicts(Travel(-6.2e-3, 26.4e-3), valve, replace(shape, stroke_ratio=1.62))) == []
     assert len(list(solid_conflicts(Travel(-6.2e-3, 26.4e-3), valve, replace(shape, stroke_ratio=1.6)))) == 1
 
@@ -114,13 +118,13 @@ def test_a_prescribed_position_is_held_against_the_solids_of_the_file():
     outside = ("operation.axial_position=-6.1 mm",)
     assert list(travel_warnings(load_system("prototype", outside))) == []  # the file says nothing of solids
     (told,) = travel_warnings(load_system("prototype", (*outside, "geometry.stroke_ratio=1")))
-    assert told.startswith("the spool goes down to \u22126.1 mm, its solids end at 0 mm")
+    assert told.startswith(wording.systems.goes_down.format(position="\u22126.1 mm", end="0 mm"))
     assert list(travel_warnings(load_system("prototype", (*outside, *WIDE)))) == []
 
 
 def test_solids_that_cannot_be_made_are_told_not_refused():
     (told,) = travel_warnings(load_system("prototype", ("geometry.rail_radius=18 mm",)))
-    assert told.startswith("the valve cannot be made as a solid: inside of the rail = 12.8")
+    assert told.startswith(wording.systems.no_solid.format(radius=12.8))
 
 
 def test_the_duty_ratio_of_a_bench_is_a_position():
@@ -140,8 +144,8 @@ def test_end_stops_on_the_rod_of_the_spool_are_its_travel():
 def test_drive_helix_and_solids_that_disagree_are_all_told():
     told = list(travel_warnings(moved("-6.2 mm", "20 mm", stroke_ratio="1")))
     assert len(told) == 2
-    assert "duty ratio 1 needs 26.42 mm" in told[0]
-    assert "goes down to \u22126.2 mm, its solids end at 0 mm" in told[1]
+    assert wording.systems.needs_position.format(duty=1, position="26.42 mm") in told[0]
+    assert wording.systems.goes_down.format(position="−6.2 mm", end="0 mm") in told[1]
 
 
 @pytest.mark.parametrize("name", ["axial-chamber", "axial-gerotor"])
@@ -183,13 +187,15 @@ def test_the_solids_are_in_no_law(valve):
 
 def test_faults_of_the_shape_have_their_line():
     text = resolved_text(load_system("prototype")) + FILE.replace("pocket_gap", "pocket_gp")
-    with pytest.raises(ConfigError, match=r"geometry.pocket_gp: unknown key; did you mean 'pocket_gap'") as refused:
+    with pytest.raises(
+        ConfigError, match="geometry.pocket_gp: " + wording.files.unknown_key.format(meant="pocket_gap")
+    ) as refused:
         built_system(parsed_table(text, "mine.toml"), "mine")
     assert refused.value.faults[0].line == text[: text.index("pocket_gp")].count("\n") + 1
 
 
 def test_a_shape_without_a_valve_is_refused():
-    with pytest.raises(ConfigError, match="the circuit has 0 rotary valves; expected one"):
+    with pytest.raises(ConfigError, match=wording.systems.rotary_valves.format(count=0)):
         load_system("long-hose", WIDE)
 
 

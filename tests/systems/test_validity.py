@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError, RunError
 from vvdp.base.kinds import NUMBER
@@ -14,6 +15,8 @@ from vvdp.systems.overview import warnings
 from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system, shipped_systems
 from vvdp.systems.validity import Bound
+
+pytestmark = pytest.mark.heavy
 
 BENCH = "prototype-constant-load"
 SHORT = "0.3 s"
@@ -58,18 +61,30 @@ def test_a_shipped_system_is_trusted_settled_and_has_no_warning(name):
     [
         (
             ["operation.duty_ratio=-1"],
-            "outside −0.3501 to 1.35; the spool stands beyond the helix (operation.duty_ratio)",
+            wording.systems.outside_helix.format(low="−0.3501", high=1.35),
         ),
-        (["operation.duty_ratio=2"], "duty ratio: 2, outside −0.3501 to 1.35"),
-        (["valve.eccentricity=0.95"], "eccentricity of the spool: 0.95, above 0.9; it touches the sleeve"),
-        (["valve.radial_clearance=1 mm"], "clearance over radius: 0.07874, above 0.01"),
-        (["operation.oil_temperature=150 degC"], "oil temperature: 150 °C, outside −15 °C to 100 °C"),
-        (["operation.oil_temperature=-40 degC"], "oil temperature: −40 °C, outside −15 °C to 100 °C"),
-        (["operation.oil_temperature=-40 degC"], "Reynolds number of the nozzles: 0.7754, below 20"),
-        (["valve.lap_ratio=1e-4"], "breadth of the barriers over the clearance: 0.03142, below 10"),
-        (["valve.sections=1000"], "pressure waves across the valve during a transition"),
-        (["load.pressure=0.2bara"], "lowest absolute pressure, at load line: 0.2 bar, below 0.3 bar"),
-        (["operation.tank_pressure=0.05bara"], "lowest absolute pressure, at tank: 0.05 bar, below 0.3 bar"),
+        (["operation.duty_ratio=2"], wording.systems.duty_ratio_outside.format(value=2, low="−0.3501", high=1.35)),
+        (["valve.eccentricity=0.95"], wording.systems.touches_sleeve.format(value=0.95, limit=0.9)),
+        (["valve.radial_clearance=1 mm"], wording.systems.clearance_over_radius.format(value=0.07874, limit=0.01)),
+        (
+            ["operation.oil_temperature=150 degC"],
+            wording.systems.oil_temperature_outside.format(value="150 °C", low="−15 °C", high="100 °C"),
+        ),
+        (
+            ["operation.oil_temperature=-40 degC"],
+            wording.systems.oil_temperature_outside.format(value="−40 °C", low="−15 °C", high="100 °C"),
+        ),
+        (["operation.oil_temperature=-40 degC"], wording.systems.nozzle_reynolds.format(value=0.7754, limit=20)),
+        (["valve.lap_ratio=1e-4"], wording.systems.barrier_breadth.format(value=0.03142, limit=10)),
+        (["valve.sections=1000"], wording.systems.waves_in_transition),
+        (
+            ["load.pressure=0.2bara"],
+            wording.systems.lowest_pressure.format(place="load line", pressure="0.2 bar", limit="0.3 bar"),
+        ),
+        (
+            ["operation.tank_pressure=0.05bara"],
+            wording.systems.lowest_pressure.format(place="tank", pressure="0.05 bar", limit="0.3 bar"),
+        ),
     ],
 )
 def test_a_law_outside_its_range_is_named_and_the_run_not_trusted(settings, words):
@@ -83,16 +98,14 @@ def test_a_rod_beyond_its_stroke_is_named():
     """The end stop stands behind the end of the cylinder, so that nothing holds the rod there."""
     found, said = told("cylinder-stops", ["components.end_stops.upper_end=330 mm"], "3 s")
     assert 0.329 < found["position_max_rod_m"] < 0.333 and not found["within_validity"]
-    (sentence,) = (line for line in said if line.startswith("position of rod: "))
-    assert sentence.endswith(
-        " mm, outside 0 mm to 300 mm; the stroke of cylinder is over there and only an end-stop holds the rod"
-    )
+    (sentence,) = (line for line in said if line.startswith(wording.systems.position_of.format(part="rod")))
+    assert sentence.endswith(wording.systems.over_there.format(low="0 mm", high="300 mm", part="cylinder"))
 
 
 def test_the_switching_of_3_8_megahertz_is_named():
     """Of 0.001 mm^2 of outlet: 9 ms are enough to see it."""
     _, said = told(BENCH, ["valve.outlet_effective_area=0.001 mm^2"], "9 ms")
-    assert any("pressure waves across the valve" in line for line in said), said
+    assert any(wording.systems.pressure_waves in line for line in said), said
 
 
 @pytest.mark.parametrize("pressure", ["303 bar", "2116 bar"])
@@ -100,8 +113,10 @@ def test_a_load_above_the_relief_setting_has_no_efficiency(pressure):
     """-8.0 and -164 stood there before: the source feeds the relief valve."""
     found, said = told(BENCH, [f"load.pressure={pressure}"])
     assert math.isnan(found["efficiency"])
-    assert any(line.startswith("no efficiency: −") and "reach the load of" in line for line in said)
-    assert any("the relief setting of 120 bar does not exceed" in line for line in said)
+    assert any(
+        line.startswith(wording.systems.no_efficiency + "−") and wording.systems.reach_the_load in line for line in said
+    )
+    assert any(wording.systems.relief_does_not_exceed.format(setting="120 bar") in line for line in said)
 
 
 @pytest.mark.parametrize("speed", ["180 rpm", "18 rpm", "0.18 rpm"])
@@ -109,25 +124,29 @@ def test_an_accumulator_that_empties_leaves_no_efficiency(speed):
     """2.86, 32.1 and 3260 stood there before."""
     found, said = told("prototype", [f"operation.pump_speed={speed}"], "0.15 s")
     assert math.isnan(found["efficiency"])
-    assert any("came out of store while means were taken" in line for line in said)
+    assert any(wording.systems.came_out_of_store in line for line in said)
 
 
 def test_a_friction_that_drives_is_refused():
-    with pytest.raises(ConfigError, match=r"^--set: pump.friction_torque: '-10 N\*m'.* outside 0 to"):
+    with pytest.raises(
+        ConfigError, match=r"^--set: pump.friction_torque: '-10 N\*m'.* " + wording.files.outside_from.format(low=0)
+    ):
         load_system("prototype", ["pump.friction_torque=-10 N*m"])
 
 
 def test_a_pump_that_turns_backwards_stops_at_absolute_zero():
     """It went on to -9.5e11 Pa before. The inlet of 12.7 cc, from 50 bar on, is empty after 13 ms."""
     system = load_system(BENCH, ["operation.pump_speed=-1800 rpm"])
-    with pytest.raises(RunError, match=r"t = 0\.013\d* s: inlet has fallen below 0 Pa absolute"):
+    with pytest.raises(
+        RunError, match=r"t = 0\.013\d* s: " + wording.systems.below_zero_absolute.format(place="inlet", limit="0 Pa")
+    ):
         simulate(system.model, system.case, system.stepping)
 
 
 def test_no_loss_by_transition_where_it_would_be_negative():
     found, said = told("prototype", ["valve.lap_ratio=1e-4"])
     assert math.isnan(found["loss_transition_W"])
-    assert any(line.startswith("no loss by transition: ") for line in said)
+    assert any(line.startswith(wording.systems.no_transition_loss) for line in said)
 
 
 def test_efficiency_by_hand():
@@ -135,7 +154,7 @@ def test_efficiency_by_hand():
     assert efficiency(600.0, 1000.0, 0.0) == 0.6
     assert efficiency(600.0, 1000.0, STORED * 1000.0) == 0.6
     assert math.isnan(efficiency(600.0, 1000.0, 21.0)) and math.isnan(efficiency(600.0, 1000.0, -21.0))
-    went = "21 W, 2.1 % of the power put in, went into store while means were taken"
+    went = wording.systems.went_into_store.format(power="21 W", share="2.1 %")
     assert efficiency_doubt(600.0, 1000.0, 21.0) == went
     assert efficiency(1000.0, 1000.0, 0.0) == 1.0
     for load, put_in in ((1001.0, 1000.0), (-1.0, 1000.0), (5.0, 0.0), (5.0, -10.0)):
@@ -157,11 +176,14 @@ def test_a_negative_transition_loss_is_none():
 
 def test_a_bound_by_hand():
     bound = Bound(label="x", kind=NUMBER, low=1.0, high=3.0, least=0.0, most=2.0, otherwise="y")
-    assert not bound.is_kept and bound.sentence == "x: 3, outside 0 to 2; y"
+    assert (
+        not bound.is_kept
+        and bound.sentence == f"{wording.systems.outside.format(label='x', value=3, low=0, high=2)}; y"
+    )
     lower = Bound(label="x", kind=NUMBER, low=1.0, high=3.0, least=2.0, otherwise="y")
-    assert lower.sentence == "x: 1, below 2; y"
+    assert lower.sentence == f"{wording.systems.below.format(label='x', value=1, limit=2)}; y"
     upper = Bound(label="x", kind=NUMBER, low=1.0, high=3.0, most=2.0, otherwise="y")
-    assert upper.sentence == "x: 3, above 2; y"
+    assert upper.sentence == f"{wording.systems.above.format(label='x', value=3, limit=2)}; y"
     unknown = Bound(label="x", kind=NUMBER, low=math.nan, high=math.nan, least=0.0, most=2.0, otherwise="y")
     assert unknown.is_kept
 
@@ -171,7 +193,7 @@ def test_a_load_that_drifts_is_not_settled():
     early, said = told("prototype", ["operation.duty_ratio=0.4"], "1 s")
     late, _ = told("prototype", ["operation.duty_ratio=0.4"], "4 s")
     final, _ = told("prototype", ["operation.duty_ratio=0.4"], "8 s")
-    assert not early["settled"] and any(line.startswith("not settled: ") for line in said)
+    assert not early["settled"] and any(line.startswith(wording.report.not_settled_because) for line in said)
     assert late["settled"] and final["settled"]
     for key in ("efficiency", "load_power_W", "pressure_mean_load_line_Pa", "pwm_frequency_Hz"):
         assert late[key] == pytest.approx(final[key], rel=1e-3)
@@ -209,16 +231,16 @@ def test_a_pump_unit_that_lifts_no_pressure_has_no_efficiency():
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        (["inlet.volume=100 cc"], "the inlet volume takes 0.674 times as long to fill as a port to open, above 0.5"),
-        (["pump.ripple_amplitude=0.5"], "the pump's flow pulsates by 50.0 %"),
-        (["oil.air_fraction=10 %"], "the oil has 10.0 % of free air"),
-        (["valve.radial_clearance=1 um"], "the valve does not switch"),
+        (["inlet.volume=100 cc"], wording.systems.fills_too_slowly.format(times=0.674, limit=0.5)),
+        (["pump.ripple_amplitude=0.5"], wording.systems.pulsates.format(share="50.0 %")),
+        (["oil.air_fraction=10 %"], wording.systems.free_air.format(share="10.0 %")),
+        (["valve.radial_clearance=1 um"], wording.systems.does_not_switch),
     ],
 )
 def test_closed_forms_are_left_out_where_switching_is_not_theirs(settings, words):
     """Beside 1966, 1915, 1446 and 6667 W of the simulation they said 2068, 1838, 1886 and 1778 W, without a word."""
     found, said = told(BENCH, settings, "1 s")
-    assert any(line.startswith(f"no analytic results: {words}") for line in said), said
+    assert any(line.startswith(f"{wording.systems.no_analytic_results}: {words}") for line in said), said
     assert "analytic_loss_total_W" not in found
 
 

@@ -4,6 +4,7 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.tables import Table
@@ -127,7 +128,7 @@ def test_the_filter_of_the_prototype_is_the_usual_one():
 
 @pytest.mark.parametrize("missing", ["encoder", "spool_filter"])
 def test_half_of_the_tables_is_refused(missing):
-    with pytest.raises(ConfigError, match=f"table '{missing}' is missing"):
+    with pytest.raises(ConfigError, match="table " + wording.systems.is_missing.format(table=missing)):
         built_system(without(missing), "prototype")
 
 
@@ -135,9 +136,12 @@ def test_half_of_the_tables_is_refused(missing):
     ("setting", "told"),
     [
         ("encoder.sectors=7", "7"),
-        ("encoder.seed=1.5", "whole numbers"),
-        ("encoder.spot_width=9 mm", "narrower than every sector"),
-        ("encoder.track_radius=0 mm", "^--set: encoder.track_radius: 0 mm must be greater than 0"),
+        ("encoder.seed=1.5", wording.systems.whole_number),
+        ("encoder.spot_width=9 mm", wording.systems.narrower_than_sector),
+        (
+            "encoder.track_radius=0 mm",
+            "track_radius: " + wording.files.must_be_greater_than_zero.format(value="0 mm"),
+        ),
         ("spool_filter.edge_variance=0 rad^2", "edge_variance"),
     ],
 )

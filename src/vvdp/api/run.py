@@ -110,14 +110,18 @@ class Run(RecordedRun):
         return f"<b>{escape(self.system.title)}</b><p>{state}</p>{listings}"
 
 
-def open_directory(directory: str | Path) -> Run | Result:
-    """What a directory holds: a `Run`, or the `Result` of any other verb. Raises ConfigError where it is neither."""
+def open_directory(directory: str | Path, *, trust: str = "") -> Run | Result:
+    """What a directory holds: a `Run`, or the `Result` of any other verb.
+
+    `trust` is a module of your own, by name or file, that may be run to draw the circuit again. Raises ConfigError
+    where the directory holds neither, or has changed since it was written.
+    """
     from vvdp.results.store import is_result, read_result
 
     place = Path(directory)
     if is_result(place):
         return read_result(place)
-    found = open_run(place)
+    found = open_run(place, trust)
     return Run(**{each.name: getattr(found, each.name) for each in fields(found)})
 
 

@@ -9,11 +9,12 @@ import fcntl
 import os
 import re
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from vvdp.base.errors import WriteError, unusable
+from vvdp.base.manifest import LIST, Entry, entry_of, has_list, kind_fault, list_text, read_list, refuse_foreign, tree
 
 HOST = re.sub(r"[^A-Za-z0-9]", "_", os.uname().nodename)[:40]
 FILE, NEW, OLD = "tmp", "new", "old"
@@ -51,13 +52,68 @@ def write_whole(path: Path, content: str | bytes) -> None:
 
 
 @contextmanager
+def write_listed(directory: Path, names: Collection[str], *, pages: bool = False) -> Iterator[None]:
+    """Lists the files `names`, paths below `directory`, as vvdp's own while they are written in the block.
+
+    Until it ends they are known as unfinished, so that a call that is ended in between can be repeated. `pages` may be
+    made again from other files. Raises ConfigError, before anything is written, where one of the names is in use by a
+    file that vvdp did not write, or by one that was changed since.
+    """
+    files = read_list(directory)
+    for name in names:
+        _refuse_in_use(directory, name, files.get(name))
+    written = files | {name: Entry(is_page=pages) for name in names}
+    write_whole(directory / LIST, list_text(written))
+    for folder in {(directory / name).parent for name in names}:
+        folder.mkdir(parents=True, exist_ok=True)
+    yield
+    whole = {name: entry_of(directory / name, is_page=pages) for name in names if (directory / name).exists()}
+    write_whole(directory / LIST, list_text(files | whole))
+
+
+def list_all(folder: Path) -> None:
+    """Lists every file below a `folder` that only vvdp writes to; folders with a list of their own count as a whole."""
+    known, found = read_list(folder), dict[str, Entry]()
+    for path in tree(folder):
+        name = path.relative_to(folder).as_posix()
+        inner = [f for f in path.parents if f != folder and f.is_relative_to(folder) and has_list(f)]
+        if name != LIST and path.is_file() and (not inner or path == inner[-1] / LIST):
+            is_page = name.endswith(f"/{LIST}") or (name in known and known[name].is_page)
+            found[name] = entry_of(path, is_page=is_page)
+    write_whole(folder / LIST, list_text(found))
+
+
+def discard(directory: Path, names: Collection[str]) -> None:
+    """Deletes the listed files `names` below `directory`; one that was changed since stays, and is no longer listed."""
+    files = read_list(directory)
+    for name in names:
+        is_ours = name in files and not kind_fault(directory, name) and (directory / name).exists()
+        if is_ours and entry_of(directory / name)[:2] == files[name][:2]:
+            (directory / name).unlink()
+    write_whole(directory / LIST, list_text({name: entry for name, entry in files.items() if name not in names}))
+
+
+def _refuse_in_use(directory: Path, name: str, entry: Entry | None) -> None:
+    path = directory / name
+    if fault := kind_fault(directory, name):
+        raise unusable(path, fault)
+    if not path.exists():
+        return
+    if entry is None:
+        raise unusable(path, "is in the way, and vvdp did not write it; move it away")
+    if entry.sha256 and not entry.is_page and entry_of(path)[:2] != entry[:2]:
+        raise unusable(path, "has changed since it was written; move it away")
+
+
+@contextmanager
 def result_directory(directory: Path, *, force: bool = False) -> Iterator[Path]:
     """A temporary folder that becomes `directory` when the block ends well, and vanishes when it does not.
 
-    With `force` it takes the place of earlier results, which are there until it is whole. What dead processes have left
-    beside it is cleared away first. Raises ConfigError, before anything is run where that can be known, where
-    `directory` exists (without `force`), holds something else than results (even with it), is being written by another
-    process, or cannot be written; WriteError where the disk fails.
+    With `force` it takes the place of earlier results, which are there until it is whole. All files in it are listed as
+    vvdp's own (`base.manifest`). What dead processes have left beside it is cleared away first. Raises ConfigError,
+    before anything is run where that can be known, where `directory` exists (without `force`), holds anything that vvdp
+    did not write (even with it), is being written by another process, or cannot be written; WriteError where the disk
+    fails.
     """
     named, directory = directory, Path(os.path.realpath(directory))
     new = _sibling_path(directory, os.urandom(8).hex(), NEW)
@@ -74,6 +130,7 @@ def result_directory(directory: Path, *, force: bool = False) -> Iterator[Path]:
     try:
         _lock(lock)
         yield new
+        list_all(new)
         _sync_all(new)
         while not _put_in_place(new, directory):
             _refuse_to_replace(directory, named, force)
@@ -106,6 +163,12 @@ def clear_unfinished(folder: Path) -> None:
                 _settle(folder / name, parts)
 
 
+def clear_below(directory: Path) -> None:
+    """Does what `clear_unfinished` does in `directory` and in every folder below it; links are not followed."""
+    for place, _, _ in os.walk(directory):
+        clear_unfinished(Path(place))
+
+
 def write_error(path: Path, problem: OSError) -> WriteError:
     """A `WriteError` about `path`, for a `problem` with it or with something inside of it."""
     return WriteError(problem.errno, problem.strerror or str(problem), str(path))
@@ -118,8 +181,8 @@ def _refuse_to_replace(directory: Path, named: Path, force: bool) -> None:
         raise unusable(named, "already exists; choose another directory or use --force")
     if not directory.is_dir():
         raise unusable(named, "is not a directory")
-    if any(directory.iterdir()) and not (directory / "meta.json").is_file():
-        raise unusable(named, "holds something else than results; choose another directory")
+    clear_below(directory)
+    refuse_foreign(directory, named)
 
 
 def _refuse_company(directory: Path, named: Path) -> None:

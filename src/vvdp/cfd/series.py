@@ -1,6 +1,7 @@
 """Cases in one directory, solved by an engine, which a later call goes on with."""
 
 import json
+import re
 import shutil
 import threading
 from collections.abc import Iterator, Mapping, Sequence
@@ -10,19 +11,24 @@ from pathlib import Path
 from typing import NamedTuple
 
 from vvdp.base.errors import unusable
-from vvdp.base.files import write_whole
+from vvdp.base.files import clear_below, write_whole
+from vvdp.base.manifest import has_list, open_directory, refuse_foreign, refuse_links
 from vvdp.cfd.balance import openings
 from vvdp.cfd.case import Case
 from vvdp.cfd.convergence import Judgement
 from vvdp.cfd.engine import find_openfoam
+from vvdp.cfd.monitor import TIME
 from vvdp.cfd.section import Plane, cut_sections
 from vvdp.cfd.solve import LOOK, STATE, Hear, Progress, Solved, solve
-from vvdp.results.store import DESCRIPTION, read_result
+from vvdp.results.store import DESCRIPTION
 from vvdp.studies.engine import Engine
 from vvdp.studies.work import Batching, batches
 
 CASE = "case"
 """Folder of the first case in the directory of a result; others have a number behind it."""
+CASES = re.compile(rf"{CASE}(-\d+)?")
+OF_CASE = re.compile(r"log\.\w+|processor\d+|constant|system|postProcessing|state\.json|progress\.json|lock|stop")
+"""What vvdp and OpenFOAM write into the folder of a case, but for the folders of times."""
 MIDDLE = "middle"
 """The section that is cut through every flow."""
 
@@ -137,18 +143,38 @@ def _listen(items: Sequence[_Item], names: Sequence[str], solved: Mapping[int, S
 def make_place(directory: Path, verb: str, *, force: bool) -> None:
     """Makes `directory` the place of a run of `verb`, new or to be gone on with.
 
-    With `force` an earlier one is discarded. Raises ConfigError where it holds something else, or cannot be written.
+    With `force` an earlier one is discarded. Raises ConfigError where it holds something else, files that have changed
+    or, with `force`, any that vvdp and OpenFOAM did not write; or where it cannot be written.
     """
     if directory.exists() and not directory.is_dir():
         raise unusable(directory, "is not a directory")
     is_run = (directory / CASE / STATE).is_file()
     if directory.is_dir() and any(directory.iterdir()) and not is_run:
         raise unusable(directory, "holds something else than a computed flow; choose another directory")
-    if is_run and (directory / DESCRIPTION).is_file() and read_result(directory).verb != verb:
-        raise unusable(directory, "holds the result of another command; choose another directory")
+    if is_run:
+        refuse_links(directory)
+        _require_flow(directory, verb)
     try:
         if force and directory.exists():
+            clear_below(directory)
+            refuse_foreign(directory, directory, lambda path: _is_of_case(path.relative_to(directory)))
             shutil.rmtree(directory)
         directory.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
         raise unusable(directory, f"cannot be written ({problem.strerror})") from None
+
+
+def _require_flow(directory: Path, verb: str) -> None:
+    """Raises ConfigError where the result in a directory has changed, or is of another verb."""
+    if has_list(directory):
+        opened = open_directory(directory, resuming=True)
+        if DESCRIPTION in opened.files and opened.json(DESCRIPTION).get("verb") != verb:
+            raise unusable(directory, "holds the result of another command; choose another directory")
+
+
+def _is_of_case(path: Path) -> bool:
+    """Whether a path below the directory of a flow is named as what vvdp and OpenFOAM write for a case."""
+    folder, *inner = path.parts
+    return (
+        bool(inner) and bool(CASES.fullmatch(folder)) and bool(OF_CASE.fullmatch(inner[0]) or TIME.fullmatch(inner[0]))
+    )

@@ -76,13 +76,14 @@ def write_and_report(directory: Path, loaded: "System", result: "Result", *, no_
 
 def write_fitted(directory: Path, system: str, shape: str | None, settings: list[str]) -> None:
     """Writes the system with what was found, and with the shape that it was found of."""
-    from vvdp.base.files import write_whole
+    from vvdp.base.files import write_listed, write_whole
     from vvdp.geometry.shape_tables import shape_settings
     from vvdp.systems.resolved import resolved_text
     from vvdp.systems.system import load_system
 
     lengths = shape_settings(shape) if shape else ()
-    write_whole(directory / "fitted.toml", resolved_text(load_system(system, [*lengths, *settings])))
+    with write_listed(directory, ["fitted.toml"]):
+        write_whole(directory / "fitted.toml", resolved_text(load_system(system, [*lengths, *settings])))
 
 
 class Where(NamedTuple):

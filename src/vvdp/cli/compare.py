@@ -8,7 +8,17 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 import typer
 
 from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers, chosen_engine
-from vvdp.cli.options import AsJson, Force, NoReport, OwnCycles, Verb, default_directory, out_option, parsed_option
+from vvdp.cli.options import (
+    AsJson,
+    Force,
+    NoReport,
+    OwnCycles,
+    Trust,
+    Verb,
+    default_directory,
+    out_option,
+    parsed_option,
+)
 from vvdp.cli.printing import show_result, write_with_report
 
 if TYPE_CHECKING:
@@ -34,6 +44,7 @@ def compare() -> None:
 def runs(
     directories: Annotated[list[Path], typer.Argument(metavar="DIR", help="Result directories of `vvdp run`.")],
     out: Annotated[Path | None, out_option("results/compare-runs-DATE-TIME")] = None,
+    trust: Trust = "",
     force: Force = False,
     json: AsJson = False,
     no_report: NoReport = False,
@@ -43,9 +54,11 @@ def runs(
     Differences are to the first run.
     """
     from vvdp.base.files import result_directory
+    from vvdp.base.manifest import as_damaged
     from vvdp.comparison.runs import compare_runs
 
-    result = compare_runs(directories)
+    with as_damaged(directories[0]):
+        result = compare_runs(directories, trust)
     directory = out if out is not None else default_directory("compare-runs")
     with result_directory(directory, force=force) as folder:
         reported = write_with_report(folder, result, "", no_report=no_report)

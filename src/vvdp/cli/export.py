@@ -36,12 +36,14 @@ def data(
     All values are in SI; the name of each column ends with its unit. Several tables are written to one file each.
     """
     from vvdp.base.errors import unusable
+    from vvdp.base.manifest import as_damaged
     from vvdp.cli.screen import print_json, tell
     from vvdp.export.data import export_tables, result_tables
 
     if csv is None and parquet is None:
         raise unusable("export data", "no file is given; expected --csv FILE or --parquet FILE")
-    tables = result_tables(directory, tuple(table or ()))
+    with as_damaged(directory):
+        tables = result_tables(directory, tuple(table or ()))
     written: list[str] = []
     for path, as_parquet in ((csv, False), (parquet, True)):
         if path is not None:

@@ -104,7 +104,7 @@ def _order(
 
 def _make(directory: Path, loaded: "System", order: "Order", frames: int, *, force: bool, no_report: bool) -> "Result":
     """Makes all files of an order and the page; what they come to."""
-    from vvdp.base.files import result_directory
+    from vvdp.base.files import list_all, result_directory
     from vvdp.cli.screen import say, typed_command
     from vvdp.geometry.product import make_product
     from vvdp.geometry.result import geometry_result
@@ -119,6 +119,7 @@ def _make(directory: Path, loaded: "System", order: "Order", frames: int, *, for
         product = make_product(folder, order, say, film if frames else None)
         result = geometry_result(order, product)
         write_result(folder, result, resolved_text(loaded), typed_command())
+        list_all(folder)
         if not no_report:
             say("pictures")
             add_report(GEOMETRY, folder)

@@ -3,6 +3,7 @@
 import gc
 import io
 import os
+import platform
 import signal
 import sys
 import threading
@@ -135,6 +136,7 @@ def _common(
 def main(arguments: list[str] | None = None) -> None:
     """Runs the verb in `arguments` (those of the process by default) and exits with its code."""
     gc.set_threshold(COLLECT_AFTER)
+    vars(platform.uname())["processor"] = platform.machine()  # h5py asks for it, and Python would start `uname -p`
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # a file's name may hold bytes that are no text
             stream.reconfigure(errors="backslashreplace")

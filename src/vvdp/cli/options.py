@@ -104,6 +104,15 @@ Cycle = Annotated[
 Cores = Annotated[int | None, typer.Option("--cores", metavar="N", min=1, help="Number of cores (default: all).")]
 Force = Annotated[bool, typer.Option("--force", help="Replace an existing result.")]
 Restart = Annotated[bool, typer.Option("--force", help="Start over and discard what an earlier call has finished.")]
+Trust = Annotated[
+    str,
+    typer.Option(
+        "--trust",
+        metavar="MODULE",
+        help="Run this module of your own, by name or file, where a saved circuit needs its code.",
+        show_default=False,
+    ),
+]
 NoReport = Annotated[bool, typer.Option("--no-report", help="Do not write a report.")]
 Seed = Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Random seed.")]
 

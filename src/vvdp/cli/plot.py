@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vvdp.cli.completion import drawable_names
-from vvdp.cli.options import AsJson, parsed_option
+from vvdp.cli.options import AsJson, Trust, parsed_option
 
 if TYPE_CHECKING:
     from vvdp.results.result import Result
@@ -27,18 +27,25 @@ def plot(
     end: Annotated[str | None, typer.Option("--to", metavar="TIME", help="Right end of the time axis.")] = None,
     show: Annotated[bool, typer.Option("--list", help="List what can be drawn (default without a NAME).")] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    trust: Trust = "",
     json: AsJson = False,
 ) -> None:
     """Draw charts or series of a result as PNG, SVG or PDF."""
     from vvdp.base.errors import unusable
     from vvdp.base.kinds import TIME
-    from vvdp.cli.screen import print_json
+    from vvdp.base.manifest import as_damaged
+    from vvdp.cli.screen import print_json, say
     from vvdp.report.chosen import check_form, chosen_chart, open_drawable, series_names, write_figure
+    from vvdp.runs.untold import TITLE as UNTOLD
 
     ends = tuple(None if t is None else parsed_option(o, t, TIME) for o, t in (("--from", begin), ("--to", end)))
     if out is not None:
         check_form(out)
-    result = open_drawable(directory)
+    with as_damaged(directory):
+        result = open_drawable(directory, trust)
+    for each in result.findings if result.verb == "run" else ():
+        if each.title == UNTOLD:
+            say(each.text)
     if show or not names:
         if json:
             print_json({"charts": list(result.charts), "series": list(series_names(result))})
@@ -48,7 +55,8 @@ def plot(
     path = out if out is not None else Path(f"{'-'.join(names)}.png")
     if path.exists() and (path.is_dir() or not force):
         raise unusable(path, "already exists; choose another name or use --force")
-    write_figure(path, chosen_chart(result, names, (ends[0], ends[1])), result)
+    with as_damaged(directory):
+        write_figure(path, chosen_chart(result, names, (ends[0], ends[1])), result)
     if json:
         print_json({"figure": str(path)})
     else:

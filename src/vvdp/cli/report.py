@@ -6,39 +6,38 @@ from typing import Annotated, Any
 
 import typer
 
-from vvdp.cli.options import AsJson
+from vvdp.cli.options import AsJson, Trust
 
 RESULT, GEOMETRY = ("result_page", "write_result_report"), ("geometry_report", "write_geometry_report")
 RUN, CFD = ("report", "write_report"), ("cfd_report", "write_cfd_report")
-WRITERS = {
-    "case/state.json": CFD,
-    "geometry.toml": GEOMETRY,
-    "result.json": RESULT,
-}
-"""What writes the report of a directory in which a file stands: module and function."""
+FLOW = "case/state.json"
+"""The file by which a computed flow is known."""
+WRITERS = {"geometry.toml": GEOMETRY, "result.json": RESULT}
+"""What writes the report of a directory by a file that vvdp wrote there: module and function."""
 
 
 def report(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Result directory of any command.")],
     project: Annotated[str, typer.Option("--project", metavar="TEXT", help="Project named at the head.")] = "",
     customer: Annotated[str, typer.Option("--customer", metavar="TEXT", help="Customer named at the head.")] = "",
+    trust: Trust = "",
     json: AsJson = False,
 ) -> None:
     """Rebuild the report of a result directory.
 
     A project or customer that was given once stays until another is given.
     """
-    from vvdp.base.errors import unusable
-    from vvdp.cli.screen import print_json
+    from vvdp.base.manifest import as_damaged, open_directory
+    from vvdp.cli.screen import print_json, say
     from vvdp.results.store import add_labels
 
-    writer = next((writer for name, writer in WRITERS.items() if (directory / name).is_file()), RUN)
-    try:
+    files = open_directory(directory).files
+    writer = CFD if (directory / FLOW).is_file() else next((w for name, w in WRITERS.items() if name in files), RUN)
+    with as_damaged(directory):
         if project or customer:
             add_labels(directory, {"project": project, "customer": customer})
-        page = _write(writer, directory)
-    except (KeyError, TypeError) as problem:
-        raise unusable(directory, f"is damaged or not complete: {problem!r}") from None
+        options: dict[tuple[str, str], dict[str, Any]] = {RUN: {"trust": trust, "say": say}, GEOMETRY: {"trust": trust}}
+        page = _write(writer, directory, **options.get(writer, {}))
     if json:
         print_json({"report": str(page)})
     else:
@@ -60,11 +59,11 @@ def add_report(writer: tuple[str, str], folder: Path, *results: Any) -> bool:
     return True
 
 
-def _write(writer: tuple[str, str], directory: Path, *results: Any) -> Path:
+def _write(writer: tuple[str, str], directory: Path, *results: Any, **options: Any) -> Path:
     from vvdp.base.extras import require_solids
 
     if writer in (GEOMETRY, CFD):
         require_solids()
     module, name = writer
-    page: Path = getattr(import_module(f"vvdp.report.{module}"), name)(directory, *results)
+    page: Path = getattr(import_module(f"vvdp.report.{module}"), name)(directory, *results, **options)
     return page

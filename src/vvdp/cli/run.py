@@ -90,7 +90,6 @@ def _with_ranges(run: "RecordedRun", wanted: bool | None) -> "RecordedRun":
     """The run with its ranges where they are `wanted` and there are any, or quickly made where nobody says."""
     from vvdp.cli.screen import say
     from vvdp.runs.ranges import MOST_EVALUATIONS, expected_evaluations, run_ranges, with_ranges
-    from vvdp.simulation.installed import SIDE_BY_SIDE, is_loop_compiled
 
     count, expected = len(run.system.uncertainties), expected_evaluations(run)
     if wanted is False or not count or not run.has("finished"):
@@ -98,7 +97,7 @@ def _with_ranges(run: "RecordedRun", wanted: bool | None) -> "RecordedRun":
     if wanted is None and expected > MOST_EVALUATIONS:
         say(f"{count} values have a range: --ranges shows how far the results move over them")
         return run
-    if expected > MOST_EVALUATIONS or not is_loop_compiled(SIDE_BY_SIDE):
+    if expected > MOST_EVALUATIONS:
         say(f"{2 * count} runs at the ends of {count} values")
     found = run_ranges(run, say=say)
     if found is None:

@@ -32,14 +32,15 @@ GROUPS = {
 """What the names of series begin with, and what a caption calls them."""
 
 
-def compare_runs(directories: Sequence[Path]) -> Result:
+def compare_runs(directories: Sequence[Path], trust: str = "") -> Result:
     """The runs in two or more directories side by side; differences are to the first.
 
-    Raises ConfigError for fewer than two, and for a directory that holds no run.
+    `trust` is a module, by name or file, that may be run to draw a circuit. Raises ConfigError for fewer than two, and
+    for a directory that holds no run, UntrustedModuleError where its circuit needs code that may not be run.
     """
     if len(directories) < 2:
         raise unusable("compare runs", f"{len(directories)} directory is given; expected two or more")
-    runs = dict(zip(_names(directories), map(open_run, directories), strict=True))
+    runs = dict(zip(_names(directories), (open_run(each, trust) for each in directories), strict=True))
     parameters, numbers = list(_parameters(runs)), list(_numbers(runs))
     changed = [row for row, is_same in numbers if not is_same]
     series = {name: series_table(run) for name, run in runs.items()}

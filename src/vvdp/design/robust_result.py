@@ -7,8 +7,9 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.display import percent, with_unit
-from vvdp.base.files import write_whole
+from vvdp.base.files import discard, write_listed, write_whole
 from vvdp.base.kinds import COUNT, EFFICIENCY, FREQUENCY, MEAN_POWER, VOLUME
+from vvdp.base.manifest import read_list
 from vvdp.design.quantities import key
 from vvdp.design.robust import Candidate, Robust
 from vvdp.design.variables import redesign, value_in
@@ -57,15 +58,16 @@ def robust_result(found: Robust) -> Result:
 
 
 def write_front(folder: Path, found: Robust) -> None:
-    """Writes every design on the front as a system file into systems/ of a folder."""
-    system = found.problem.system
-    (folder / "systems").mkdir(exist_ok=True)
-    for old in (folder / "systems").glob("point-*.toml"):
-        old.unlink()
+    """Writes every design on the front as a system file into systems/ of a folder, in place of earlier ones."""
+    system, texts = found.problem.system, {}
     for number, each in enumerate(found.front, 1):
         name = f"point-{number:03d}"
         design = redesign(system, each.values, f"{name} of a robust front", f"{system.title}, {name} of a robust front")
-        write_whole(folder / "systems" / f"{name}.toml", resolved_text(design))
+        texts[f"systems/{name}.toml"] = resolved_text(design)
+    with write_listed(folder, texts):
+        for path, text in texts.items():
+            write_whole(folder / path, text)
+    discard(folder, [name for name in read_list(folder) if name.startswith("systems/") and name not in texts])
 
 
 def _demands(found: Robust) -> str:

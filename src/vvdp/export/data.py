@@ -12,8 +12,8 @@ from vvdp.base.files import write_whole
 from vvdp.base.tables import nearest
 from vvdp.results.result import Table
 from vvdp.results.store import is_result, read_result, table_text
-from vvdp.runs.run import open_run
 from vvdp.runs.tables import record_table
+from vvdp.simulation.results import read_results
 
 
 def result_tables(directory: Path, names: tuple[str, ...] = ()) -> Mapping[str, Table]:
@@ -21,7 +21,10 @@ def result_tables(directory: Path, names: tuple[str, ...] = ()) -> Mapping[str, 
 
     Raises ConfigError where `directory` holds no result, or it has no table of such a name, or none at all.
     """
-    found = read_result(directory).tables if is_result(directory) else {"record": record_table(open_run(directory))}
+    if is_result(directory):
+        found = read_result(directory).tables
+    else:
+        found = {"record": record_table(read_results(directory).record)}
     if not found:
         raise unusable(directory, "its result has no table")
     if faults := [Fault("--table", 0, name, f"unknown{nearest(name, found)}") for name in names if name not in found]:

@@ -17,8 +17,6 @@ from vvdp.logs.content import Content, Leaf, Names, Reader, at_rate, evenly
 
 MOST_COLUMNS = 64
 """A matrix with more columns is not a set of channels."""
-_MOST_PACKED = 1032
-"""How many times as large as packed a piece can be."""
 
 
 def read_hdf5(content: Content) -> None:
@@ -92,35 +90,52 @@ def _content_fault(dataset: Any) -> str:
     return ""
 
 
-def part(dataset: Any, *selection: slice | int) -> Any:
-    """Part of a dataset, or of an array. Raises ValueError for a packed piece that holds more than it may."""
-    if getattr(dataset, "compression", None) == "gzip":
-        spans = [slice(each, each + 1) if isinstance(each, int) else each for each in selection]
-        pieces = zip(spans, dataset.chunks, strict=True)
-        for place in itertools.product(*(range(s.start // n * n, s.stop, n) for s, n in pieces)):
-            _check_piece(dataset.id, place)
-    return dataset[selection]
+class Parts:
+    """Parts of a dataset, or of an array, by slices and numbers; each compressed chunk is checked once.
 
+    HDF5 takes a chunk of any length, and fills one that is too short with whatever its memory held before. Raises
+    ValueError for a chunk that does not hold what its shape needs.
+    """
 
-def _check_piece(held: Any, place: tuple[int, ...]) -> None:
-    if held.get_chunk_info_by_coord(place).size * _MOST_PACKED > LARGEST_CHUNK:
-        packed = held.read_direct_chunk(place)[1]
-        if len(unpack(packed, LARGEST_CHUNK)) > LARGEST_CHUNK:
-            raise ValueError("a piece unpacks to more than can be read at once")
+    def __init__(self, dataset: Any) -> None:
+        self._dataset = dataset
+        self._checked = set[tuple[int, ...]]()
+
+    def __getitem__(self, selection: tuple[slice | int, ...]) -> Any:
+        if getattr(self._dataset, "compression", None) == "gzip":
+            spans = [slice(each, each + 1) if isinstance(each, int) else each for each in selection]
+            chunks = zip(spans, self._dataset.chunks, strict=True)
+            for place in itertools.product(*(range(s.start // n * n, s.stop, n) for s, n in chunks)):
+                if place not in self._checked:
+                    self._check(place)
+                    self._checked.add(place)
+        return self._dataset[selection]
+
+    def _check(self, place: tuple[int, ...]) -> None:
+        held = self._dataset.id
+        if not held.get_chunk_info_by_coord(place).size:
+            return  # never written: it holds the fill value
+        without_filter, packed = held.read_direct_chunk(place)
+        expected = self._dataset.dtype.itemsize * math.prod(self._dataset.chunks)
+        if not without_filter and (size := len(unpack(packed, LARGEST_CHUNK))) != expected:
+            found = f"more than {LARGEST_CHUNK}" if size > LARGEST_CHUNK else size
+            raise ValueError(f"a compressed chunk holds {found} bytes, its shape needs {expected}")
 
 
 def _field(dataset: Any, name: str) -> Reader:
     """Reads a field of a dataset of records."""
-    return lambda begin, end: np.asarray(part(dataset, slice(begin, end))[name], float)
+    parts = Parts(dataset)
+    return lambda begin, end: np.asarray(parts[slice(begin, end),][name], float)
 
 
 def _column(dataset: Any, column: int) -> Reader:
     """Reads a column, with fill value, scale and offset as netCDF defines them."""
     scale, offset, fill = (dataset.attrs.get(name) for name in ("scale_factor", "add_offset", "_FillValue"))
     across = (column,) if dataset.ndim > 1 else ()
+    parts = Parts(dataset)
 
     def read(begin: int, end: int) -> Array:
-        raw = part(dataset, slice(begin, end), *across)
+        raw = parts[slice(begin, end), *across]
         values = np.asarray(raw, float)
         if scale is not None:
             values = values * float(np.ravel(scale)[0])

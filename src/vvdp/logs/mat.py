@@ -22,7 +22,7 @@ from vvdp.base.errors import unusable
 from vvdp.logs.budget import DEEPEST, Budget, unpack
 from vvdp.logs.clock import heading, is_time_name
 from vvdp.logs.content import Content, Leaf, Names, Reader
-from vvdp.logs.hdf5 import MOST_COLUMNS, own_item, part, storage_fault, text
+from vvdp.logs.hdf5 import MOST_COLUMNS, Parts, own_item, storage_fault, text
 
 MOST_STRUCTS = 1000
 _MATRIX, _COMPRESSED = 14, 15
@@ -168,7 +168,7 @@ def _node73(item: Any, budget: Budget) -> Node:
             return Unreadable(fault) if fault else _structs73(item, budget)
     if kind != "char":
         return item
-    letters = np.zeros(0) if "MATLAB_empty" in about else part(item, *(slice(0, n) for n in item.shape)).T
+    letters = np.zeros(0) if "MATLAB_empty" in about else Parts(item)[tuple(slice(0, n) for n in item.shape)].T
     return letters.ravel(order="C").astype("<u2").tobytes().decode("utf-16-le", "replace")
 
 
@@ -285,9 +285,10 @@ def _add_numbers(content: Content, path: Names, numbers: Numbers, length: int | 
 
 def _vector(numbers: Numbers, k: int, across: bool) -> Reader:
     """Reads a column of MATLAB's, or a row."""
+    parts = Parts(numbers)
     if across:
-        return lambda begin, end: np.asarray(part(numbers, slice(begin, end), k), float)
-    return lambda begin, end: np.asarray(part(numbers, k, slice(begin, end)), float)
+        return lambda begin, end: np.asarray(parts[slice(begin, end), k], float)
+    return lambda begin, end: np.asarray(parts[k, slice(begin, end)], float)
 
 
 def _size_fault(size: Sequence[int]) -> str:

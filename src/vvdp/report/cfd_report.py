@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vvdp.base.arrays import Array
+from vvdp.base.manifest import open_directory, refuse_links
 from vvdp.cfd.section import Section, read_frames, read_section
 from vvdp.cfd.series import CASE, MIDDLE
 from vvdp.cfd.snapping import SURFACE
@@ -40,7 +41,9 @@ def write_cfd_report(directory: Path) -> Path:
     All is made from the files in the directory; made again, it has the same bytes.
     Raises ConfigError where the directory holds no result.
     """
-    result, case = read_result(directory), directory / CASE
+    opened, case = open_directory(directory), directory / CASE
+    result = read_result(opened)
+    refuse_links(case)
     drawings = [patches_figure(read_stl(case / SURFACE))]
     if lines := read_streamlines(case):
         drawings.append(streamlines_figure(read_stl(case / SURFACE), lines))
@@ -49,7 +52,7 @@ def write_cfd_report(directory: Path) -> Path:
     if frames := read_frames(case, MIDDLE):
         begin, speed = (result.numbers[key].value for key in ("begin_angle_rad", "spool_speed_rad_s"))
         drawings.append(frames_figure({begin + speed * time: each for time, each in frames.items()}))
-    return write_result_page(directory, Page(result, read_meta(directory), {}, {each.name: each for each in drawings}))
+    return write_result_page(directory, Page(result, read_meta(opened), {}, {each.name: each for each in drawings}))
 
 
 def streamlines_figure(mesh: Mesh, lines: Sequence[Streamline]) -> Drawn:

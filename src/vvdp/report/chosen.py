@@ -11,6 +11,7 @@ from vvdp.base.display import key_suffix, with_unit
 from vvdp.base.errors import ConfigError, Fault, unusable
 from vvdp.base.files import write_whole
 from vvdp.base.kinds import TIME
+from vvdp.base.manifest import open_directory
 from vvdp.base.tables import suggestion
 from vvdp.report.drawing import image
 from vvdp.report.plot import fill_figure
@@ -21,18 +22,27 @@ from vvdp.results.store import is_result, read_result
 from vvdp.runs.result import run_result
 from vvdp.runs.run import open_run
 from vvdp.runs.tables import record_table
+from vvdp.runs.untold import untold_result
+from vvdp.simulation.results import read_results
+from vvdp.systems.own_modules import UntrustedModuleError
 
 Ends: TypeAlias = tuple[float | None, float | None]
 FORMS = (".png", ".svg", ".pdf")
 
 
-def open_drawable(directory: Path) -> Result:
-    """The result in a directory; of a run with all that it recorded. Raises ConfigError where there is none."""
-    if is_result(directory):
+def open_drawable(place: Path, trust: str = "") -> Result:
+    """The result in a directory; of a run with all that it recorded, and nothing else where its circuit needs code that
+    may not be run. `trust` is a module that may be. Raises ConfigError where there is no result.
+    """
+    directory = open_directory(place)
+    if is_result(place):
         return read_result(directory)
-    run = open_run(directory)
+    try:
+        run = open_run(directory, trust)
+    except UntrustedModuleError as problem:
+        return untold_result(read_results(directory), str(problem))
     result = run_result(run)
-    return replace(result, tables=dict(result.tables) | {"record": record_table(run)})
+    return replace(result, tables=dict(result.tables) | {"record": record_table(run.record)})
 
 
 def series_names(result: Result) -> dict[str, tuple[str, str]]:

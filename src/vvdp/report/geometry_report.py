@@ -4,7 +4,7 @@ import base64
 from collections.abc import Iterator
 from pathlib import Path
 
-from vvdp.base.tables import parsed_table
+from vvdp.base.manifest import Directory, open_directory
 from vvdp.geometry.files import read_stl
 from vvdp.geometry.product import FILM, SHAPE
 from vvdp.geometry.result import VOLUMES
@@ -18,40 +18,35 @@ from vvdp.report.solid_view import solid_view
 from vvdp.results.result import Result
 from vvdp.results.store import read_meta, read_result
 from vvdp.systems.spool_travel import require_rotary_valve
-from vvdp.systems.system import built_system
+from vvdp.systems.system import saved_system
 from vvdp.valve.rotary import RotaryValve
 
 
-def write_geometry_report(directory: Path) -> Path:
+def write_geometry_report(place: Path, trust: str = "") -> Path:
     """Writes report.html and figures/ into the directory of a geometry and gives the path of the page.
 
-    All is made from the files in the directory; made again, it has the same bytes.
-    Raises ConfigError where the directory holds no result, or the system in it cannot be read.
+    All is made from the files in the directory; made again, it has the same bytes. `trust` is a module that may be run
+    to draw its system. Raises ConfigError where the directory holds no result, or the system in it cannot be read.
     """
-    result = read_result(directory)
-    shape, valve = _read_shape(directory, result.system)
+    directory = open_directory(place)
+    result, meta = read_result(directory), read_meta(directory)
+    system = saved_system(directory, result.system, meta.get("module"), trust)
+    valve = require_rotary_valve(system, "geometry")
+    shape = given_shape(valve, str(directory.file(SHAPE)), ()).shape
     angle, position = (result.numbers[key].value for key in ("spool_angle_rad", "axial_position_m"))
     ready = {"view": solid_view(shape, valve, angle, position)}
-    if (directory / FILM).is_file():
-        ready["film"] = _film_html((directory / FILM).read_bytes())
+    if FILM in directory.files:
+        ready["film"] = _film_html(directory.file(FILM).read_bytes())
     drawings = {each.name: each for each in _drawings(directory, result, shape, valve)}
-    return write_result_page(directory, Page(result, read_meta(directory), ready, drawings))
+    return write_result_page(place, Page(result, meta, ready, drawings))
 
 
-def _read_shape(directory: Path, name: str) -> tuple[ValveShape, RotaryValve]:
-    """The lengths and the valve that the files of a directory give."""
-    file = directory / "system.toml"
-    system = built_system(parsed_table(file.read_text("utf-8"), str(file)), name, directory)
-    valve = require_rotary_valve(system, "geometry")
-    return given_shape(valve, str(directory / SHAPE), ()).shape, valve
-
-
-def _drawings(directory: Path, result: Result, shape: ValveShape, valve: RotaryValve) -> Iterator[Drawn]:
+def _drawings(directory: Directory, result: Result, shape: ValveShape, valve: RotaryValve) -> Iterator[Drawn]:
     position, fineness = (result.numbers[key].value for key in ("axial_position_m", "fineness"))
     yield unwrapped_figure(shape, valve, position)
     yield solids_figure(spool(shape, valve, fineness), half_sleeve(shape, valve, fineness))
-    files = {words: directory / "oil" / f"{name}.stl" for name, words in VOLUMES.items()}
-    if oil := {words: read_stl(path) for words, path in files.items() if path.is_file()}:
+    files = {words: f"oil/{name}.stl" for name, words in VOLUMES.items()}
+    if oil := {words: read_stl(directory.file(name)) for words, name in files.items() if name in directory.files}:
         yield oil_figure(oil)
 
 

@@ -5,10 +5,11 @@ from importlib import resources
 from pathlib import Path
 from types import MappingProxyType
 
-from vvdp.base.files import clear_unfinished, write_whole
+from vvdp.base.files import clear_unfinished, discard, write_listed, write_whole
+from vvdp.base.manifest import read_list
 from vvdp.report.drawing import Drawn
 
-NAME = "report.html"
+NAME, FIGURES = "report.html", "figures"
 
 
 def opening(title: str, style: str = "", head: str = "") -> str:
@@ -26,19 +27,19 @@ def write_page(
 ) -> Path:
     """Writes report.html and figures/ into `directory` and gives the path of the page.
 
-    `more` are further SVG figures by name. Pictures of an earlier page that are no longer drawn are taken away.
+    `more` are further SVG figures by name. Pictures of an earlier page that are no longer drawn are taken away, as far
+    as vvdp has drawn them and they are as it left them. Raises ConfigError where a link, or a file that vvdp did not
+    write, stands where the page or a figure belongs.
     """
     page = "\n".join(lines) + "\n"
-    folder = directory / "figures"
-    folder.mkdir(exist_ok=True)
-    for place in (directory, folder):
-        clear_unfinished(place)
-    files = {f"{name}.svg": svg.encode() for name, svg in more.items()}
-    files |= {f"{each.name}.svg": each.svg.encode() for each in drawn}
-    for stale in sorted(folder.iterdir()):
-        if stale.name not in files and stale.suffix in (".svg", ".png"):
-            stale.unlink()
-    for name, content in files.items():
-        write_whole(folder / name, content)
-    write_whole(directory / NAME, page)
+    files = {f"{FIGURES}/{name}.svg": svg.encode() for name, svg in more.items()}
+    files |= {f"{FIGURES}/{each.name}.svg": each.svg.encode() for each in drawn}
+    stale = [name for name in read_list(directory) if name.startswith(f"{FIGURES}/") and name not in files]
+    with write_listed(directory, [*files, NAME], pages=True):
+        for place in (directory, directory / FIGURES):
+            clear_unfinished(place)
+        for name, content in files.items():
+            write_whole(directory / name, content)
+        write_whole(directory / NAME, page)
+    discard(directory, stale)
     return directory / NAME

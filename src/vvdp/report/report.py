@@ -1,9 +1,11 @@
 """The report of a run: its result, the circuit, the parameters and their origin on one page."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 from vvdp.base.display import with_unit
 from vvdp.base.kinds import DURATION, FLOW, GAUGE_PRESSURE
+from vvdp.base.manifest import open_directory
 from vvdp.report.circuit import Lines, graph_of
 from vvdp.report.diagram import diagram
 from vvdp.report.drawing import Drawn
@@ -13,18 +15,32 @@ from vvdp.report.result_page import Page, write_result_page
 from vvdp.report.tables import assumed_table, parameter_table
 from vvdp.runs.result import run_result
 from vvdp.runs.run import RecordedRun, open_run
+from vvdp.runs.untold import untold_result
+from vvdp.simulation.link import quiet
+from vvdp.simulation.results import read_results
 from vvdp.systems.overview import flow_lines, node_lines
+from vvdp.systems.own_modules import UntrustedModuleError
 
 DIAGRAM = "circuit"
 
 
-def write_report(directory: Path, run: RecordedRun | None = None) -> Path:
+def write_report(
+    directory: Path, run: RecordedRun | None = None, trust: str = "", say: Callable[[str], None] = quiet
+) -> Path:
     """Writes report.html and figures/ into a result directory and gives the path of the page.
 
     All is made from the files in the directory, or from the `run` that was just written there: the bytes are the same.
+    Without a circuit, and `say` hears why, where that needs code that may not be run; `trust` is a module that may be.
     Raises ConfigError where the directory is no result directory or the system in it cannot be read.
     """
-    run = run or open_run(directory)
+    if run is None:
+        opened = open_directory(directory)
+        try:
+            run = open_run(opened, trust)
+        except UntrustedModuleError as problem:
+            say(str(problem))
+            results = read_results(opened)
+            return write_result_page(directory, Page(untold_result(results, str(problem)), results.meta))
     ready = {
         "parameters": parameter_table(run.system, bibliography()),
         "assumed": assumed_table(run.system),

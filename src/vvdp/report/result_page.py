@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from vvdp.base.kinds import GAUGE_PRESSURE, PRESSURE_LEVEL
+from vvdp.base.manifest import open_directory
 from vvdp.report.drawing import Drawn
 from vvdp.report.html import figure, group, row, table, text
 from vvdp.report.interactive import live_body, live_head
@@ -37,7 +38,8 @@ def write_result_report(directory: Path) -> Path:
 
     Raises ConfigError where the directory holds no result.
     """
-    return write_result_page(directory, Page(read_result(directory), read_meta(directory)))
+    opened = open_directory(directory)
+    return write_result_page(directory, Page(read_result(opened), read_meta(opened)))
 
 
 def write_result_page(directory: Path, page: Page) -> Path:

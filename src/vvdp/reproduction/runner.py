@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from vvdp.base.files import write_whole
+from vvdp.base.files import list_all, write_whole
 from vvdp.report.chosen import write_figure
 from vvdp.reproduction.item import Item, Reproduction
 from vvdp.results.result import Result
@@ -69,6 +69,7 @@ def write_item(folder: Path, outcome: Outcome) -> None:
         write_whole(folder / f"{picture.name}.svg", picture.svg)
         if picture.png:
             write_whole(folder / f"{picture.name}.png", picture.png)
+    list_all(folder)
 
 
 def all_statements(outcomes: Iterable[Outcome]) -> list[tuple[str, Statement]]:

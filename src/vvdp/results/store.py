@@ -4,6 +4,7 @@
     NAME.csv      each table, a row for every point, SI; the names of the columns end with their units
     system.toml   the system as it was resolved
     meta.json     version, time, seconds, the command
+    vvdp.json     the list of these files, with their sums (`base.manifest`)
 
 Every number stands once: those of tables in their CSV files, all others in result.json.
 """
@@ -13,7 +14,7 @@ import io
 import json
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -24,12 +25,14 @@ import numpy as np
 
 import vvdp
 from vvdp.base.errors import ConfigError, unusable
-from vvdp.base.files import write_whole
+from vvdp.base.files import write_listed, write_whole
 from vvdp.base.kinds import GAUGE_PRESSURE, Kind, kind_named
+from vvdp.base.manifest import NAME, Directory, open_directory
 from vvdp.results.result import Column, Result, Table, plain_values
 
 FORMAT = 1
 DESCRIPTION = "result.json"
+META = "meta.json"
 GAUGE = " [gauge]"
 T = TypeVar("T")
 
@@ -45,13 +48,15 @@ def write_result(
 
     `command` is what was typed, word by word; `more` is added to meta.json.
     """
-    for name, table in result.tables.items():
-        write_whole(folder / f"{name}.csv", table_text(table))
-    if system:
-        write_whole(folder / "system.toml", system)
-    write_json(folder / DESCRIPTION, {"format": FORMAT, **_content(result)})
-    meta = {"vvdp": vvdp.__version__, "written": time.strftime("%Y-%m-%dT%H:%M:%S%z"), "command": list(command)}
-    write_json(folder / "meta.json", meta | dict(more))
+    tables = {f"{name}.csv": table for name, table in result.tables.items()}
+    with write_listed(folder, [*tables, *(["system.toml"] if system else []), DESCRIPTION, META]):
+        for name, table in tables.items():
+            write_whole(folder / name, table_text(table))
+        if system:
+            write_whole(folder / "system.toml", system)
+        write_json(folder / DESCRIPTION, {"format": FORMAT, **_content(result)})
+        meta = {"vvdp": vvdp.__version__, "written": time.strftime("%Y-%m-%dT%H:%M:%S%z"), "command": list(command)}
+        write_json(folder / META, meta | dict(more))
 
 
 def is_result(directory: Path) -> bool:
@@ -59,33 +64,40 @@ def is_result(directory: Path) -> bool:
     return (directory / DESCRIPTION).is_file()
 
 
-def read_result(directory: Path) -> Result:
-    """The content of a directory that a study has written. Raises ConfigError where it is none, or damaged."""
-    if not directory.is_dir():
-        raise unusable(directory, "is not a directory" if directory.exists() else "no such directory")
-    if not is_result(directory):
-        raise unusable(directory, f"holds no result: {DESCRIPTION} missing")
+def read_result(place: Path | Directory) -> Result:
+    """The content of a directory that a study has written. Raises ConfigError where it is none, changed, or damaged."""
+    directory = open_directory(place)
+    content = directory.json(DESCRIPTION)
+    if content.get("format") != FORMAT:
+        raise unusable(directory.path, f"was written in format {content.get('format')}; this version reads {FORMAT}")
     try:
-        content = json.loads((directory / DESCRIPTION).read_text("utf-8"))
-        if content["format"] != FORMAT:
-            raise unusable(directory, f"was written in format {content['format']}; this version reads {FORMAT}")
+        _check_names(content["tables"], content["charts"])
         for name, table in content["tables"].items():
-            table["columns"] = _columns(directory / f"{name}.csv", table["columns"])
+            table["columns"] = _columns(directory.file(f"{name}.csv"), table["columns"])
         result: Result = _value(Result, content)
+        _check_names([chart.name for chart in result.charts.values()])
         return result
     except ConfigError:
         raise
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as problem:
-        raise unusable(directory, f"is damaged: {problem}") from None
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, StopIteration, csv.Error) as problem:
+        raise unusable(directory.path, f"is damaged: {problem}") from None
 
 
-def read_meta(directory: Path) -> Mapping[str, Any]:
+def _check_names(*groups: Iterable[str]) -> None:
+    """Raises ValueError where a table or chart has a name that could not be the name of a file in its directory."""
+    for name in (name for group in groups for name in group):
+        if not NAME.fullmatch(name):
+            raise ValueError(f"{name!r} names a table or chart; expected letters, digits, '_', '-' and '.'")
+
+
+def read_meta(place: Path | Directory) -> Mapping[str, Any]:
     """When, by what version and by which command a directory was written. Raises ConfigError where it does not say."""
-    try:
-        meta: Mapping[str, Any] = json.loads((directory / "meta.json").read_text("utf-8"))
-        return meta
-    except (OSError, ValueError) as problem:
-        raise unusable(directory, f"is damaged: meta.json: {problem}") from None
+    directory = open_directory(place)
+    meta = directory.json(META)
+    command = meta.get("command", [])
+    if not isinstance(command, list) or not all(isinstance(word, str) for word in command):
+        raise unusable(directory.path / META, "is damaged: command is not a list of words")
+    return meta
 
 
 def add_labels(directory: Path, labels: Mapping[str, str]) -> None:
@@ -93,9 +105,9 @@ def add_labels(directory: Path, labels: Mapping[str, str]) -> None:
 
     Raises ConfigError where the directory holds no result.
     """
-    write_json(
-        directory / "meta.json", {**read_meta(directory), **{name: text for name, text in labels.items() if text}}
-    )
+    meta = {**read_meta(directory), **{name: text for name, text in labels.items() if text}}
+    with write_listed(directory, [META]):
+        write_json(directory / META, meta)
 
 
 def table_text(table: Table) -> str:
@@ -175,7 +187,19 @@ def _value(wanted: Any, content: Any) -> Any:
         return wanted(**{f.name: _value(hints[f.name], content[f.name]) for f in fields(wanted) if f.init})
     if isinstance(wanted, type) and issubclass(wanted, StrEnum):
         return wanted(content)
-    return math.nan if content is None and wanted is float else content
+    return _plain(wanted, content)
+
+
+def _plain(wanted: Any, content: Any) -> Any:
+    """A number, flag or text of the type `wanted`, nan for a number that is not known. Raises ValueError."""
+    if wanted is float and content is None:
+        return math.nan
+    fitting = (int, float) if wanted is float else wanted
+    if wanted in (bool, int, float, str) and (
+        not isinstance(content, fitting) or isinstance(content, bool) != (wanted is bool)
+    ):
+        raise ValueError(f"{content!r} is given; expected a value of type {wanted.__name__}")
+    return content
 
 
 def _choose_type(types: Sequence[Any], content: Any) -> Any:

@@ -21,12 +21,13 @@ import vvdp
 from vvdp.base.arrays import Array
 from vvdp.base.display import with_unit
 from vvdp.base.errors import ParameterError, unusable
-from vvdp.base.files import clear_unfinished
+from vvdp.base.files import clear_below, clear_unfinished
 from vvdp.base.kinds import PRESSURE_LEVEL
+from vvdp.base.manifest import has_list, open_directory, refuse_foreign, refuse_links
 from vvdp.fluid.mixture import compression_energy_per_volume, specific_volume_ratio
 from vvdp.fluid.oil import density
 from vvdp.hydraulics.spool_drive import drive_power
-from vvdp.results.store import DESCRIPTION, read_result
+from vvdp.results.store import DESCRIPTION
 from vvdp.rigs.capacity import PRESSURES, averaged_flows, capacity_points, derived_capacities
 from vvdp.rigs.efficiencies import EFFICIENCIES, SET, with_efficiencies
 from vvdp.rigs.map_axes import Axes
@@ -41,7 +42,7 @@ from vvdp.steady.steady_states import HELD, Steady, steady_states
 from vvdp.steady.test_stand import SetPoint, Stand
 from vvdp.studies.engine import HERE, Engine
 from vvdp.studies.run import hold_interrupts, silent
-from vvdp.studies.store import Finished, opened_store
+from vvdp.studies.store import Finished, is_own, is_store, opened_store
 from vvdp.studies.work import Batching, check_same, kept_batches
 from vvdp.systems.load_ripple import estimated_ripple
 from vvdp.valve.losses import full_open_drop
@@ -337,13 +338,12 @@ def map_directory(directory: Path, verb: str = "map", *, simulated: bool = True,
     """
     if directory.exists() and not directory.is_dir():
         raise unusable(directory, "is not a directory")
-    known = (DESCRIPTION, f"{STORE}/study.json")
-    if directory.exists() and any(directory.iterdir()) and not any((directory / name).is_file() for name in known):
-        raise unusable(directory, "holds something else than a map; choose another directory")
     if force and directory.exists():
+        clear_below(directory)
+        refuse_foreign(directory, directory, lambda path: path.parent == directory / STORE and is_own(path))
         shutil.rmtree(directory)
-    if (directory / DESCRIPTION).is_file() and read_result(directory).verb != verb:
-        raise unusable(directory, "holds the result of another command; choose another directory")
+    elif directory.exists() and any(directory.iterdir()):
+        _require_map(directory, verb)
     stored = (directory / STORE).exists()
     if stored and not simulated:
         raise unusable(directory, "holds a simulated map; choose another directory for an analytic one")
@@ -359,6 +359,18 @@ def map_directory(directory: Path, verb: str = "map", *, simulated: bool = True,
     finally:
         if not any(directory.iterdir()):
             directory.rmdir()
+
+
+def _require_map(directory: Path, verb: str) -> None:
+    """Raises ConfigError where `directory` holds something else than a map of `verb`, or files that have changed."""
+    if not has_list(directory) and not is_store(directory / STORE):
+        raise unusable(directory, "holds something else than a map; choose another directory")
+    refuse_links(directory)
+    if not has_list(directory):
+        return
+    opened = open_directory(directory, resuming=True)
+    if DESCRIPTION in opened.files and opened.json(DESCRIPTION).get("verb") != verb:
+        raise unusable(directory, "holds the result of another command; choose another directory")
 
 
 def _key(stand: Stand, point: SetPoint, digest: str) -> str:

@@ -1,4 +1,4 @@
-"""How far the numbers of a run move over the ranges of values: the run again at each end, all of them side by side."""
+"""Ranges of the numbers of a run: the run repeated at both ends of each value that has a range."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -8,6 +8,7 @@ from vvdp.base.errors import RunError
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.batch import case_shape, simulate_batch
 from vvdp.simulation.crew import never
+from vvdp.simulation.installed import SIDE_BY_SIDE, is_loop_compiled
 from vvdp.simulation.link import quiet
 from vvdp.simulation.outcome import Outcome, outcome
 from vvdp.simulation.run import simulate
@@ -76,7 +77,9 @@ def _outcomes(
     cases = [variant.case for variant, together in zip(variants, alike, strict=True) if together]
     if not cases:
         return [_alone(variant, stop) for variant in variants]
-    batch = simulate_batch(system.model, cases, system.stepping, system.average_from, stop=stop, say=say)
+    # Compiling the loop for lanes takes a minute; the ends of a few values take seconds without it.
+    lanes = is_loop_compiled(SIDE_BY_SIDE)
+    batch = simulate_batch(system.model, cases, system.stepping, system.average_from, lanes=lanes, stop=stop, say=say)
     if batch.stopped:
         raise KeyboardInterrupt
     rows = iter(range(len(cases)))

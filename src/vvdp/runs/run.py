@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from vvdp.base.arrays import Array, Rows
-from vvdp.base.tables import parsed_table
+from vvdp.base.manifest import Directory, open_directory
 from vvdp.network.network import Network
 from vvdp.network.nodes import HydraulicNode, OilVolume
 from vvdp.results.result import Number
@@ -17,7 +17,7 @@ from vvdp.simulation.record import Record
 from vvdp.simulation.results import read_results
 from vvdp.systems.overview import flow_ports, inside, period
 from vvdp.systems.quantities import summary_numbers
-from vvdp.systems.system import System, built_system
+from vvdp.systems.system import System, saved_system
 
 SHOWN_PERIODS = 3
 WITHOUT_MARKS = 0.05
@@ -170,9 +170,13 @@ class RecordedRun:
         return means
 
 
-def open_run(directory: Path) -> RecordedRun:
-    """The run in a result directory. Raises ConfigError where there is none, or the system in it cannot be read."""
+def open_run(place: Path | Directory, trust: str = "") -> RecordedRun:
+    """The run in a result directory; `trust` is a module, by name or file, that may be run to draw its circuit.
+
+    Raises ConfigError where there is no run, or it has changed, or the system in it cannot be read;
+    UntrustedModuleError where it needs code that may not be run.
+    """
+    directory = open_directory(place)
     results = read_results(directory)
-    table = parsed_table(results.system, str(directory / "system.toml"))
-    system = built_system(table, str(results.meta.get("system", "")), directory)
-    return RecordedRun(system, results.record, results.summary, results.meta, directory)
+    system = saved_system(directory, str(results.meta.get("system", "")), results.meta.get("module"), trust)
+    return RecordedRun(system, results.record, results.summary, results.meta, directory.path)

@@ -1,18 +1,20 @@
 """A system simulated: from values to a run with its summary, and into a directory."""
 
+import hashlib
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from vvdp.base.files import write_whole
+from vvdp.base.files import write_listed, write_whole
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.link import quiet
 from vvdp.simulation.record import record_of
 from vvdp.simulation.results import Results, origin, write_results
 from vvdp.simulation.run import Run, simulate
 from vvdp.systems.accuracy import FINER, Move, moves
+from vvdp.systems.own_modules import OwnModule
 from vvdp.systems.quantities import summary_units
 from vvdp.systems.resolved import resolved_text
 from vvdp.systems.summary import summary
@@ -55,6 +57,8 @@ def recorded_run(system: System, done: Run, command: Sequence[str] = ()) -> Reco
         "assumed_values": len(system.assumptions),
         "written": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
     }
+    if system.module is not None:
+        meta["module"] = system.module.flat
     return RecordedRun(system, record_of(done), found, meta | balances)
 
 
@@ -69,11 +73,14 @@ def check_accuracy(run: RecordedRun, progress: Callable[[float], None] | None = 
 
 
 def save_run(folder: Path, run: RecordedRun) -> None:
-    """Writes a run into `folder`, with the module of its circuit where that lies beside the system file."""
-    system = run.system
-    if system.module is not None:
-        name = str(system.content["circuit"]).partition(":")[0]
-        copy = folder / f"{name.replace('.', '/')}.py"
-        copy.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(copy, system.module.read_bytes())
-    write_results(folder, Results(folder, resolved_text(system), run.summary, run.meta, run.record))
+    """Writes a run into `folder`, with a copy of the module that drew its circuit: to be looked at, it is never run."""
+    if run.system.module is not None:
+        _copy_module(folder, run.system.module)
+    write_results(folder, Results(folder, resolved_text(run.system), run.summary, run.meta, run.record))
+
+
+def _copy_module(folder: Path, module: OwnModule) -> None:
+    name, content = f"{module.name.replace('.', '/')}.py", module.path.read_bytes()
+    if name.isascii() and hashlib.sha256(content).hexdigest() == module.sha256:
+        with write_listed(folder, [name]):
+            write_whole(folder / name, content)

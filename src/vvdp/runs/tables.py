@@ -23,6 +23,7 @@ from vvdp.network.nodes import DrivenShaft, Rod, Shaft
 from vvdp.results.result import Column, Listing, Row, Table
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.balance import LIMIT
+from vvdp.simulation.record import Record
 from vvdp.systems.extras import Extras
 from vvdp.systems.overview import flow_lines, loss_lines, node_lines, power_lines
 
@@ -139,16 +140,16 @@ def series_table(run: RecordedRun) -> Table:
     return Table(title="Recorded series", columns=columns, is_data=True)
 
 
-def record_table(run: RecordedRun) -> Table:
+def record_table(record: Record) -> Table:
     """All that a run recorded, pressures absolute, a column for each number of a value that has several.
 
     Columns are called by group and path (`states.load`), with the SI unit at their end.
     """
-    columns = {"time_s": Column(run.times, DURATION, "time", "t")}
-    for group, members in run.record.groups.items():
+    columns = {"time_s": Column(record.times, DURATION, "time", "t")}
+    for group, members in record.groups.items():
         for path, series in members.items():
             kind = series.kind or NUMBER
-            flat = series.values.reshape(run.times.size, -1)
+            flat = series.values.reshape(record.times.size, -1)
             for place, values in enumerate(flat.T):
                 index = f".{place}" if series.values.ndim > 1 else ""
                 columns[f"{group}.{path}{index}{key_suffix(kind)}"] = Column(

@@ -6,13 +6,12 @@ fails again while it closes a file that it could not write.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.kinds import DURATION, PRESSURE_LEVEL, Kind, kind_named
+from vvdp.base.kinds import DURATION, PRESSURE_LEVEL, Kind
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import leaves
 
@@ -110,37 +109,6 @@ def record_bytes(record: Record, attributes: Mapping[str, str | int]) -> bytes:
         file.flush()
         image: bytes = file.id.get_file_image()
     return image
-
-
-def read_record(path: Path) -> Record:
-    """The record in an HDF5 file. Raises OSError, KeyError or ValueError where it holds none."""
-    import h5py
-
-    with h5py.File(path, "r") as file:
-        return Record(
-            times=file["time"][:],
-            **{name: _read_series(file.get(name, {})) for name in GROUPS},
-            mark_times=file["marks/time"][:],
-            mark_states=_read_series(file["marks/states"]),
-        )
-
-
-def _read_series(group: Any, path: str = "") -> dict[str, Series]:
-    found: dict[str, Series] = {}
-    for name, item in group.items():
-        name = "time" if name == TIME_VALUE else name
-        full = f"{path}.{name}" if path else name
-        if hasattr(item, "shape"):
-            found[full] = Series(item[:], _read_kind(item.attrs), str(item.attrs["long_name"]))
-        else:
-            found |= _read_series(item, full)
-    return found
-
-
-def _read_kind(attributes: Any) -> Kind | None:
-    """The kind of a dataset; one that vvdp does not know is made from its name and unit."""
-    name, unit = str(attributes.get("kind", "")), str(attributes["units"])
-    return kind_named(name) or (Kind(name or "quantity", unit, -np.inf, np.inf, f"1 {unit}") if unit != "1" else None)
 
 
 def _dataset_name(path: str) -> str:

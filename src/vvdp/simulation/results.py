@@ -5,9 +5,9 @@ result.h5       times, states, outputs, marks; commands, memory and readings of 
                 `units` and `long_name`, time first, as its dimension (`simulation.record`)
 summary.json    the numbers that the run comes to
 meta.json       versions, hash of the linked equations, tolerances, residuals, seconds
+vvdp.json       the list of these files, with their sums (`base.manifest`)
 """
 
-import json
 import math
 import platform
 from collections.abc import Mapping
@@ -19,12 +19,16 @@ import numpy as np
 
 import vvdp
 from vvdp.base.errors import unusable
-from vvdp.base.files import write_whole
-from vvdp.results.store import write_json
-from vvdp.simulation.record import Record, read_record, record_bytes
+from vvdp.base.files import write_listed, write_whole
+from vvdp.base.manifest import Directory, open_directory
+from vvdp.results.store import META, read_meta, write_json
+from vvdp.simulation.record import Record, record_bytes
 from vvdp.simulation.run import Run
 
 FORMAT = 2
+SYSTEM, SUMMARY, RECORD = "system.toml", "summary.json", "result.h5"
+MEASURED = ("relative_tolerance", "sample_period_s", "until_s", "seconds")
+"""Numbers that meta.json has of every run."""
 
 
 @dataclass(frozen=True)
@@ -60,39 +64,58 @@ def origin(run: Run) -> dict[str, Any]:
 
 def write_results(folder: Path, results: Results) -> None:
     """Writes a run into `folder`; each file is whole or absent. `results.directory` is not looked at."""
-    write_whole(folder / "system.toml", results.system)
-    write_json(folder / "summary.json", results.summary)
-    write_json(folder / "meta.json", results.meta)
-    attributes: dict[str, str | int] = {name: str(results.meta.get(name, "")) for name in ("title", "system", "vvdp")}
-    write_whole(folder / "result.h5", record_bytes(results.record, attributes | {"format": FORMAT}))
+    with write_listed(folder, [SYSTEM, SUMMARY, META, RECORD]):
+        write_whole(folder / SYSTEM, results.system)
+        write_json(folder / SUMMARY, results.summary)
+        write_json(folder / META, results.meta)
+        attributes: dict[str, str | int] = {
+            name: str(results.meta.get(name, "")) for name in ("title", "system", "vvdp")
+        }
+        write_whole(folder / RECORD, record_bytes(results.record, attributes | {"format": FORMAT}))
 
 
-def read_results(directory: Path) -> Results:
-    """The content of a result directory. Raises ConfigError where it is none, or from another format."""
-    if not directory.is_dir():
-        raise unusable(directory, "is not a directory" if directory.exists() else "no such directory")
-    missing = [n for n in ("system.toml", "result.h5", "summary.json", "meta.json") if not (directory / n).is_file()]
-    if missing:
-        raise unusable(directory, f"is not a result directory: {', '.join(missing)} missing")
-    try:
-        meta = json.loads((directory / "meta.json").read_text("utf-8"))
-        form = meta.get("format")
-    except (OSError, ValueError, AttributeError) as problem:
-        raise unusable(directory, f"is damaged: {problem}") from None
-    if form != FORMAT:
+def read_results(place: Path | Directory) -> Results:
+    """The content of a run's directory. Raises ConfigError where it is none, changed, damaged, or of another format."""
+    from vvdp.simulation.stored_record import read_record
+
+    directory = open_directory(place)
+    for name in (SYSTEM, RECORD, SUMMARY):
+        directory.file(name)
+    meta = read_meta(directory)
+    if meta.get("format") != FORMAT:
         raise unusable(
-            directory, f"was written in format {form}; this version reads format {FORMAT}: run its system.toml again"
+            directory.path,
+            f"was written in format {meta.get('format')}; this version reads format {FORMAT}: run its {SYSTEM} again",
         )
+    _check_meta(directory.path / META, meta)
     try:
-        return Results(
-            directory=directory,
-            system=(directory / "system.toml").read_text("utf-8"),
-            summary={
-                key: math.nan if value is None else value
-                for key, value in json.loads((directory / "summary.json").read_text("utf-8")).items()
-            },
-            meta=meta,
-            record=read_record(directory / "result.h5"),
-        )
-    except (OSError, KeyError, ValueError) as problem:
-        raise unusable(directory, f"is damaged: {problem}") from None
+        record = read_record(directory.file(RECORD))
+    except (OSError, KeyError, ValueError, RuntimeError) as problem:
+        raise unusable(directory.path / RECORD, f"is damaged: {problem}") from None
+    return Results(
+        directory=directory.path,
+        system=directory.text(SYSTEM),
+        summary=_read_summary(directory),
+        meta=meta,
+        record=record,
+    )
+
+
+def _check_meta(path: Path, meta: Mapping[str, Any]) -> None:
+    """Raises ConfigError where what every run says of itself has another type than it was written with."""
+    for name in MEASURED:
+        if not isinstance(meta.get(name), int | float) or isinstance(meta[name], bool):
+            raise unusable(path, f"is damaged: {name} = {meta.get(name)!r}; expected a number")
+    if not isinstance(meta.get("finished"), bool):
+        raise unusable(path, f"is damaged: finished = {meta.get('finished')!r}; expected true or false")
+    remarks = meta.get("remarks", [])
+    if not isinstance(remarks, list) or not all(isinstance(text, str) for text in remarks):
+        raise unusable(path, "is damaged: remarks is not a list of texts")
+
+
+def _read_summary(directory: Directory) -> dict[str, Any]:
+    found = directory.json(SUMMARY)
+    for key, value in found.items():
+        if not isinstance(value, int | float | None):
+            raise unusable(directory.path / SUMMARY, f"is damaged: {key} = {value!r}; expected a number or a flag")
+    return {key: math.nan if value is None else value for key, value in found.items()}

@@ -3,22 +3,36 @@
     files(name, size, changed)                       each file of cases as it was when it was read
     cases(key, file, failure, settings, summary)     its cases; settings and summary are JSON
 
-It may be missing, damaged, locked or behind at any time: it then knows less, and its files are read instead.
+It may be missing, damaged, locked or behind at any time: it then knows less, and its files are read instead. A file of
+that name which is not ours, told by its `application_id`, is renamed and never opened; a link is neither.
 """
 
+import itertools
+import os
 import sqlite3
+import stat
+import time
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import quote
 
+from vvdp.base.errors import unusable
+
 NAME = "index.sqlite"
 VERSION = 1
+APPLICATION = 0x76766470
+"""By which a database is known as an index of vvdp: "vvdp" in ASCII."""
+HEADER = b"SQLite format 3\0"
+ID_AT = slice(68, 72)
+"""Where the header of a database has its `application_id`."""
+COMPANIONS = ("journal", "wal", "shm")
 WAITING = 5.0
 """Time [s] for which another process may hold the index."""
 
 TABLES = f"""
+pragma application_id = {APPLICATION};
 pragma user_version = {VERSION};
 create table if not exists files (name text primary key, size integer, changed integer);
 create table if not exists cases (
@@ -50,9 +64,52 @@ def stamp(path: Path) -> Stamp:
     return Stamp(found.st_size, found.st_mtime_ns)
 
 
+def is_own_index(path: Path) -> bool:
+    """Whether a file is a database that vvdp made as an index, or an empty one; no link is followed."""
+    try:
+        if not stat.S_ISREG(path.lstat().st_mode):
+            return False
+        with path.open("rb") as file:
+            begin = file.read(ID_AT.stop)
+    except OSError:
+        return False
+    return not begin or (begin.startswith(HEADER) and int.from_bytes(begin[ID_AT], "big") == APPLICATION)
+
+
+def companions(path: Path) -> list[Path]:
+    """What stands beside a database that SQLite would take for a part of it."""
+    return [each for part in COMPANIONS if os.path.lexists(each := path.with_name(f"{path.name}-{part}"))]
+
+
+def _put_aside(path: Path) -> None:
+    """Renames what is in the place of an index and cannot be used as one.
+
+    A journal names files that SQLite deletes when it rolls a database back, so none is opened with its database: it is
+    left by a process that died, or by whoever made the directory. Raises ConfigError for a link.
+    """
+    found = [each for each in (path, *companions(path)) if os.path.lexists(each)]
+    for each in found:
+        if each.is_symlink():
+            raise unusable(each, "is a link, which is not followed; remove it")
+    if found == [path] and is_own_index(path):
+        return
+    for each in found:
+        names = (each.with_name(f"aside{number or ''}-{each.name}") for number in itertools.count())
+        each.rename(next(name for name in names if not os.path.lexists(name)))
+
+
+def _is_at_work(path: Path) -> bool:
+    """Whether another process may be in the middle of a transaction."""
+    with suppress(OSError):
+        return any(time.time() - each.lstat().st_mtime < WAITING for each in companions(path))
+    return True
+
+
 def read_index(directory: Path) -> dict[str, tuple[Stamp, list[Row]]]:
     """What the index of `directory` knows: stamp and cases by the name of the file; nothing where it is of no use."""
     path = directory / NAME
+    if not is_own_index(path) or companions(path):
+        return {}
     try:
         with closing(sqlite3.connect(f"file:{quote(str(path))}?mode=ro", uri=True, timeout=WAITING)) as base:
             if base.execute("pragma user_version").fetchone() != (VERSION,):
@@ -71,15 +128,19 @@ def read_index(directory: Path) -> dict[str, tuple[Stamp, list[Row]]]:
 def write_index(directory: Path, files: Mapping[str, tuple[Stamp, Iterable[Row]]], gone: Iterable[str] = ()) -> None:
     """Enters files and their cases, and drops those that are gone: all of it or nothing.
 
-    Where another process holds the index, or the place does not bear one, it stays behind.
+    Where another process holds the index, or the place does not bear one, it stays behind. Raises ConfigError where the
+    index is a link.
     """
     path = directory / NAME
     try:
+        if _is_at_work(path):
+            return
+        _put_aside(path)
         try:
             _write(path, files, gone)
         except sqlite3.OperationalError:
             raise
-        except sqlite3.DatabaseError:  # damaged
+        except sqlite3.DatabaseError:  # ours, and damaged
             path.unlink(missing_ok=True)
             _write(path, files, gone)
     except (sqlite3.OperationalError, OSError):

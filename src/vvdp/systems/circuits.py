@@ -1,10 +1,7 @@
 """What a system file may name as its circuit: an entry point, or a function in a module of one's own."""
 
-import hashlib
 import importlib
-import importlib.util
 import inspect
-import sys
 import types
 import typing
 from collections.abc import Callable, Mapping
@@ -18,7 +15,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.params import Params
 from vvdp.base.tables import nearest
 from vvdp.network.network import Network
-from vvdp.simulation.cache import default_cache
+from vvdp.systems.own_modules import local_file, module_name, run_local_module
 
 GROUP = "vvdp.systems"
 """Group of the entry points under which packages offer circuits."""
@@ -65,12 +62,12 @@ def network_function(name: str, folder: Path) -> NetworkFunction:
     """
     found: Any
     if ":" in name:
-        module_name, _, function = name.partition(":")
-        module = _module(module_name, folder)
+        function = name.partition(":")[2]
+        module = _module(module_name(name), folder)
         found = getattr(module, function, None)
         if found is None:
             public = [n for n, value in vars(module).items() if inspect.isfunction(value) and not n.startswith("_")]
-            raise ParameterError(f"{module_name} has no function {function!r}{nearest(function, public)}")
+            raise ParameterError(f"{module_name(name)} has no function {function!r}{nearest(function, public)}")
     else:
         points = [point for point in _entry_points() if point.name == name]
         if not points:
@@ -82,46 +79,16 @@ def network_function(name: str, folder: Path) -> NetworkFunction:
     return found
 
 
-def local_module(name: str, folder: Path) -> Path | None:
-    """The file of a module beside a system file; None where it is an installed one, or an entry point's."""
-    path = folder / f"{name.partition(':')[0].replace('.', '/')}.py"
-    return path if ":" in name and path.is_file() else None
-
-
 def _module(name: str, folder: Path) -> types.ModuleType:
-    path = local_module(f"{name}:", folder)
-    if path is None:
-        try:
-            return importlib.import_module(name)
-        except ModuleNotFoundError as problem:
-            if problem.name and (name == problem.name or name.startswith(f"{problem.name}.")):
-                raise ParameterError(f"no module {name!r}, neither {folder / name}.py nor installed") from None
-            raise ParameterError(f"{name} needs the module {problem.name!r}, which is not installed") from None
-    _announce(path)
-    spec = importlib.util.spec_from_file_location(name, path)
-    assert spec and spec.loader
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
+    path = local_file(name, folder)
+    if path is not None:
+        return run_local_module(name, path)
     try:
-        spec.loader.exec_module(module)
-    except Exception as problem:
-        del sys.modules[name]
-        raise ParameterError(f"{path} cannot be run: {type(problem).__name__}: {problem}") from problem
-    return module
-
-
-def _announce(path: Path) -> None:
-    """Says once for each content of a module, on stderr, that a system file makes it run."""
-    try:
-        content = path.read_bytes()
-        marker = default_cache() / "modules" / hashlib.sha256(content).hexdigest()[:24]
-        if marker.exists():
-            return
-        print(f"{path}: code of your own, which the system file names, is executed (said once)", file=sys.stderr)
-        marker.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        marker.write_text(f"{path.resolve()}\n", encoding="utf-8")
-    except OSError:
-        return  # said again next time
+        return importlib.import_module(name)
+    except ModuleNotFoundError as problem:
+        if problem.name and (name == problem.name or name.startswith(f"{problem.name}.")):
+            raise ParameterError(f"no module {name!r}, neither {folder / name}.py nor installed") from None
+        raise ParameterError(f"{name} needs the module {problem.name!r}, which is not installed") from None
 
 
 @cache

@@ -13,6 +13,7 @@ from typing import Any
 from vvdp.base.display import readable
 from vvdp.base.errors import ConfigError, Fault, NetworkError, ParameterError
 from vvdp.base.kinds import Ratio, Time
+from vvdp.base.manifest import Directory
 from vvdp.base.params import Params, without_class
 from vvdp.base.signal import Signal
 from vvdp.base.tables import (
@@ -38,7 +39,6 @@ from vvdp.systems.circuits import (
     NetworkFunction,
     TableSlot,
     circuit_names,
-    local_module,
     network_function,
     table_slots,
 )
@@ -47,6 +47,7 @@ from vvdp.systems.extras import Extras
 from vvdp.systems.fault_tables import FAULTS, FaultReader
 from vvdp.systems.faults import NamedFault, OtherValue, change_entries, change_tables, faulty_network
 from vvdp.systems.options import duration_of, lasting, option_keys, without_other_position
+from vvdp.systems.own_modules import OwnModule, folder_of_saved, own_module
 from vvdp.systems.spool_travel import rotary_valves
 from vvdp.valve.rotary import RotaryValve
 
@@ -96,7 +97,7 @@ class System:
 
     `function` drew the network from the tables; None where the file draws it itself. `redrawn` where these are not the
     tables of the file. Modules that the file names are looked for in `folder`. `lengths` is what the file says of the
-    valve as a solid, `faults` what fails in the circuit.
+    valve as a solid, `faults` what fails in the circuit. `module` is the one that the file names, as it was run.
     """
 
     name: str
@@ -112,6 +113,7 @@ class System:
     redrawn: bool = False
     lengths: Mapping[str, Any] | None = None
     faults: tuple[NamedFault, ...] = ()
+    module: OwnModule | None = None
 
     @property
     def model(self) -> Model:
@@ -137,11 +139,6 @@ class System:
         valve = rotary_valves(self.circuit.network, self.tables)[0]
         found = read_shape(valve, self.lengths, self.table, [])
         return None if found is None else found.shape
-
-    @property
-    def module(self) -> Path | None:
-        """The file of the function, where it lies beside the system's."""
-        return local_module(str(self.content.get("circuit", "")), self.folder)
 
     @property
     def circuit_name(self) -> str:
@@ -269,9 +266,6 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     """
     faults: list[Fault] = []
     content = dict(table.content)
-    title = content.get("title", name)
-    if not isinstance(title, str):
-        faults.append(fault_at(table, "title", f"{title!r} is not a text in quotes"))
     run, method = _run_table(content.pop("run", None), table, faults)
     function = _function(table, folder, faults)
     _refuse_unknown_tables(function, table, faults)
@@ -294,7 +288,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         raise ConfigError(list(dict.fromkeys(faults)))
     return System(
         name=name,
-        title=title,
+        title=str(table.content.get("title", name)),
         circuit=circuit,
         stepping=stepping,
         average_from=run[0].average_from,
@@ -305,11 +299,14 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         function=function,
         lengths=lengths,
         faults=failing,
+        module=None if function is None else own_module(str(table.content["circuit"]), folder),
     )
 
 
 def _refuse_unknown_tables(function: NetworkFunction | None, table: Table, faults: list[Fault]) -> None:
-    """Append a fault for each key and table of a file that nothing reads."""
+    """Append a fault for each key and table of a file that nothing reads, and for a title that is no text."""
+    if not isinstance(title := table.content.get("title", ""), str):
+        faults.append(fault_at(table, "title", f"{title!r} is not a text in quotes"))
     if function is None and set(DRAWN).isdisjoint(table.content):
         return  # it is not known which tables there should be
     own = TABLES if function is None else (*table_slots(function), FAULTS, SHAPE)
@@ -317,6 +314,18 @@ def _refuse_unknown_tables(function: NetworkFunction | None, table: Table, fault
     if function is None:
         meant += [f"operation.{key}" for key in _fields(Temperature)]
     refuse_unknown(table.content, (*HEADINGS, *own, "run", *meant), "", table, faults)
+
+
+def saved_system(directory: Directory, name: str, recorded: Any, trust: str = "") -> System:
+    """The system in a result directory; of code of a user's own only what may be run again (`systems.own_modules`).
+
+    recorded  what meta.json says of the module that drew the circuit
+    trust     a module that the user lets run, by name or file
+    Raises ConfigError with all its faults, UntrustedModuleError where there is code that may not be run.
+    """
+    place = directory.path / "system.toml"
+    table = parsed_table(directory.text("system.toml"), str(place))
+    return built_system(table, name, folder_of_saved(table.content.get("circuit"), str(place), recorded, trust))
 
 
 def _draw(function: NetworkFunction | None, content: Mapping[str, Any], table: Table, faults: list[Fault]) -> Drawing:

@@ -18,6 +18,8 @@ from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import equal_wheel
 from vvdp.simulation.replay import Replay
 
+pytestmark = pytest.mark.heavy
+
 WHEEL = equal_wheel(8)
 INDEXED = equal_wheel(8, 0.25)
 SECTOR, TURN = np.pi / 4.0, 2.0 * np.pi

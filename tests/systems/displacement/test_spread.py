@@ -9,6 +9,8 @@ import pytest
 from vvdp.studies.run import run_study
 from vvdp.studies.study import load_study
 
+pytestmark = pytest.mark.heavy
+
 STUDY = Path(__file__).parents[3] / "docs" / "whole-machine-spread.toml"
 UNSEEN = 7
 """A seed at which no limit of the supervision was chosen."""
