@@ -25,7 +25,7 @@ def bare_run(
         *(ready.atol, ready.rtol, ready.scale, ready.floor, ready.width, ready.pattern, workbench),
         *(until, 1e6, 0.0, method.value, 1e300, 1),
         *(times, record, np.zeros((times.size, reached.command.size)), np.zeros((times.size, reached.memory.size))),
-        *(np.zeros(ROWS), np.zeros((ROWS, n)), y.copy(), y.copy()),
+        *(np.zeros(ROWS), np.zeros((ROWS, n)), np.zeros(0), np.zeros((0, n)), y.copy(), y.copy()),
     )
     assert status == places.DONE
     return y, clock, record

@@ -39,7 +39,7 @@ def cases(system: System, count: int) -> Iterator[Case]:
 def around(system: System, chosen: list[Case], rounds: int) -> None:
     """Tells what Python takes around the loop for each case: the processor time of cases that end at once."""
     at_once = replace(system.stepping, until=1e-9, window=1e-9, record_interval=1e-9, window_interval=1e-9)
-    batch = partial(simulate_batch, system.model, chosen, at_once, 0.0, cores=1)
+    batch = partial(simulate_batch, system.model, chosen, at_once, cores=1)
     batch()
     per_case = [1e3 * x / len(chosen) for x in interleaved({"around": batch}, rounds)["around"]]
     report("Python around a case", spread(per_case, "ms"), f"{AROUND_TARGET:g} ms", min(per_case) < AROUND_TARGET)
@@ -61,7 +61,7 @@ def main(short: bool) -> None:
     count = 20 if short else COUNT
     system = load_system("prototype", until="5 ms" if short else "0.05 s")
     chosen = list(cases(system, count))
-    batch = partial(simulate_batch, system.model, chosen, system.stepping, 0.0)
+    batch = partial(simulate_batch, system.model, chosen, system.stepping)
     in_lanes(batch, count, 2 if short else ROUNDS)
     one, two = batch(cores=1), batch(cores=2)
     assert not any(one.reasons) and np.array_equal(one.final, two.final)

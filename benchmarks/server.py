@@ -81,8 +81,8 @@ def main(short: bool) -> None:
     model, case, stepping = system.model, system.case, system.stepping
     brief = load_system("prototype", until="10 ms")
     simulate(brief.model, brief.case, brief.stepping)  # compiled before the clock starts
-    simulate_batch(brief.model, [brief.case], brief.stepping, 0.0)
-    run, batch = partial(simulate, model, case, stepping), partial(simulate_batch, model, [case] * 20, stepping, 0.0)
+    simulate_batch(brief.model, [brief.case], brief.stepping)
+    run, batch = partial(simulate, model, case, stepping), partial(simulate_batch, model, [case] * 20, stepping)
     found = [silence(run) for _ in range(rounds)]
     report("another thread, silent for at most", spread(found, "ms", 1e3), "40 ms", median(found) < SILENCE)
     for name, work in (("run", run), ("batch in lanes", batch), ("batch one by one", partial(batch, lanes=False))):

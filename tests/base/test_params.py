@@ -10,7 +10,7 @@ from tests.words import wording
 
 from vvdp.base import kinds
 from vvdp.base.errors import ConfigError, Fault, ParameterError, VvdpError
-from vvdp.base.kinds import Kind, Length, Pressure, PressureSignal
+from vvdp.base.kinds import Kind, Length, Pressure, PressureSignal, Time
 from vvdp.base.params import Params, field_kinds, field_types
 from vvdp.base.signal import Signal, constant, sine
 
@@ -83,3 +83,16 @@ def test_faults_read_as_places_in_a_file() -> None:
     assert str(Fault("a.toml", 0, "", "is odd")) == "a.toml: is odd"
     both = ConfigError([Fault("a", 1, "", "b"), Fault("a", 2, "", "c")])
     assert str(both) == "a:1: b\na:2: c" and isinstance(both, VvdpError | ValueError) and len(both.faults) == 2
+
+
+def test_a_quantity_may_be_none_where_that_is_its_default() -> None:
+    class Window(Params):
+        begin: Time
+        end: Time | None = None
+
+    assert field_kinds(Window)["end"] is field_kinds(Window)["begin"]
+    assert Window(begin=1.0).end is None and Window(begin=1.0, end=2.0).end == 2.0
+    with pytest.raises(ParameterError, match=r"Window\.end: 1e\+99"):
+        Window(begin=1.0, end=1e99)
+    with pytest.raises(TypeError):
+        Window(begin=None)

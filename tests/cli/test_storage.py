@@ -1,10 +1,9 @@
-"""What stays on a disk that is full or read-only, and of a verb that is killed: all that is finished, nothing else."""
+"""What stays on a disk that is full or read-only, and of a verb that is ended: all that is finished, nothing else."""
 
 import fcntl
 import json
 import os
 import pty
-import random
 import re
 import resource
 import signal
@@ -170,47 +169,8 @@ def run_process(name, *more, **options):
     return subprocess.run(**arguments(name, *more), capture_output=True, check=False, **options)
 
 
-def kill_while_it_writes(name, place, delay, number=signal.SIGKILL):
-    """Ends a process `delay` seconds after something of it is on the disk; its exit code."""
-    with subprocess.Popen(**arguments(name), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as process:
-        while process.poll() is None and not any(place.iterdir()):
-            time.sleep(0.002)
-        time.sleep(delay)
-        process.send_signal(number)
-        process.communicate()
-    return process.returncode
-
-
 def kept_points(place):
     return {path.name: path.read_bytes() for path in place.glob("out/**/cases-*.json")}
-
-
-def expect_nothing_lost(vvdp, name, place, after):
-    """The directory is whole or absent; the next call clears the rest away, and goes on where there is something."""
-    verb, points = VERBS[name], kept_points(place)
-    there = (place / "out").exists()
-    whole = (place / "out" / "report.html").exists()
-    assert verb.goes_on or whole == there
-    again = vvdp(*verb.words, "--out", "out")
-    assert again.code == (2 if there and not verb.goes_on else 0), again.err
-    assert not unfinished(place), (after, unfinished(place))
-    assert [path.name for path in place.iterdir()] == ["out"]
-    assert (place / "out" / "report.html").exists()
-    assert kept_points(place).items() >= points.items()
-    return there, len(points)
-
-
-SUITE = [("run", 1), ("map", 3), ("rig", 5), ("design", 6), ("compare", 7)]
-MANY = [(name, 100 * seed) for name in ("run", "map", "rig", "design", "compare") for seed in range(1, 11)]
-
-
-@pytest.mark.parametrize(
-    ("name", "seed"), [*SUITE, *(pytest.param(*each, marks=pytest.mark.slow) for each in MANY)]
-)  # fmt: skip
-def test_killed_at_a_random_moment(vvdp, place, name, seed):
-    delay = random.Random(seed).uniform(0.0, 3.0)
-    kill_while_it_writes(name, place, delay)
-    expect_nothing_lost(vvdp, name, place, delay)
 
 
 def test_a_killed_map_goes_on_from_what_it_kept(vvdp, place):

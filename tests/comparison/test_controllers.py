@@ -105,7 +105,7 @@ def test_a_tally_is_what_the_record_says():
     """The sums made while a run goes on against its record, taken afterwards, which has one sample of 1681 less."""
     circuit = circuit_of("passivity", "air-low")
     case, stepping = seeded_case(circuit, 3), loop_trials.loop_stepping(scenario("air-low"))
-    batch = simulate_batch(circuit.model, [case], stepping, stepping.until, lanes=False)
+    batch = simulate_batch(circuit.model, [case], stepping, lanes=False)
     score = loop_score(tally_of(case, batch.final_memories[0]), batch.reasons[0] is None)
     rows = rows_under_control(simulate(circuit.model, case, stepping), 1e-3)
     late = rows.times >= rows.times[0] + 1.0

@@ -115,8 +115,8 @@ def test_efficiency_is_that_of_a_long_run(orifice_stand, with_orifice, place):
     point = COARSE.points[place]
     area = with_orifice.columns["load_area_m2"][place]
     case = orifice_stand.case(point, orifice_stand.means(point), float(area))
-    run = simulate(orifice_stand.model, case, replace(orifice_stand.stepping, until=2.0))
-    found = simulated_summary(outcome(run, 1.0), orifice_stand.bench.system)
+    run = simulate(orifice_stand.model, case, replace(orifice_stand.stepping, until=2.0, average_from=1.0))
+    found = simulated_summary(outcome(run), orifice_stand.bench.system)
     assert with_orifice.columns["overall_efficiency"][place] == pytest.approx(found["efficiency"], rel=2e-3)
 
 

@@ -133,7 +133,7 @@ def test_summaries_of_a_batch_are_those_of_single_runs():
     duties = ("0.35", "0.5", "0.8")
     systems = [load_system("prototype", [f"operation.duty_ratio={duty}"], until="0.2 s") for duty in duties]
     one = systems[0]
-    run = simulate_batch(one.model, [s.case for s in systems], one.stepping, one.average_from, lanes=False)
+    run = simulate_batch(one.model, [s.case for s in systems], one.stepping, lanes=False)
     for row, system in enumerate(systems):
         alone = simulate(system.model, system.case, system.stepping)
         assert np.array_equal(run.final[row], alone.final)

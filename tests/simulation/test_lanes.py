@@ -76,21 +76,21 @@ def test_lanes_agree_with_single_runs(name, method):
     """Both err by about the tolerance; 1e-5 of a part is what a study needs."""
     system = load_system(name, until=SHORT[name])
     stepping = replace(system.stepping, relative_tolerance=1e-7, method=method)
-    beside = simulate_batch(system.model, [system.case] * 3, stepping, 0.0)
+    beside = simulate_batch(system.model, [system.case] * 3, stepping)
     alone = simulate(system.model, system.case, stepping)
     assert beside.why_alone is None
     assert beside.reasons == (None,) * 3
     assert method is Method.AUTOMATIC or all(beside.lanes)
     assert farthest(beside.final[0], alone.final, system.case) < 1e-5
     for row in (1, 2):
-        assert same(simulate_batch(system.model, [system.case], stepping, 0.0), beside, [row])
+        assert same(simulate_batch(system.model, [system.case], stepping), beside, [row])
 
 
 def test_every_case_of_a_mixed_batch_agrees_with_its_single_run(prototype, mixed):
     """At half the default tolerance: each of the two errs by up to 1e-5 there, a step of a signal included."""
-    stepping = replace(prototype.stepping, relative_tolerance=5e-7)
-    found = simulate_batch(prototype.model, mixed, stepping, 0.005)
-    by_scalar = simulate_batch(prototype.model, mixed, stepping, 0.005, lanes=False)
+    stepping = replace(prototype.stepping, average_from=0.005, relative_tolerance=5e-7)
+    found = simulate_batch(prototype.model, mixed, stepping)
+    by_scalar = simulate_batch(prototype.model, mixed, stepping, lanes=False)
     assert by_scalar.why_alone
     assert not any(by_scalar.lanes)
     for row, case in enumerate(mixed):
@@ -108,16 +108,16 @@ def test_every_case_of_a_mixed_batch_agrees_with_its_single_run(prototype, mixed
 
 
 def test_company_order_and_cores_change_no_bit(prototype, mixed):
-    whole = simulate_batch(prototype.model, mixed, prototype.stepping, 0.005, cores=1)
+    whole = simulate_batch(prototype.model, mixed, prototype.stepping, cores=1)
     order = np.random.default_rng(4).permutation(len(mixed))
-    turned = simulate_batch(prototype.model, [mixed[row] for row in order], prototype.stepping, 0.005)
+    turned = simulate_batch(prototype.model, [mixed[row] for row in order], prototype.stepping)
     assert same(turned, whole, order)
-    assert same(simulate_batch(prototype.model, mixed[5:8], prototype.stepping, 0.005), whole, [5, 6, 7])
+    assert same(simulate_batch(prototype.model, mixed[5:8], prototype.stepping), whole, [5, 6, 7])
 
 
 def test_a_stiff_case_runs_as_if_alone():
     system = load_system("accumulator-charging", until="1 s")
-    found = simulate_batch(system.model, [system.case] * 2, system.stepping, 0.0)
+    found = simulate_batch(system.model, [system.case] * 2, system.stepping)
     assert found.lanes == (False, False)
     assert found.why_alone is None
     assert np.array_equal(found.final[0], simulate(system.model, system.case, system.stepping).final)
@@ -129,7 +129,7 @@ def test_programs_with_triggers_and_latency(latency):
     programs = {name: replace(program, latency=latency) for name, program in system.model.programs.items()}
     model = replace(system.model, programs=programs)
     stepping = replace(system.stepping, method=Method.EXPLICIT, relative_tolerance=1e-6)
-    found = simulate_batch(model, [system.case], stepping, 0.0)
+    found = simulate_batch(model, [system.case], stepping)
     alone = simulate(model, system.case, stepping)
     assert found.lanes == (True,)
     assert sum(alone.calls.values()) > 2
@@ -139,7 +139,7 @@ def test_programs_with_triggers_and_latency(latency):
 
 def test_the_stiff_method_runs_each_case_alone(prototype):
     stepping = replace(prototype.stepping, method=Method.STIFF, until=0.005)
-    found = simulate_batch(prototype.model, [prototype.case], stepping, 0.0)
+    found = simulate_batch(prototype.model, [prototype.case], stepping)
     assert found.lanes == (False,)
     assert "stiff" in found.why_alone
 
@@ -153,7 +153,7 @@ def test_a_model_that_cannot_be_traced_says_why(prototype, monkeypatch):
     monkeypatch.setattr(lanes, "trace", refuse)
     monkeypatch.setattr(lanes, "_known", {})
     stepping = replace(prototype.stepping, until=0.005)
-    found = simulate_batch(prototype.model, [prototype.case], stepping, 0.0)
+    found = simulate_batch(prototype.model, [prototype.case], stepping)
     assert found.why_alone == "a table"
     assert np.array_equal(found.final[0], simulate(prototype.model, prototype.case, stepping).final)
     assert trace(prototype.model, prototype.case).signals > 0

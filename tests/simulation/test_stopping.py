@@ -151,8 +151,8 @@ def test_a_stopped_batch_keeps_the_cases_that_have_ended(monkeypatch, lanes, par
         return bool(clocks) and clocks[0][0, places.TIME] >= ENDLESS and clocks[0][1, places.TIME] > 0.0
 
     cases, chosen = [turning(SLOW), turning(FAST)], stepping(ENDLESS)
-    run = simulate_batch(MODEL, cases, chosen, 0.0, cores=1, lanes=lanes, stop=both_are_on_their_way)
-    whole = simulate_batch(MODEL, cases[:1], chosen, 0.0, lanes=lanes)
+    run = simulate_batch(MODEL, cases, chosen, cores=1, lanes=lanes, stop=both_are_on_their_way)
+    whole = simulate_batch(MODEL, cases[:1], chosen, lanes=lanes)
     assert run.stopped and not whole.stopped
     assert run.reasons[0] is None and run.reasons[1].startswith(wording.simulation.stopped_at)
     assert run.lanes == (lanes, lanes)
@@ -168,7 +168,7 @@ def test_a_batch_that_is_stopped_before_it_begins(lanes):
     """Case 2 is not even begun: there is no lane, and no thread, for it."""
     count = 20
     chosen = stepping(ENDLESS)
-    run = simulate_batch(MODEL, [turning(FAST)] * count, chosen, 0.0, cores=1, lanes=lanes, stop=lambda: True)
+    run = simulate_batch(MODEL, [turning(FAST)] * count, chosen, cores=1, lanes=lanes, stop=lambda: True)
     assert run.stopped and run.end.max() < ENDLESS
     assert run.reasons[-1] == wording.simulation.stopped_at + "0 s"
     assert run.final[-1].tolist() == [0.0, 1.0] == run.low[-1].tolist()
@@ -182,5 +182,5 @@ def test_an_interruption_halts_all_threads(lanes):
 
     before = threading.active_count()
     with pytest.raises(KeyboardInterrupt):
-        simulate_batch(MODEL, [turning(FAST)] * 20, stepping(ENDLESS), 0.0, lanes=lanes, stop=interrupt)
+        simulate_batch(MODEL, [turning(FAST)] * 20, stepping(ENDLESS), lanes=lanes, stop=interrupt)
     assert threading.active_count() <= before

@@ -84,5 +84,5 @@ def test_a_start_that_is_wrong_is_told_of_its_case_alone(wrong):
 
     system = load_system("prototype", until="1 ms")
     off = system.case.state._replace(inlet=wrong)
-    run = simulate_batch(system.model, [system.case, replace(system.case, state=off)], system.stepping, 0.0)
+    run = simulate_batch(system.model, [system.case, replace(system.case, state=off)], system.stepping)
     assert run.reasons[0] is None and "state 'inlet' starts wrongly" in run.reasons[1]

@@ -206,7 +206,7 @@ def test_a_drift_too_slow_to_show_in_the_means_is_told_by_what_goes_into_store()
     system = load_system("prototype", slow)
     run = simulate(system.model, system.case, system.stepping)
     found = summary(system, run)
-    assert averaging_window(run, system.average_from).settled
+    assert averaging_window(run).settled
     assert found["stored_power_W"] > 1e-3 * found["input_power_W"]
     assert not found["settled"]
 

@@ -3,7 +3,7 @@
 import dataclasses
 import re
 from functools import cache
-from typing import Any, NoReturn, dataclass_transform, get_type_hints
+from typing import Any, NoReturn, Union, dataclass_transform, get_args, get_origin, get_type_hints
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Kind
@@ -17,11 +17,13 @@ def field_kinds(cls: type) -> dict[str, Kind | None]:
 
 @cache
 def _field_kinds(cls: type) -> dict[str, Kind | None]:
-    hints = get_type_hints(cls, include_extras=True)
-    return {
-        name: next((k for k in getattr(hint, "__metadata__", ()) if isinstance(k, Kind)), None)
-        for name, hint in hints.items()
-    }
+    return {name: _kind(hint) for name, hint in get_type_hints(cls, include_extras=True).items()}
+
+
+def _kind(hint: Any) -> Kind | None:
+    """The kind of an annotation, that of a quantity which may be None included."""
+    quantity = get_args(hint)[0] if get_origin(hint) is Union else hint
+    return next((each for each in getattr(quantity, "__metadata__", ()) if isinstance(each, Kind)), None)
 
 
 def field_types(cls: type) -> dict[str, Any]:
@@ -97,9 +99,9 @@ class Params:
 
     def __post_init__(self) -> None:
         for name, kind in field_kinds(type(self)).items():
-            if kind is None:
-                continue
             value = getattr(self, name)
+            if kind is None or (value is None and default_values(type(self)).get(name, kind) is None):
+                continue
             if isinstance(value, str):
                 raise ParameterError(
                     f"{type(self).__name__}.{name}: {value!r} is a text; expected a number in SI, as "

@@ -96,7 +96,7 @@ def compare_controllers(
 
 def loop_stepping(scenario: LoopScenario) -> Stepping:
     """How a run of a scenario is stepped: as the shipped drive, recorded at its samples."""
-    return replace(scenario.known.stepping, until=UNTIL, record_interval=scenario.period)
+    return replace(scenario.known.stepping, until=UNTIL, average_from=None, record_interval=scenario.period)
 
 
 @lru_cache(maxsize=1)
@@ -149,7 +149,7 @@ def _scores(plan: _Plan, loops: _Loops, name: str, trials: Sequence[Trial], core
     cases = [seeded_case(loops.circuits[trial.scenario, name], trial.seed) for trial in trials]
     scenario = trials[0].scenario
     stepping = loop_stepping(plan.scenarios[scenario])
-    run = simulate_batch(loops.circuits[scenario, name].model, cases, stepping, UNTIL, cores=cores, cache=plan.cache)
+    run = simulate_batch(loops.circuits[scenario, name].model, cases, stepping, cores=cores, cache=plan.cache)
     return [
         loop_score(tally_of(case, memories), reason is None)
         for case, memories, reason in zip(cases, run.final_memories, run.reasons, strict=True)

@@ -230,11 +230,11 @@ def simulated_designs(
     for point in problem.points:
         systems = [optimum_system(problem, values, point.system) for values in designs]
         first = systems[0]
-        run = simulate_batch(first.model, [each.case for each in systems], first.stepping, first.average_from, say=say)
+        run = simulate_batch(first.model, [each.case for each in systems], first.stepping, say=say)
         by_point.append(
             [
                 {"failure": run.reasons[k] or "it turns too slowly for a mean"}
-                if (outcome := run.outcome(k)) is None
+                if (outcome := run.outcome(k)) is None or not outcome.window.periods
                 else simulated_summary(outcome, systems[k])
                 for k in range(len(systems))
             ]

@@ -98,13 +98,13 @@ def _results(
             places.append(place)
         except ParameterError as problem:
             reasons[place] = str(problem)
-    batch = simulate_batch(system.model, cases, system.stepping, system.average_from)
+    batch = simulate_batch(system.model, cases, system.stepping)
     if batch.stopped:
         raise KeyboardInterrupt
     found = {key: np.full(len(variants), np.nan) for key in keys}
     for number, place in enumerate(places):
         done = batch.outcome(number)
-        if done is None:
+        if done is None or not done.window.periods:
             reasons[place] = batch.reasons[number] or NO_PERIOD
             continue
         numbers = simulated_summary(done, system)

@@ -90,8 +90,9 @@ def step_response(state: Steady, after: float, *, length: float = SHOWN, cache: 
         case = _with_duty(state, step(state.point.duty_ratio, after, begin))
         until = begin + length + INTERVAL
         stepping = replace(
-            stand.stepping, until=until, record_interval=INTERVAL, window=until, window_interval=INTERVAL
-        )
+            stand.stepping, until=until, average_from=None,
+            record_interval=INTERVAL, window=until, window_interval=INTERVAL,
+        )  # fmt: skip
         run = whole_run(stand.model, case, stepping, cache)
         series = stand.bench.run_series(run)
         flows.append(np.interp(times + begin, run.times, period_mean_flow(run.times, series, sections)))
@@ -142,8 +143,9 @@ def frequency_response(
         until = start + window
         interval = min(max(INTERVAL, INTERVAL_SHARE * state.periodic.period), 1.0 / (200.0 * f))
         stepping = replace(
-            stand.stepping, until=until, record_interval=interval, window=until, window_interval=interval
-        )
+            stand.stepping, until=until, average_from=None,
+            record_interval=interval, window=until, window_interval=interval,
+        )  # fmt: skip
         case = _with_duty(state, sine(state.point.duty_ratio, amplitude, f))
         run = whole_run(stand.model, case, stepping, cache)
         series = stand.bench.run_series(run)

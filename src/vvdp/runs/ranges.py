@@ -79,7 +79,7 @@ def _outcomes(
         return [_alone(variant, stop) for variant in variants]
     # Compiling the loop for lanes takes a minute; the ends of a few values take seconds without it.
     lanes = is_loop_compiled(SIDE_BY_SIDE)
-    batch = simulate_batch(system.model, cases, system.stepping, system.average_from, lanes=lanes, stop=stop, say=say)
+    batch = simulate_batch(system.model, cases, system.stepping, lanes=lanes, stop=stop, say=say)
     if batch.stopped:
         raise KeyboardInterrupt
     rows = iter(range(len(cases)))
@@ -97,11 +97,11 @@ def _numbers(variant: System, done: Outcome | str) -> Mapping[str, Any] | str:
 
 
 def _alone(variant: System, stop: Callable[[], bool]) -> Outcome | str:
-    """What one run comes to, means over plain time where no period was passed."""
+    """What one run comes to, or why it does not end."""
     try:
         done = simulate(variant.model, variant.case, variant.stepping, stop=stop)
     except RunError as problem:
         return str(problem)
     if not done.finished:
         raise KeyboardInterrupt
-    return outcome(done, variant.average_from)
+    return outcome(done)

@@ -19,7 +19,7 @@ from vvdp.simulation.layout import case_shape as case_shape
 from vvdp.simulation.layout import rows as rows_of
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case, Model
-from vvdp.simulation.outcome import Outcome, kept_marks, marked_window
+from vvdp.simulation.outcome import Outcome, Window, kept_marks, marked_window, plain_window
 from vvdp.simulation.prepare import Prepared, Reached, compiled_loop, prepare, start_run
 from vvdp.simulation.run import failure, remarks
 from vvdp.simulation.start import check_start, start_bounds
@@ -35,8 +35,8 @@ MOST_ROWS = 512
 class BatchRun:
     """What a batch has left: a row for every case, columns in the order of the state.
 
-    Marks are those from `marks_from` on, of which `kept_marks` are held; a case without any has NaN. `reasons` says why
-    a case could not be carried to the end, None where it was; the row of such a case holds what it had reached.
+    Marks are those from `average_from` on, of which `kept_marks` are held; a case without any has NaN. `reasons` says
+    why a case could not be carried to the end, None where it was; the row of such a case holds what it had reached.
     `stopped` says whether somebody stopped the batch; cases that had ended by then are as they would be anyway.
     """
 
@@ -51,6 +51,7 @@ class BatchRun:
     marks: npt.NDArray[np.int64]  # (cases,)
     mark_times: Array  # (cases, 5) of `kept_marks`
     mark_states: Array  # (cases, 5, n)
+    span_states: Array  # (cases, spans, n) at the `span_times` of the stepping
     end: Array  # (cases,)
     steps: npt.NDArray[np.int64]  # (cases,) and so are the counts below
     rejected: npt.NDArray[np.int64]
@@ -67,18 +68,13 @@ class BatchRun:
     why_alone: str | None  # why all of them did; None where only those did that are stiff or cannot go on
 
     def outcome(self, case: int) -> Outcome | None:
-        """What the summary of a case is worked out from.
-
-        None where it failed or has fewer than two marks: means then begin at a recorded time, and a batch has none.
-        """
-        if self.reasons[case] or self.marks[case] < 2:
+        """What the summary of a case is worked out from; None where it failed, or no means are wanted."""
+        if self.reasons[case] or self.stepping.average_from is None:
             return None
         return Outcome(
             model=self.model,
             case=self.cases[case],
-            window=marked_window(
-                self.cases[case], self.mark_times[case], self.mark_states[case], int(self.marks[case])
-            ),
+            window=self._window(case),
             final=self.final[case],
             low=self.low[case],
             high=self.high[case],
@@ -93,12 +89,18 @@ class BatchRun:
             memory=as_memory(self.cases[case], self.final_memories[case]),
         )
 
+    def _window(self, row: int) -> Window:
+        case, marks = self.cases[row], int(self.marks[row])
+        if marks >= 2:
+            return marked_window(case, self.mark_times[row], self.mark_states[row], marks)
+        times, end = self.stepping.span_times, float(self.end[row])
+        return plain_window(case, times, self.span_states[row], end, self.final[row])
+
 
 def simulate_batch(
     model: Model,
     cases: Sequence[Case],
     stepping: Stepping,
-    marks_from: float,
     *,
     cores: int | None = None,
     lanes: bool = True,
@@ -106,7 +108,7 @@ def simulate_batch(
     say: Callable[[str], None] = quiet,
     cache: Path | None = None,
 ) -> BatchRun:
-    """All `cases` run to `stepping.until`; marks count from `marks_from` [s].
+    """All `cases` run to `stepping.until`; marks count from its `average_from` on.
 
     With `lanes` a core carries several cases at once where the model allows it. They then agree with `simulate`
     within the tolerance, and to the last bit with any other batch that they are in, on any number of cores. Without,
@@ -127,13 +129,13 @@ def simulate_batch(
     elif lanes:
         code = side_by_side(model, cases[0], ready.linked.digest, cache, say)
     rows = int(np.clip(_places(ready, len(cases)), 16, MOST_ROWS))
-    part = _carry_out(loop, ready, code, cases, stepping, marks_from, rows, crew)
+    part = _carry_out(loop, ready, code, cases, stepping, rows, crew)
     crowded = np.flatnonzero(part.clocks[:, places.STORED] >= rows)  # marks on the way have been written over
     if crowded.size:
         room = int(part.clocks[crowded, places.MARKS].max()) + 1
         at_once = max(1, _places(ready, room))
         for some in np.split(crowded, range(at_once, crowded.size, at_once)):
-            again = _carry_out(loop, ready, code, [cases[row] for row in some], stepping, marks_from, room, crew)
+            again = _carry_out(loop, ready, code, [cases[row] for row in some], stepping, room, crew)
             for whole, piece in zip(part, again, strict=True):
                 whole[some] = piece
     clocks = part.clocks
@@ -154,6 +156,7 @@ def simulate_batch(
         high=part.high,
         mark_times=part.mark_times,
         mark_states=part.mark_states,
+        span_states=part.span_states,
         end=np.where(part.status == places.DONE, stepping.until, clocks[:, places.TIME]),
         stiff=clocks[:, places.METHOD] == places.STIFF,
         reasons=reasons,
@@ -219,6 +222,7 @@ class _Carried(NamedTuple):
     samples: npt.NDArray[np.int64]
     mark_times: Array
     mark_states: Array
+    span_states: Array
     lanes: npt.NDArray[np.bool_]
 
 
@@ -228,7 +232,6 @@ def _carry_out(
     code: SideBySide | str,
     cases: Sequence[Case],
     stepping: Stepping,
-    marks_from: float,
     rows: int,
     crew: Crew,
 ) -> _Carried:
@@ -238,17 +241,18 @@ def _carry_out(
     begun = Reached(state, command, memory, *(np.stack([part] * count) for part in others))
     low, high, status = state.copy(), state.copy(), np.full(count, places.HANDED)
     times, states = np.zeros((count, rows)), np.zeros((count, rows, n))
-    kept = (times, states, low, high, status)
+    span_states = np.zeros((count, stepping.span_times.size, n))
+    kept = (times, states, stepping.span_times, span_states, low, high, status)
     if isinstance(code, SideBySide):
         fresh = begun.copy()
-        run_lanes(code, ready, stepping, marks_from, begun, params, kept, crew)
+        run_lanes(code, ready, stepping, begun, params, kept, crew)
         beside = status != places.HANDED
         alone = np.flatnonzero(~beside)
         for part, first in zip(begun, fresh, strict=True):
             part[alone] = first[alone]
     else:
         beside, alone = np.zeros(count, bool), np.arange(count)
-    _run_alone(loop, ready, stepping, marks_from, begun, params, kept, alone, crew)
+    _run_alone(loop, ready, stepping, begun, params, kept, alone, crew)
     clocks = begun.clock
     marks = clocks[:, places.STORED].astype(np.int64)
     row, chosen = np.arange(count)[:, np.newaxis], np.array([kept_marks(min(int(each), rows)) for each in marks])
@@ -266,6 +270,7 @@ def _carry_out(
         samples=begun.agenda[:, 0, places.CALLS].astype(np.int64),
         mark_times=mark_times,
         mark_states=mark_states,
+        span_states=span_states,
         lanes=beside,
     )
 
@@ -274,7 +279,6 @@ def _run_alone(
     loop: Any,
     ready: Prepared,
     stepping: Stepping,
-    marks_from: float,
     begun: Reached,
     params: Array,
     kept: Any,
@@ -290,7 +294,7 @@ def _run_alone(
             *ready.linked[:4],
             *(*begun[:3], params, ready.plan, *begun[3:]),
             *(ready.atol, ready.rtol, ready.scale, ready.floor, ready.width, ready.pattern, bench),
-            *(stepping.until, stepping.longest_step, marks_from, stepping.method.value),
+            *(stepping.until, stepping.longest_step, stepping.means_from(stepping.until), stepping.method.value),
             *(np.zeros(0), *nothing, *kept, order, queue),
         )
 

@@ -53,7 +53,7 @@ from vvdp.simulation.loop import (
     VECTOR,
     first_change,
 )
-from vvdp.simulation.marks import pass_marks
+from vvdp.simulation.marks import begin_spans, pass_marks
 from vvdp.simulation.pace import STIFF_FROM, grow, next_step, note_event, note_jump, refuse
 from vvdp.simulation.places import (
     AIMED,
@@ -88,9 +88,9 @@ QUICK = 6.0
 
 
 CASES = types.NamedTuple(
-    [MATRIX] * 4 + [CUBE, float64[:, :, :, ::1], MATRIX, CUBE, MATRIX, CUBE, MATRIX, MATRIX, INTS, INTS], Cases
+    [MATRIX] * 4 + [CUBE, float64[:, :, :, ::1], MATRIX, CUBE, MATRIX, CUBE, CUBE, MATRIX, MATRIX, INTS, INTS], Cases
 )
-RULES = types.NamedTuple([MATRIX] + [VECTOR] * 5 + [float64] * 3 + [INTS, float64], Rules)
+RULES = types.NamedTuple([MATRIX] + [VECTOR] * 5 + [float64] * 3 + [VECTOR, INTS, float64], Rules)
 LANES = types.NamedTuple([VECTOR] * 8 + [MATRIX] + [VECTOR] * 10 + [MATRIX] * 5 + [INTS], Lanes)
 SIGNALS = types.FunctionType(types.void(float64, VECTOR, VECTOR))
 
@@ -281,7 +281,8 @@ def land(rates, sample, events, stop, cases, rules, lanes, bench, lane):
     copy(g, held)
     hold(rules.plan, agenda, u, held)
     forget(course, held, g)
-    own[T_STOP], own[T_DUE] = stop(t, u, p), next_due(rules.plan, agenda)
+    t_span = begin_spans(clock, t, y, rules.span_times, cases.span_states[case])
+    own[T_STOP], own[T_DUE] = stop(t, u, p), min(next_due(rules.plan, agenda), t_span)
     return LOST if not own[T_STOP] > t else IDLE if same else TAKEN
 
 

@@ -42,6 +42,7 @@ class Cases(NamedTuple):
     course: Any
     mark_times: Any
     mark_states: Any
+    span_states: Any
     low: Any
     high: Any
     status: Any
@@ -60,6 +61,7 @@ class Rules(NamedTuple):
     t_end: Any
     longest: Any
     marks_from: Any
+    span_times: Any
     reads: Any  # the places of the commands on which rates and events depend
     stiff_from: Any  # from so many steps at the edge of stability on a case is handed over
 

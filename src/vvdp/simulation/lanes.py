@@ -76,16 +76,16 @@ def run_lanes(
     code: SideBySide,
     ready: Prepared,
     stepping: Stepping,
-    marks_from: float,
     begun: Reached,
     params: Array,
-    kept: tuple[Array, Array, Array, Array, npt.NDArray[np.int64]],
+    kept: tuple[Array, Array, Array, Array, Array, Array, npt.NDArray[np.int64]],
     crew: Crew,
 ) -> None:
     """Runs the cases of the rows of `begun` and `params`, all changed in place.
 
-    `kept` are the times of marks and the states at them, the lowest and highest states, and what has become of each
-    case, all to be filled in; HANDED where it is to be run by itself.
+    `kept` are the times of marks and the states at them, when spans begin and the states there, the lowest and highest
+    states, and what has become of each case, all but the spans' times to be filled in; HANDED where it is to be run by
+    itself.
     """
     with registries_left_out():
         from vvdp.simulation import lane_loop, loop
@@ -93,7 +93,7 @@ def run_lanes(
         from vvdp.simulation.lane_vectors import WIDTH, Cases, Rules
 
     moving = (params[:, [place + 1 for place in code.places]] > 0.0).any(axis=1).astype(np.int64)
-    mark_times, mark_states, low, high, status = kept
+    mark_times, mark_states, span_times, span_states, low, high, status = kept
     cases = Cases(
         y=begun.state,
         command=begun.command,
@@ -105,6 +105,7 @@ def run_lanes(
         course=begun.course,
         mark_times=mark_times,
         mark_states=mark_states,
+        span_states=span_states,
         low=low,
         high=high,
         status=status,
@@ -124,7 +125,8 @@ def run_lanes(
         floor=ready.floor[:active],
         t_end=stepping.until,
         longest=stepping.longest_step,
-        marks_from=marks_from,
+        marks_from=stepping.means_from(stepping.until),
+        span_times=span_times,
         reads=np.array(code.commands, np.int64),
         stiff_from=lane_loop.STIFF_FOR_GOOD if stepping.method is Method.AUTOMATIC else np.inf,
     )

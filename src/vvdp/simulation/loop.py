@@ -23,7 +23,7 @@ from vvdp.simulation.landing import (
     positions,
     settle,
 )
-from vvdp.simulation.marks import pass_marks, store_records
+from vvdp.simulation.marks import begin_spans, pass_marks, store_records
 from vvdp.simulation.pace import EXPLICIT_BELOW, TINY, choose_method, grow, next_step, note_event, note_jump, refuse
 from vvdp.simulation.places import (
     AIMED,
@@ -147,7 +147,7 @@ RUN = int64(
     RATES, SAMPLE, EVENT_LIST, STOP,
     VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX, CUBE, VECTOR, MATRIX, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR,
     PATTERN, BENCH, float64, float64, float64, int64, float64, int64,
-    VECTOR, MATRIX, MATRIX, MATRIX, VECTOR, MATRIX, VECTOR, VECTOR,
+    VECTOR, MATRIX, MATRIX, MATRIX, VECTOR, MATRIX, VECTOR, MATRIX, VECTOR, VECTOR,
 )  # fmt: skip
 
 
@@ -156,16 +156,17 @@ def run(
     rates, sample, events, stop,
     y, command, memory, params, plan, agenda, waiting, clock, course, atol, rtol, scale, floor, width,
     pattern, bench, t_end, longest, marks_from, method, budget, overwrite,
-    record_times, record, record_command, record_memory, mark_times, mark_states, low, high,
+    record_times, record, record_command, record_memory, mark_times, mark_states, span_times, span_states, low, high,
 ):  # fmt: skip
     """Carries a run on from where `clock` stands, to `t_end` or until `budget` evaluations are spent.
 
-    Every step ends at the latest on the next sample, where a command begins to act and on the next time that `stop`
-    names; rates at a step's right end are taken just before that instant. A step in which the floor of a trigger, a
-    mode or a kink changes is taken again until it ends there, by less than the share `width` of a step behind it.
-    States at `record_times` go to `record`, with the command and the memory that hold until then; at each change of
-    the floor of the mark (from `marks_from` on) they go to `mark_states`; when that is full the run is handed back, or
-    with `overwrite` the last row is kept up to date. A state that has fallen below its `floor` ends the run.
+    Every step ends at the latest on the next sample, where a command begins to act, where a span begins, and on the
+    next time that `stop` names; rates at a step's right end are taken just before that instant. A step in which the
+    floor of a trigger, a mode or a kink changes is taken again until it ends there, by less than the share `width` of a
+    step behind it. States at `record_times` go to `record`, with the command and the memory that hold until then, those
+    at `span_times` to `span_states`; at each change of the floor of the mark (from `marks_from` on) they go to
+    `mark_states`; when that is full the run is handed back, or with `overwrite` the last row is kept up to date. A
+    state that has fallen below its `floor` ends the run.
     """
     period, active = plan[0, PERIOD], pattern.group.size
     modes = int(plan[0, LAST]) - int(plan[0, FIRST])
@@ -191,7 +192,8 @@ def run(
         return RESTLESS
     positions(events, t, y, command, params, k[0], before)
     hold(plan, agenda, command, held)
-    t_stop, t_due = stop(t, command, params), next_due(plan, agenda)
+    t_span = begin_spans(clock, t, y, span_times, span_states)
+    t_stop, t_due = stop(t, command, params), min(next_due(plan, agenda), t_span)
     again, tries = 0.0, 0  # the step to be tried again, where the last one went over an event
     spent, taken, refused, fastest = clock[EVALUATIONS], clock[STEPS], clock[REJECTED], clock[FASTEST]
     while t < t_end - HAIR * abs(t_end):
@@ -301,7 +303,8 @@ def run(
             copy(g, held)
             hold(plan, agenda, command, held)
             forget(course, held, g)
-            t_stop, t_due = stop(t, command, params), next_due(plan, agenda)
+            t_span = begin_spans(clock, t, y, span_times, span_states)
+            t_stop, t_due = stop(t, command, params), min(next_due(plan, agenda), t_span)
         else:
             copy(k[0], k[6])
             copy(before, x)
@@ -343,7 +346,7 @@ BATCH = types.void(
     MATRIX, MATRIX, MATRIX, MATRIX, MATRIX, CUBE, float64[:, :, :, ::1], MATRIX, CUBE,
     VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, PATTERN, BENCH, float64, float64, float64, int64,
     VECTOR, MATRIX, MATRIX, MATRIX,
-    MATRIX, CUBE, MATRIX, MATRIX, INTS, INTS, INTS,
+    MATRIX, CUBE, VECTOR, CUBE, MATRIX, MATRIX, INTS, INTS, INTS,
 )  # fmt: skip
 
 
@@ -352,7 +355,7 @@ def batch(
     rates, sample, events, stop,
     y, command, memory, params, plan, agenda, waiting, clocks, course, atol, rtol, scale, floor, width,
     pattern, bench, t_end, longest, marks_from, method, record_times, record, record_command, record_memory,
-    mark_times, mark_states, low, high, status, order, queue,
+    mark_times, mark_states, span_times, span_states, low, high, status, order, queue,
 ):  # fmt: skip
     """Runs the cases of these rows, in this order, one after the other; of the marks keeps the first and the last.
 
@@ -374,5 +377,5 @@ def batch(
                 course[case], atol, rtol, scale, floor, width,
                 pattern, bench, t_end, longest, marks_from, method, PORTION, 1,
                 record_times, record, record_command, record_memory,
-                mark_times[case], mark_states[case], low[case], high[case],
+                mark_times[case], mark_states[case], span_times, span_states[case], low[case], high[case],
             )  # fmt: skip

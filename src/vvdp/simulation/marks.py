@@ -1,9 +1,9 @@
-"""What is kept of a step, compiled: its marks, where on its cubic the floor of the mark changes, and its records."""
+"""States that a run keeps, compiled: at its marks and records, on the cubic of a step, and where its spans begin."""
 
 import numpy as np
 from numba import njit
 
-from vvdp.simulation.places import BARE, MARK_BEFORE, MARKS, RECORDS, STORED
+from vvdp.simulation.places import BARE, HAIR, MARK_BEFORE, MARKS, RECORDS, SPANS, STORED
 from vvdp.simulation.steps import between, copy
 
 
@@ -51,3 +51,14 @@ def store_records(
         copy(record_memory[row], memory)
         row += 1
     clock[RECORDS] = row
+
+
+@njit(**BARE)
+def begin_spans(clock, t, y, span_times, span_states):
+    """Stores the state at the spans that begin at `t`; when the next one begins [s], infinite after the last."""
+    row = int(clock[SPANS])
+    while row < span_times.size and span_times[row] <= t + HAIR * abs(t):
+        copy(span_states[row], y)
+        row += 1
+    clock[SPANS] = row
+    return span_times[row] if row < span_times.size else np.inf

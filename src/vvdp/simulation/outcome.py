@@ -57,12 +57,12 @@ class Outcome:
     memory: Mapping[str, Any] = field(default_factory=dict)
 
 
-def outcome(run: Run, average_from: float) -> Outcome:
-    """The outcome of a run that was recorded, with means from `average_from` [s] on."""
+def outcome(run: Run) -> Outcome:
+    """The outcome of a run that was recorded."""
     return Outcome(
         model=run.model,
         case=run.case,
-        window=averaging_window(run, average_from),
+        window=averaging_window(run),
         final=run.final,
         low=run.low,
         high=run.high,
@@ -78,27 +78,34 @@ def outcome(run: Run, average_from: float) -> Outcome:
     )
 
 
-def averaging_window(run: Run, average_from: float) -> Window:
-    """From the first mark after `average_from` [s] to the last; without two marks, the plain time.
-
-    A run that was stopped before `average_from` is averaged over its second half.
-    """
-    begin = average_from if run.end > average_from else 0.5 * (run.stepping.begin + run.end)
-    inside = np.flatnonzero(run.mark_times >= begin)
+def averaging_window(run: Run) -> Window:
+    """Whole periods between the marks from `average_from` on; without two of them, the plain time."""
+    inside = np.flatnonzero(run.mark_times >= run.stepping.means_from(run.end))
     if inside.size >= 2:
         kept = inside[kept_marks(inside.size)]
         return marked_window(run.case, run.mark_times[kept], run.mark_states[kept], inside.size)
-    row = min(int(np.searchsorted(run.times, begin)), run.times.size - 1)
-    rows = np.searchsorted(run.times, run.times[row] + (run.end - run.times[row]) * np.array([0.0, 1.0, 2.0]) / 3.0)
-    rows = rows.clip(max=run.times.size - 1)
-    times, states = np.append(run.times[rows], run.end), np.vstack([run.states[rows], run.final])
+    if not run.span_times.size:
+        return Window(
+            begin=run.stepping.begin, end=run.end, first=run.initial, last=run.final, periods=0, settled=False
+        )
+    begun = 4 if run.finished else 1  # the spans of a run that was stopped are not of equal length
+    return plain_window(run.case, run.span_times[:begun], run.span_states[:begun], run.end, run.final)
+
+
+def plain_window(case: Case, times: Array, states: Array, end: float, final: Array) -> Window:
+    """The window to the `end` [s] of a run.
+
+    times, states  where its spans begin, shape (4,) [s] and (4, n); the first alone where they do not show that it has
+                   settled
+    """
+    ends, reached = np.append(times[1:], end), np.vstack([states[1:], final])
     return Window(
         begin=float(times[0]),
-        end=run.end,
+        end=end,
         first=states[0],
-        last=run.final,
+        last=final,
         periods=0,
-        settled=is_settled(run.case, times, states),
+        settled=ends.size == 4 and is_settled(case, ends, reached),
     )
 
 

@@ -62,9 +62,11 @@ class Run:
     memories: Array  # (rows, memories)
     mark_times: Array  # (marks,)
     mark_states: Array  # (marks, n)
+    span_times: Array  # (spans,) that have begun, of those of `stepping`
+    span_states: Array  # (spans, n)
     initial: Array  # (n,)
     final: Array  # (n,)
-    low: Array  # (n,) over every step, the books left out
+    low: Array  # (n,) over every step, those of a run that it goes on from too, the books left out
     high: Array  # (n,)
     end: float
     steps: int
@@ -152,7 +154,7 @@ def carried_on(before: Run, ready: Prepared, stepping: Stepping) -> Reached:
     if before.digest != ready.linked.digest:
         raise RunError("the run to continue is that of another model; start anew from its final_case")
     reached = before.reached.copy()
-    for place in (places.RECORDS, places.MARKS, places.STORED, places.JUMPS, places.JUMP_TIME):
+    for place in (places.RECORDS, places.MARKS, places.STORED, places.SPANS, places.JUMPS, places.JUMP_TIME):
         reached.clock[place] = 0.0
     if stepping.method is not Method.AUTOMATIC:
         reached.clock[places.METHOD] = float(stepping.method is Method.STIFF)
@@ -189,12 +191,14 @@ def simulate(
     loop = compiled_loop(say)
     before = carried_on(continue_from, ready, stepping) if continue_from else start_run(ready, stepping)
     reached, rows, began, finished = before.copy(), _Rows(before, stepping), time.perf_counter(), True
+    if continue_from is not None:
+        rows.low, rows.high = continue_from.low.copy(), continue_from.high.copy()
     try:
         finished = _carry(loop, ready, stepping, reached, rows, case, _Watcher(progress, stop, portion, say))
     except KeyboardInterrupt:
         finished = False
     counts = _counts(before, reached)
-    stored, marks = int(reached.clock[places.RECORDS]), int(reached.clock[places.STORED])
+    stored, marks, spans = (int(reached.clock[place]) for place in (places.RECORDS, places.STORED, places.SPANS))
     end = float(reached.clock[places.TIME])
     return Run(
         model=model,
@@ -206,6 +210,8 @@ def simulate(
         memories=rows.memories[:stored],
         mark_times=rows.mark_times[:marks],
         mark_states=rows.mark_states[:marks],
+        span_times=rows.span_times[:spans],
+        span_states=rows.span_states[:spans],
         initial=before.state,
         final=reached.state,
         low=rows.low,
@@ -231,6 +237,8 @@ class _Rows:
         self.states = np.zeros((rows, n))
         self.commands, self.memories = np.zeros((rows, before.command.size)), np.zeros((rows, before.memory.size))
         self.mark_times, self.mark_states = np.zeros(256), np.zeros((256, n))
+        self.span_times = stepping.span_times
+        self.span_states = np.zeros((self.span_times.size, n))
         self.low, self.high = before.state.copy(), before.state.copy()
 
 
@@ -259,7 +267,7 @@ def _carry(
                 *(ready.atol, ready.rtol, ready.scale, ready.floor, ready.width, ready.pattern, bench),
                 *(stepping.until, stepping.longest_step, stepping.begin, stepping.method.value, budget, 0),
                 *(rows.times, rows.states, rows.commands, rows.memories, rows.mark_times, rows.mark_states),
-                *(rows.low, rows.high),
+                *(rows.span_times, rows.span_states, rows.low, rows.high),
             )
         turn = nullcontext()
         if status == places.MARKS_FULL:

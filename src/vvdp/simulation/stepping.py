@@ -22,11 +22,13 @@ class Stepping(Params):
     """How long and how finely a run is stepped and recorded.
 
     The whole run is recorded every `record_interval`, its last `window` every `window_interval` as well. Conditions,
-    and programs without a period of their own, are worked out every `sample_period`.
+    and programs without a period of their own, are worked out every `sample_period`. Means are taken from
+    `average_from` on, with None not at all.
     """
 
     until: Time
     begin: Time = 0.0
+    average_from: Time | None = None
     relative_tolerance: Ratio = 1e-6
     sample_period: Time = 1e-3
     longest_step: Time = 1e6
@@ -59,3 +61,28 @@ class Stepping(Params):
         both = both[np.concatenate([[True], np.diff(both) > 1e-3 * self.window_interval])]
         inside: Array = both[both <= self.until * (1 + 1e-12)].clip(max=self.until)
         return inside
+
+    def means_from(self, end: float) -> float:
+        """When means of a run to `end` [s] begin: at a sample near its middle where it ends before `average_from`."""
+        if self.average_from is None:
+            return self.begin
+        if self.average_from < end:
+            return max(self.begin, self.average_from)
+        middle = 0.5 * (self.begin + end)
+        sample = round(middle / self.sample_period) * self.sample_period
+        return sample if self.begin <= sample < end else middle
+
+    @property
+    def span_times(self) -> Array:
+        """When means begin, and three spans of equal length up to the end [s], shape (4,); empty where none are wanted.
+
+        Steps end there. The spans are whole sample periods, at whose ends steps end anyway, where there are as many.
+        """
+        if self.average_from is None:
+            return np.zeros(0)
+        first = self.means_from(self.until)
+        third = (self.until - first) / 3.0
+        third = self.sample_period * np.floor(third / self.sample_period * (1.0 + 1e-9)) or third
+        times: Array = np.array([first, *(self.until - third * np.arange(3.0, 0.0, -1.0))]).clip(min=first)
+        samples = np.round(times / self.sample_period) * self.sample_period
+        return np.where(np.abs(times - samples) < 1e-9 * self.sample_period, samples, times)

@@ -263,9 +263,9 @@ class _Runner:
                 if column >= 0:
                     shifted[self.unknown[column]] += delta[column]
                 rows.append(replace(case, state=as_value(case.state, shifted)))
-        stepping = replace(self.stepping, until=until)
+        stepping = replace(self.stepping, until=until, average_from=None)
         run = simulate_batch(
-            self.model, rows, stepping, 0.0, cores=self.cores, stop=self.stop, cache=self.cache, say=self.say
+            self.model, rows, stepping, cores=self.cores, stop=self.stop, cache=self.cache, say=self.say
         )
         if run.stopped:
             return None

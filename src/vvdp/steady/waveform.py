@@ -32,7 +32,7 @@ def waveform(state: Steady, *, samples: int = SAMPLES, cache: Path | None = None
     step = period / samples
     stepping = replace(
         state.stand.stepping, until=period, record_interval=step, window=period, window_interval=step,
-        relative_tolerance=min(1e-8, state.stand.stepping.relative_tolerance),
+        average_from=None, relative_tolerance=min(1e-8, state.stand.stepping.relative_tolerance),
     )  # fmt: skip
     run = whole_run(state.stand.model, state.periodic.case, stepping, cache)
     series = state.stand.bench.run_series(run)

@@ -164,9 +164,17 @@ def _write(path: Path, files: Mapping[str, tuple[Stamp, Iterable[Row]]], gone: I
 
 @contextmanager
 def _open_index(path: Path) -> Iterator[sqlite3.Connection]:
-    """The index within a transaction."""
+    """The index within a transaction, without a journal beside it, which a process that is killed would leave.
+
+    Until the transaction has ended its version is 0, so that what is left of a broken one is made anew.
+    """
     with closing(sqlite3.connect(path, timeout=WAITING)) as base:
+        base.execute("pragma journal_mode = memory")
         if base.execute("pragma user_version").fetchone() != (VERSION,):
-            base.executescript("drop table if exists files; drop table if exists cases;" + TABLES)
+            if base.execute("pragma quick_check").fetchone() != ("ok",):
+                raise sqlite3.DatabaseError("torn")
+            base.executescript(f"begin; drop table if exists files; drop table if exists cases; {TABLES} commit;")
+        base.execute("pragma user_version = 0")
         with base:
             yield base
+        base.execute(f"pragma user_version = {VERSION}")

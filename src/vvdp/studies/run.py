@@ -25,8 +25,8 @@ from vvdp.results.result import Column
 from vvdp.simulation.batch import case_shape, simulate_batch
 from vvdp.simulation.layout import case_form
 from vvdp.simulation.link import link, quiet
-from vvdp.simulation.outcome import Outcome, Window, outcome
-from vvdp.simulation.run import compiled_loop, simulate
+from vvdp.simulation.outcome import Outcome, Window
+from vvdp.simulation.run import compiled_loop
 from vvdp.simulation.values import flat, form, leaf_paths
 from vvdp.studies.engine import HERE, Engine
 from vvdp.studies.results import Doubt, Failure, StudyResults
@@ -160,8 +160,8 @@ def _plan(study: Study, base: System, cache: Path | None, say: Callable[[str], N
             except RunError as problem:
                 refused.setdefault(("", str(problem)), []).append(number)
                 continue
-        stepping = (repr(system.stepping), repr(system.average_from))
-        group = " ".join((shape, *stepping))
+        stepping = repr(system.stepping)
+        group = f"{shape} {stepping}"
         key = _key(system, digests[shape], stepping)
         case = _Planned(
             number=number,
@@ -182,7 +182,7 @@ def _places(numbers: list[int]) -> str:
     return f"case {numbers[0]}{others}"
 
 
-def _key(system: System, digest: str, stepping: tuple[str, ...]) -> str:
+def _key(system: System, digest: str, stepping: str) -> str:
     """What a case is known by: every resolved number, and everything else that its results depend on."""
     found = hashlib.sha256(repr((vvdp.__version__, digest, system.circuit.digest, stepping)).encode())
     case = system.case
@@ -244,13 +244,11 @@ def _finished_batch(
     systems = [_build_system(base, case.settings) for case in batch]
     one = systems[0]
     cases = [system.case for system in systems]
-    run = simulate_batch(one.model, cases, one.stepping, one.average_from, cores=cores, cache=cache)
+    run = simulate_batch(one.model, cases, one.stepping, cores=cores, cache=cache)
     check_same((vvdp.__version__, run.digest), (version, batch[0].digest))
     done: list[Finished] = []
     for number, (planned, system) in enumerate(zip(batch, systems, strict=True)):
         reason, found = run.reasons[number], run.outcome(number)
-        if reason is None and found is None:  # no whole period: means are taken from a recorded time on
-            found = outcome(simulate(system.model, system.case, system.stepping, cache=cache), system.average_from)
         summary = simulated_summary(found, system) if found else {}
         done.append(Finished(planned.key, planned.settings, reason, summary))
     return done

@@ -40,7 +40,7 @@ def summary(system: System, run: Run) -> Summary:
 
 def run_summary(system: System, run: Run) -> Summary:
     """The part of a summary that the run itself gives: all but the closed forms, in a tenth of the time."""
-    simulated = simulated_summary(outcome(run, system.average_from), system)
+    simulated = simulated_summary(outcome(run), system)
     recorded: Summary = {} if system.extras is None else system.extras.record_numbers(run)
     return simulated | recorded
 

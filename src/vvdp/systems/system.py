@@ -77,7 +77,7 @@ class RunTable(Params):
 
     def stepping(self, method: Method) -> Stepping:
         """How the run is stepped. Raises ParameterError where that cannot be."""
-        values = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "average_from"}
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
         return Stepping(**values, method=method)
 
 
@@ -104,7 +104,6 @@ class System:
     title: str
     circuit: Circuit
     stepping: Stepping
-    average_from: float
     tables: Mapping[str, Any]
     rows: tuple[Sourced, ...]
     content: Mapping[str, Any]
@@ -124,6 +123,11 @@ class System:
     def case(self) -> Case:
         """The values that the circuit starts from."""
         return self.circuit.case
+
+    @property
+    def average_from(self) -> float:
+        """When its means begin [s]."""
+        return self.stepping.means_from(self.stepping.until)
 
     @cached_property
     def extras(self) -> Extras | None:
@@ -291,7 +295,6 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         title=str(table.content.get("title", name)),
         circuit=circuit,
         stepping=stepping,
-        average_from=run[0].average_from,
         tables=values,
         rows=tuple(rows),
         content=table.content,

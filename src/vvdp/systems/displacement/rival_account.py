@@ -90,8 +90,9 @@ def system_for(circuit: RivalCircuit, duty: Duty, begin: float = 0.0) -> System:
     except ParameterError as problem:
         raise ParameterError(f"{circuit.name} on {duty.name}: {problem}") from None
     until = begin + ROUNDS * duty.period
-    stepping = replace(system.stepping, until=until, record_interval=RECORD, window=0.0)
-    return replace(system, stepping=stepping, average_from=until - duty.period)
+    last = until - duty.period
+    stepping = replace(system.stepping, until=until, average_from=last, record_interval=RECORD, window=0.0)
+    return replace(system, stepping=stepping)
 
 
 def begin_of(circuit: RivalCircuit, duty: Duty, cache: Path | None = None) -> float:
@@ -99,7 +100,7 @@ def begin_of(circuit: RivalCircuit, duty: Duty, cache: Path | None = None) -> fl
     if circuit.begin is None:
         return 0.0
     system = system_for(circuit, duty, LONGEST_START)
-    stepping = replace(system.stepping, until=LONGEST_START)
+    stepping = replace(system.stepping, until=LONGEST_START, average_from=None)
     return circuit.begin(simulate(system.model, system.case, stepping, cache=cache))
 
 
@@ -115,7 +116,7 @@ def refuse_unled(circuit: RivalCircuit, system: System, duty: Duty, run: Run) ->
 
 def circuit_score(circuit: RivalCircuit, system: System, run: Run, begin: float = 0.0) -> CircuitScore:
     """The score of a run that came to its end, controlled from `begin` [s] on."""
-    found = simulated_summary(outcome(run, system.average_from), system)
+    found = simulated_summary(outcome(run), system)
     since = run.times - begin
     error = np.max([_error(circuit, run, suffix) for suffix in _suffixes(run)], axis=0)
     early, late = (since >= 0.0) & (since < SETTLED), since >= SETTLED
