@@ -76,7 +76,7 @@ def test_temperatures_may_be_an_array(make_oil):
     [
         ({"viscosity_100": 44.178e-6}, "44.178 cSt at 40 degC does not exceed 44.178"),
         ({"viscosity_40": 0.4e-6, "viscosity_100": 0.2e-6}, "0.2 cSt is too thin"),
-        ({"reference_pressure": 0.0}, "expected an absolute pressure above zero"),
+        ({"reference_pressure": 0.0}, "must be an absolute pressure above zero"),
         ({"air_fraction": 0.6}, "Oil.air_fraction"),
         ({"polytropic_exponent": 0.9}, "Oil.polytropic_exponent"),
     ],

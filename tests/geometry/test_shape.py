@@ -178,18 +178,18 @@ def test_a_clearance_larger_than_the_land_is_refused(built_shape, built_valve):
 def test_a_negative_lap_beyond_the_barrier_is_refused(built_valve):
     with pytest.raises(ParameterError, match=r"lap_ratio: -0\.1 is outside 0"):
         replace(built_valve, lap_ratio=-0.1)
-    with pytest.raises(ParameterError, match=wording.files.must_be_greater_than_zero.format(name="lap_ratio")):
+    with pytest.raises(ParameterError, match="lap_ratio: " + wording.files.must_be_greater_than_zero.format(value="0")):
         replace(built_valve, lap_ratio=0.0)
 
 
 @pytest.mark.parametrize("name", ["hub_radius", "pocket_gap", "outlet_blades", "nozzle_taper", "sleeve_wall"])
 def test_nothing_is_refused(built_shape, name):
-    with pytest.raises(ParameterError, match=wording.files.must_be_greater_than_zero.format(name=name)):
+    with pytest.raises(ParameterError, match=f"{name}: .* must be greater than 0"):
         replace(built_shape, **{name: 0.0})
 
 
 def test_half_a_blade_is_refused(built_shape):
-    with pytest.raises(ParameterError, match="outlet_blades = 5.5; " + wording.files.expected_whole_number):
+    with pytest.raises(ParameterError, match=r"outlet_blades: 5\.5 must be a whole number"):
         replace(built_shape, outlet_blades=5.5)
 
 
@@ -205,5 +205,5 @@ def test_all_faults_of_a_file_at_once(built_valve, tmp_path):
 def test_other_tables_are_refused(built_valve, tmp_path):
     path = tmp_path / "shape.toml"
     path.write_text('[valve]\nspool_radius = "12.7 mm"\n', encoding="utf-8")
-    with pytest.raises(ConfigError, match=r"expected \[geometry\] only"):
+    with pytest.raises(ConfigError, match="unknown table; expected one of geometry"):
         given_shape(built_valve, str(path), ())

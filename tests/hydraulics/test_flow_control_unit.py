@@ -103,7 +103,7 @@ def test_dead_travel_leaves_the_flow_alone():
 def test_what_is_no_valve_is_refused():
     with pytest.raises(ParameterError, match=r"OnOffValve\.opening_time: 0"):
         OnOffValve(rated_flow=1.0, rated_drop=1e5, opening_time=0.0, closing_time=1e-3)
-    with pytest.raises(ParameterError, match=r"dead_travel: 0\.5; expected 0\.02 to less than 0\.5"):
+    with pytest.raises(ParameterError, match=r"dead_travel: 0\.5 must be at least 0\.02 and less than 0\.5"):
         OnOffValve(rated_flow=1.0, rated_drop=1e5, opening_time=1e-3, closing_time=1e-3, dead_travel=0.5)
-    with pytest.raises(ParameterError, match="weight: 2; expected at least 1 and less than the modulus 2"):
+    with pytest.raises(ParameterError, match="weight: 2 must be at least 1 and less than modulus, 2"):
         UnitValve(rated_flow=1.0, rated_drop=1e5, opening_time=1e-3, closing_time=1e-3, weight=2.0, modulus=2.0)

@@ -134,13 +134,13 @@ def test_source_counts_where_it_is_told_to():
     ("make", "changed", "told"),
     [
         (reducing, {"override_pressure": 0.0}, "override_pressure"),
-        (reducing, {"override_pressure": 51e5}, "closing pressure"),
+        (reducing, {"override_pressure": 51e5}, "must be less than closing_pressure"),
         (reducing, {"rated_flow": 0.0}, "rated_flow"),
         (reducing, {"rated_drop": 0.0}, "rated_drop"),
         (flow_control, {"rated_flow": -1e-4}, "rated_flow"),
         (flow_control, {"minimum_drop": 0.0}, "minimum_drop"),
-        (flow_control, {"maximum_drop": 8e5}, "does not exceed"),
-        (pilot_check, {"rated_drop": 0.5e5}, "cracking pressure"),
+        (flow_control, {"maximum_drop": 8e5}, "must be less than maximum_drop, 8 bar"),
+        (pilot_check, {"rated_drop": 0.5e5}, "must be greater than cracking_pressure"),
     ],
 )
 def test_contradictions_are_refused(make, changed, told):

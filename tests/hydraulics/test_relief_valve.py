@@ -136,11 +136,11 @@ def test_always_finite_and_passive(oil, pressure, opening, surplus):
 
 
 def test_contradictions_are_refused():
-    with pytest.raises(ParameterError, match="contradicts opening_time"):
+    with pytest.raises(ParameterError, match=r"opening_time: .* must be 0 if override_pressure is 0"):
         relief(0.0, 1e-3)
-    with pytest.raises(ParameterError, match="contradicts reseat_drop"):
+    with pytest.raises(ParameterError, match=r"reseat_drop: .* must be 0 if override_pressure is 0"):
         relief(0.0, 0.0, reseat=1e5)
-    with pytest.raises(ParameterError, match="expected less than the cracking pressure"):
+    with pytest.raises(ParameterError, match=r"reseat_drop: .* must be less than cracking_pressure"):
         relief(5e5, 0.0, reseat=61e5)
     with pytest.raises(ParameterError, match="rated_flow"):
         ReliefValve(cracking_pressure=61e5, override_pressure=5e5, rated_flow=0.0, opening_time=0.0)
@@ -165,7 +165,7 @@ def test_a_setting_follows_the_load_between_its_ends(load, setting):
 
 
 def test_a_relief_valve_that_follows_needs_an_override():
-    with pytest.raises(ParameterError, match="override_pressure: 0 Pa"):
+    with pytest.raises(ParameterError, match="override_pressure: 0 bar must be greater than 0"):
         LoadReliefValve(
             cracking_pressure=60e5, override_pressure=0.0, rated_flow=1e-3, margin=20e5, least_pressure=30e5
         )

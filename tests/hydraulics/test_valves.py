@@ -78,7 +78,7 @@ def test_directional_valve_by_hand():
 
 
 def test_contradictions_are_refused():
-    with pytest.raises(ParameterError, match="cracking pressure"):
+    with pytest.raises(ParameterError, match="must be greater than cracking_pressure"):
         CheckValve(cracking_pressure=2e5, rated_flow=6e-4, rated_drop=2e5, reverse_opening=0.0, opening_time=0.0)
     with pytest.raises(ParameterError, match="rated_flow"):
         CheckValve(cracking_pressure=0.0, rated_flow=-1e-4, rated_drop=2e5, reverse_opening=0.0, opening_time=0.0)

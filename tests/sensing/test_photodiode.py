@@ -68,5 +68,5 @@ def test_arrays_give_what_numbers_give():
 
 
 def test_a_track_without_a_radius_is_refused():
-    with pytest.raises(ParameterError, match="track_radius = 0 m; expected more than 0 m"):
+    with pytest.raises(ParameterError, match=r"LightSpot\.track_radius: 0 mm must be greater than 0"):
         LightSpot(width=5e-3, track_radius=0.0, roundness=0.0)

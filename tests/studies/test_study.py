@@ -141,7 +141,7 @@ seed = 1.5
         (9, "random.seed"),
         (11, "random.spreads.oil.density"),
         (12, "random.spreads.valve.radial_clearance"),
-        (0, "cases"),
+        (13, "cases"),
     ]
     with pytest.raises(ConfigError, match=wording.study.nothing_varied):
         load_study(written(tmp_path, 'system = "prototype"\noutputs = ["efficiency"]\n'))

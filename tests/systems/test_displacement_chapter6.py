@@ -318,7 +318,7 @@ def test_faster_than_real_time():
             ),
         ),
         (["chamber_b.volume=0 cc"], "chamber_b.volume: " + wording.systems.pressure_would_jump.format(volume="0 m^3")),
-        (["pump.lag=0 s"], wording.files.no_time_above_zero.format(value="0 s")),
+        (["pump.lag=0 s"], wording.files.must_be_greater_than_zero.format(value="0 ms")),
     ],
 )
 def test_impossible_demands_are_told_before(settings, told):

@@ -105,7 +105,7 @@ def test_all_faults_are_told_at_once():
         (["operation.pump_speed=30 Hz"], "1800 rpm"),
         (
             ["relief_valve.override_pressure=0 bar", "relief_valve.opening_time=2 ms"],
-            wording.files.contradicts.format(key="opening_time"),
+            "opening_time: 2 ms " + wording.files.must_be_zero_if.format(key="override_pressure"),
         ),
         (["valve.sections=2.5"], wording.systems.whole_number),
         (["valve.lap_ratio=8"], wording.systems.do_not_fit),

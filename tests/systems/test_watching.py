@@ -140,8 +140,7 @@ def test_half_of_the_tables_is_refused(missing):
         ("encoder.spot_width=9 mm", wording.systems.narrower_than_sector),
         (
             "encoder.track_radius=0 mm",
-            r"prototype\.toml:\d+: encoder: track_radius = 0 m; "
-            + wording.files.expected_more_than.format(limit="0 m"),
+            "track_radius: " + wording.files.must_be_greater_than_zero.format(value="0 mm"),
         ),
         ("spool_filter.edge_variance=0 rad^2", "edge_variance"),
     ],

@@ -130,6 +130,11 @@ def signal_with_unit(value: Signal, kind: Kind, digits: int = 4) -> str:
     return f"{low} to {high} {unit}".strip()
 
 
+def readable(name: str) -> str:
+    """The name of a file, or an argument, as text; bytes of it that are not UTF-8 as backslash escapes."""
+    return name.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")
+
+
 def value_text(value: float, kind: Kind) -> str:
     """A value [SI] with its unit as in a message; a pressure level both gauge and absolute."""
     if kind.name == kinds.PRESSURE_LEVEL.name:

@@ -13,7 +13,8 @@ import math
 import re
 import stat
 import tomllib
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar, get_origin
@@ -22,7 +23,7 @@ from vvdp.base import signal as signals
 from vvdp.base.display import value_text
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
 from vvdp.base.kinds import ANGLE, FREQUENCY, TIME, Kind
-from vvdp.base.params import Params, default_values, field_kinds, field_types
+from vvdp.base.params import Params, default_values, field_kinds, field_types, refused_field
 from vvdp.base.signal import Signal
 from vvdp.base.units import parse, parsed_difference
 
@@ -125,10 +126,13 @@ def parsed_table(text: str, place: str) -> Table:
 
 def _lines(text: str) -> Iterator[tuple[str, int]]:
     """Dotted key and line number of every assignment and header; tomllib itself keeps no positions."""
-    header = ""
+    header, counts = "", Counter[str]()
     for number, line in enumerate(text.splitlines(), 1):
-        if match := re.match(r"\s*\[\s*([^\[\]]+?)\s*\]", line):
-            header = match[1]
+        if match := re.match(r"\s*(\[\[?)\s*([^\[\]]+?)\s*\]", line):
+            header = match[2]
+            if match[1] == "[[":  # the first table of an array is `name.1`
+                counts[header] += 1
+                header = f"{header}.{counts[header]}"
             yield header, number
         elif match := re.match(r"\s*([A-Za-z0-9_.\-]+|\"[^\"]+\")\s*=", line):
             key = match[1].strip('"')
@@ -191,13 +195,53 @@ def read_values(
     found: dict[str, V] = {}
     for key, entry in table.items():
         if key not in readers:
-            faults.append(fault_at(origin, f"{name}.{key}", f"unknown key{nearest(key, list(readers))}"))
+            refuse_unknown({key: entry}, readers, name, origin, faults)
             continue
         try:
             found[key] = readers[key](entry)
         except ParameterError as problem:
             faults.append(fault_at(origin, f"{name}.{key}", str(problem)))
     return found
+
+
+def refuse_unknown(
+    table: Mapping[str, Any],
+    known: Collection[str],
+    name: str,
+    origin: Table,
+    faults: list[Fault],
+    missing: Collection[str] = (),
+) -> None:
+    """Append a fault for each key of a TOML table that is not `known`, with the one that was perhaps meant.
+
+    name     of the table; empty for the file itself, whose inner tables are called tables
+    known    keys; a dotted one, `run.until`, is not one of this table but may be meant
+    missing  those of them that the table must have and has not: they are meant first
+    """
+    names = {each.rpartition(".")[2]: each for each in reversed(list(known))}
+    own = [each for each in known if "." not in each]
+    for key, entry in table.items():
+        if key not in own:
+            what = "table" if not name and isinstance(entry, Mapping) else "key"
+            close = names.get(key) or closest_word(key, missing) or names.get(closest_word(key, names), "")
+            meant = f"; did you mean {close!r}?" if close else nearest(key, own)
+            faults.append(fault_at(origin, join(name, key), f"unknown {what}{meant}"))
+
+
+def inner_table(
+    table: Mapping[str, Any], key: str, origin: Table, faults: list[Fault], name: str = ""
+) -> Mapping[str, Any]:
+    """The table under a key of the table `name`, empty if it is not given; anything else there is a fault."""
+    found = table.get(key, {})
+    if isinstance(found, Mapping):
+        return found
+    faults.append(fault_at(origin, join(name, key), f"{found!r} is not a table"))
+    return {}
+
+
+def join(name: str, key: str) -> str:
+    """The dotted path of a key in the table called `name`; empty names the file itself."""
+    return f"{name}.{key}" if name else key
 
 
 def read_text(entry: Any) -> str:
@@ -231,7 +275,7 @@ def build(
     """
     kinds, known, defaults = field_kinds(cls), field_types(cls), default_values(cls)
     before = len(faults)
-    readers = {key: partial(_read_entry, name, key, kind, known[key]) for key, kind in kinds.items()}
+    readers = {key: partial(read_sourced, name, key, kind, known[key]) for key, kind in kinds.items()}
     given = read_values(readers, table, name, origin, faults)
     rows: list[Sourced] = []
     for key, kind in kinds.items():
@@ -250,14 +294,12 @@ def build(
     try:
         return cls(**values), rows
     except ParameterError as problem:
-        field, _, message = str(problem).partition(": ")
-        key = field.removeprefix(f"{cls.__name__}.")
-        at_key = key in kinds and key != field
-        faults.append(fault_at(origin, f"{name}.{key}" if at_key else name, message if at_key else str(problem)))
+        key, message = refused_field(problem, cls)
+        faults.append(fault_at(origin, f"{name}.{key}" if key else name, message))
         return None, rows
 
 
-def _read_entry(name: str, key: str, kind: Kind | None, known: Any, entry: Any) -> Sourced:
+def read_sourced(name: str, key: str, kind: Kind | None, known: Any, entry: Any) -> Sourced:
     """What stands under a key, with its origin. Raises ParameterError."""
     if kind is None:
         raise TypeError(f"{name}.{key} has no kind")
@@ -358,12 +400,24 @@ def describe_signal(value: Signal, kind: Kind) -> str:
 
 
 def fault_at(origin: Table, path: str, message: str, key: str = "") -> Fault:
-    """A fault at a dotted `path`, with the line of that or of the table in which it stands; `key` is what is named."""
-    line, part = origin.lines.get(path), path
+    """A fault at a dotted `path`; `key` is what is named.
+
+    It has the line of the path, else of the first key below it, else of the table in which it stands. What no file
+    holds was set by an option.
+    """
+    inner = (line for each, line in origin.lines.items() if each.startswith(f"{path}."))
+    line, part = origin.lines.get(path, next(inner, None)), path
     while line is None and "." in part:
         part = part.rpartition(".")[0]
         line = origin.lines.get(part)
     return Fault("--set" if line == SET_BY_OPTION else origin.place, line or 0, key or path, message)
+
+
+def closest_word(word: str, known: Iterable[str]) -> str:
+    """The one of `known` that is closest to an unknown `word`; empty if none is close."""
+    import difflib
+
+    return next(iter(difflib.get_close_matches(word, sorted(known), 1)), "")
 
 
 def suggestion(word: str, known: Iterable[str], most: int = 1) -> str:

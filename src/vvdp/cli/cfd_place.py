@@ -1,6 +1,5 @@
 """What the verbs of `vvdp cfd` share: their options, the order of a system's valve, and where it is carried out."""
 
-import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
@@ -65,12 +64,13 @@ def write_and_report(directory: Path, loaded: "System", result: "Result", *, no_
     """Writes a result, the system that it is of, and the page."""
     from vvdp.cfd.solve import used_cores
     from vvdp.cli.report import CFD, add_report
+    from vvdp.cli.screen import typed_command
     from vvdp.results.store import write_result
     from vvdp.systems.resolved import resolved_text
 
     cores = " and ".join(map(str, used_cores(directory))) or "not noted"
     result = replace(result, conditions={**result.conditions, "cores for each solver": cores})
-    write_result(directory, result, resolved_text(loaded), ("vvdp", *sys.argv[1:]))
+    write_result(directory, result, resolved_text(loaded), typed_command())
     return Reported(result, not no_report and add_report(CFD, directory))
 
 

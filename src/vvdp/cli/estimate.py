@@ -1,7 +1,6 @@
 """`vvdp estimate`."""
 
 import shlex
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -125,6 +124,7 @@ def estimate(
 
 
 def _write_config(log: Path, target: Path, config: Path | None, options: "list[Option]", force: bool) -> None:
+    from vvdp.base.display import readable
     from vvdp.base.tables import write_new
     from vvdp.offline.config import SOURCES, load_estimation
     from vvdp.offline.config_text import config_text
@@ -135,7 +135,7 @@ def _write_config(log: Path, target: Path, config: Path | None, options: "list[O
         if config is None and not given & {f"sensor.{key}" for key in SOURCES}:
             options = [*options, *(found for found in guessed_options(source) if found.key not in given)]
         wanted = load_estimation(config, options)
-        write_new(target, config_text(wanted, source.channels(), log.name), force=force)
+        write_new(target, config_text(wanted, source.channels(), readable(log.name)), force=force)
     channel = wanted.source.channel
     typer.echo(f"{target} written, with the edges from {channel!r}; run it with: vvdp estimate {log} --config {target}")
 
@@ -176,9 +176,12 @@ def _nothing_named(log: Path, options: "list[Option]") -> "ConfigError":
 
 
 def _origin(config: Path | None, options: "list[Option]") -> dict[str, Any]:
+    from vvdp.base.display import readable
+    from vvdp.cli.screen import typed_command
+
     return {
-        "command": ["vvdp", *sys.argv[1:]],
-        "config": str(config) if config is not None else None,
+        "command": [*typed_command()],
+        "config": readable(str(config)) if config is not None else None,
         "options": {option.name: option.value for option in options},
     }
 

@@ -52,6 +52,7 @@ def fit(
     Columns: drop needs flow and pressure_drop, and takes diameter; jet needs opening and torque, and takes flow and
     port (closing or opening); leakage needs pressure_drop and leakage, and takes temperature.
     """
+    from vvdp.base.display import readable
     from vvdp.base.files import result_directory, write_whole
     from vvdp.cli.printing import show_result, write_with_report
     from vvdp.cli.screen import print_json, tell
@@ -62,7 +63,7 @@ def fit(
     chosen = _law(law, part)
     loaded, host = _host(on, settings)
     found = chosen.fit(read_columns(table, chosen.columns), host)
-    result = fit_result(found, table.name, host)
+    result = fit_result(found, readable(table.name), host)
     directory = out if out is not None else default_directory(f"fit-{law}")
     with result_directory(directory, force=force) as folder:
         if loaded:

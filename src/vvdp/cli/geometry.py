@@ -1,6 +1,5 @@
 """`vvdp geometry`."""
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -106,7 +105,7 @@ def _order(
 def _make(directory: Path, loaded: "System", order: "Order", frames: int, *, force: bool, no_report: bool) -> "Result":
     """Makes all files of an order and the page; what they come to."""
     from vvdp.base.files import list_all, result_directory
-    from vvdp.cli.screen import say
+    from vvdp.cli.screen import say, typed_command
     from vvdp.geometry.product import make_product
     from vvdp.geometry.result import geometry_result
     from vvdp.report.geometry_figures import animation
@@ -119,7 +118,7 @@ def _make(directory: Path, loaded: "System", order: "Order", frames: int, *, for
     with result_directory(directory, force=force) as folder:
         product = make_product(folder, order, say, film if frames else None)
         result = geometry_result(order, product)
-        write_result(folder, result, resolved_text(loaded), ("vvdp", *sys.argv[1:]))
+        write_result(folder, result, resolved_text(loaded), typed_command())
         list_all(folder)
         if not no_report:
             say("pictures")

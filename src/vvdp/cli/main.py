@@ -7,7 +7,6 @@ import platform
 import signal
 import sys
 import threading
-import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
@@ -41,10 +40,13 @@ from vvdp.cli import (
     valve,
 )
 from vvdp.cli import map as maps
-from vvdp.cli.options import Verb
+from vvdp.cli.mistake import report_mistake
+from vvdp.cli.options import LightVerb, Verb
 
 BAD_INPUT = 2
 FAILED = 1
+MISTAKE = 70
+"""A mistake of vvdp, as EX_SOFTWARE of sysexits.h."""
 INTERRUPTED = 130
 COLLECT_AFTER = 50_000
 """New objects between two searches for garbage. While libraries load, nearly all are kept: a tenth of a short run."""
@@ -81,7 +83,8 @@ class _InOrder(TyperGroup):
 app = typer.Typer(
     cls=_InOrder,
     help="Simulate and evaluate virtually variable displacement pumps and other digital hydraulics.",
-    epilog="Exit codes: 0 success, 1 failure, 2 bad input, 3 not balanced, 130 interrupted (by a signal 143, 129).",
+    epilog="Exit codes: 0 success, 1 failure, 2 bad input, 3 not balanced, 70 mistake of vvdp, "
+    "130 interrupted (by a signal 143, 129).",
     no_args_is_help=True,
     rich_markup_mode=None,  # rich would triple the time of --help
     pretty_exceptions_enable=False,
@@ -105,12 +108,12 @@ cfd.app.command("period", cls=Verb)(cfd_parts.period)
 app.add_typer(cfd.app, name="cfd")
 app.command("fit", cls=Verb)(fit.fit)
 app.command("reproduce", cls=Verb)(reproduce.reproduce)
-app.command("show", cls=Verb)(show.show)
-app.command("list", cls=Verb)(listing.systems)
-app.command("new", cls=Verb)(new.new)
+app.command("show", cls=LightVerb)(show.show)
+app.command("list", cls=LightVerb)(listing.systems)
+app.command("new", cls=LightVerb)(new.new)
 app.command("report", cls=Verb)(report.report)
-app.command("check", cls=Verb)(check.check)
-app.command("docs", cls=Verb)(docs.docs)
+app.command("check", cls=LightVerb)(check.check)
+app.command("docs", cls=LightVerb)(docs.docs)
 
 
 def _version(wanted: bool) -> None:
@@ -143,25 +146,25 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def _run(arguments: list[str] | None) -> int:
-    """Runs a verb; its exit code. What went wrong is told in lines that a person can act on."""
+    """Runs a verb; its exit code. What went wrong is reported in lines that a person can act on."""
     try:
         app(arguments, prog_name="vvdp")
     except SystemExit as end:
+        if end.__context__ is not None and isinstance(end.__context__.__cause__, KeyboardInterrupt):
+            _tell("interrupted", INTERRUPTED)  # no verb has caught it
         return end.code if isinstance(end.code, int) else 0
     except (ConfigError, NetworkError, ParameterError) as problem:
         return _tell(str(problem), BAD_INPUT)
     except VvdpError as problem:
         return _tell(str(problem), FAILED)
     except KeyboardInterrupt:
-        return INTERRUPTED
+        return _tell("interrupted", INTERRUPTED)
     except OSError as problem:
         return _tell(f"vvdp: {problem}", FAILED)
     except MemoryError as problem:
         return _tell(" ".join(f"vvdp: not enough memory. {problem}".split()), FAILED)
-    except (ArithmeticError, RecursionError) as problem:
-        at = traceback.extract_tb(problem.__traceback__)[-1]
-        what = f"{type(problem).__name__}: {problem} ({at.filename}:{at.lineno})"
-        return _tell(f"vvdp: {what}. This is a mistake of vvdp; please report it", FAILED)
+    except Exception as problem:
+        return _tell(report_mistake(problem), MISTAKE)
     return 0
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperCommand
 
+from vvdp.base.memory import require_memory
 from vvdp.cli.completion import setting_keys, system_names
 
 if TYPE_CHECKING:
@@ -15,7 +16,18 @@ if TYPE_CHECKING:
 
 
 class Verb(TyperCommand):
-    """A command whose help names its arguments as the guide does, without braces and Python types."""
+    """A command whose help names its arguments as the guide does, without braces and Python types.
+
+    Raises MemoryLimitError, before anything is loaded, where the process may not have enough memory for it.
+    """
+
+    least_memory = 700_000_000
+    """Address space that compiling a circuit needs [bytes]: 600 MB for the smallest, measured."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Runs the command."""
+        require_memory(self.least_memory)
+        return super().invoke(ctx)
 
     def collect_usage_pieces(self, ctx: Any) -> list[str]:
         """The words of the usage line."""
@@ -29,6 +41,12 @@ class Verb(TyperCommand):
             if rows:
                 with formatter.section(title):
                     formatter.write_dl(rows)
+
+
+class LightVerb(Verb):
+    """A command that simulates nothing."""
+
+    least_memory = 0
 
 
 def _plain_record(name: str, text: str) -> tuple[str, str]:

@@ -1,10 +1,9 @@
 """A result on the screen: title, conditions, listings, tables, findings."""
 
-import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from vvdp.cli.screen import console, grid, print_json, tell, warn
+from vvdp.cli.screen import console, grid, print_json, tell, typed_command, warn
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -44,7 +43,7 @@ def write_with_report(folder: "Path", result: "Result", system: str, *, no_repor
     from vvdp.cli.report import RESULT, add_report
     from vvdp.results.store import write_result
 
-    write_result(folder, result, system, ("vvdp", *sys.argv[1:]))
+    write_result(folder, result, system, typed_command())
     return not no_report and add_report(RESULT, folder)
 
 

@@ -1,6 +1,5 @@
 """`vvdp run`."""
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -52,7 +51,7 @@ def run(
     from vvdp.base.files import result_directory
     from vvdp.cli.progress import report_reach
     from vvdp.cli.report import RUN, add_report
-    from vvdp.cli.screen import print_json, say
+    from vvdp.cli.screen import print_json, say, typed_command
     from vvdp.runs.simulate import check_accuracy, run_system, save_run
     from vvdp.systems.overview import warnings
     from vvdp.systems.system import load_system
@@ -66,7 +65,7 @@ def run(
     directory = out if out is not None else default_directory(loaded.name)
     with result_directory(directory, force=force) as folder:
         with report_reach(end, lambda now: f"t = {now:.4g} s of {end:.4g} s") as progress:
-            done = run_system(loaded, progress=progress, say=say, command=["vvdp", *sys.argv[1:]])
+            done = run_system(loaded, progress=progress, say=say, command=typed_command())
         if not done.has("finished"):
             say(f"interrupted at t = {done.number('duration_s'):.6g} s; writing what was reached")
         changes: tuple[Move, ...] = ()

@@ -52,6 +52,13 @@ def warn(message: str) -> None:
     tell(f"warning: {message}", style="red")
 
 
+def typed_command() -> tuple[str, ...]:
+    """What was typed, for the origin of a result."""
+    from vvdp.base.display import readable
+
+    return ("vvdp", *map(readable, sys.argv[1:]))
+
+
 def say(message: str) -> None:
     """Prints a line on stderr."""
     print(message, file=sys.stderr, flush=True)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from vvdp.base.display import display_unit, key_suffix, number, plain
+from vvdp.base.display import display_unit, key_suffix, number, plain, readable
 from vvdp.base.errors import unusable
 from vvdp.base.kinds import COUNT, FLAG, Kind
 from vvdp.base.signal import Signal
@@ -72,7 +72,7 @@ def compare_runs(directories: Sequence[Path], trust: str = "") -> Result:
 
 def _names(directories: Sequence[Path]) -> list[str]:
     """The last part of each path where that tells them apart, else the whole path with a number for one given twice."""
-    names = [path.resolve().name for path in directories]
+    names = [readable(path.resolve().name) for path in directories]
     if len(set(names)) < len(names):
         names = [str(path) for path in directories]
     return [name if name not in names[:k] else f"{name} ({k + 1})" for k, name in enumerate(names)]

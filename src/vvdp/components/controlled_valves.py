@@ -2,9 +2,8 @@
 
 from typing import NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Flow, FlowCoefficient, Fraction, Kink, Power, PressureDifference
-from vvdp.base.params import Params
+from vvdp.base.params import Params, require_positive
 from vvdp.base.select import clip
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.characteristic import Characteristic, dead_band_side, flow_share
@@ -37,8 +36,7 @@ class SeriesThrottles(Params):
     transition_pressure: PressureDifference
 
     def check(self) -> None:
-        if self.transition_pressure <= 0.0:
-            raise ParameterError("SeriesThrottles.transition_pressure: 0 Pa; the flow law needs one above zero")
+        require_positive(self, "transition_pressure")
 
 
 class ValvePassage(NamedTuple):

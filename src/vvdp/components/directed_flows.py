@@ -2,9 +2,8 @@
 
 from typing import NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import ExchangedPower, Flow, FlowCoefficient, Fraction, Power, PressureDifference, SignedFraction
-from vvdp.base.params import Params
+from vvdp.base.params import Params, require_positive
 from vvdp.base.select import clip
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.flow import passage, signed_root
@@ -19,10 +18,7 @@ class ReturnThrottle(Params):
     transition_pressure: PressureDifference
 
     def check(self) -> None:
-        if not self.conductance > 0.0:
-            raise ParameterError("ReturnThrottle.conductance: 0 m^3/(s*Pa^0.5); expected a value above zero")
-        if not self.transition_pressure > 0.0:
-            raise ParameterError("ReturnThrottle.transition_pressure: 0 Pa; the flow law needs one above zero")
+        require_positive(self, "conductance", "transition_pressure")
 
 
 class DirectedDelivery(NamedTuple):

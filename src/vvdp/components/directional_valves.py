@@ -2,9 +2,9 @@
 
 from typing import NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Area, Flow, FlowCoefficient, Fraction, Kink, Power, SignedFraction, Time
 from vvdp.base.modes import side
+from vvdp.base.params import require_positive
 from vvdp.base.select import clip
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.directional_valve import (
@@ -34,8 +34,7 @@ class ThrottledDirectionalValve(DirectionalValve):
 
     def check(self) -> None:
         super().check()
-        if self.return_lag <= 0.0:
-            raise ParameterError("ThrottledDirectionalValve.return_lag: 0 s; expected a time above zero")
+        require_positive(self, "return_lag")
 
 
 class ThreeWayProportionalValve(Orifice):

@@ -2,9 +2,8 @@
 
 from typing import NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Position, Time
-from vvdp.base.params import Params
+from vvdp.base.params import Params, require_positive
 from vvdp.network.component import Component
 
 
@@ -14,8 +13,7 @@ class LaggingDrive(Params):
     lag: Time
 
     def check(self) -> None:
-        if self.lag <= 0.0:
-            raise ParameterError("LaggingDrive.lag: 0 s; expected a time above zero")
+        require_positive(self, "lag")
 
 
 class LaggingState(NamedTuple):

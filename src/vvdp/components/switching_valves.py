@@ -2,8 +2,8 @@
 
 from typing import NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Area, Flow, Fraction, Kink, Mode, Power
+from vvdp.base.params import refuse
 from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.flow import passage
@@ -60,7 +60,7 @@ class TwoWayValve(SwitchingValve, Orifice):
         SwitchingValve.check(self)
         Orifice.check(self)
         if self.normally_open not in (0.0, 1.0):
-            raise ParameterError(f"{type(self).__name__}.normally_open: {self.normally_open:g}; expected 0 or 1")
+            refuse(self, "normally_open", "must be 0 or 1")
 
 
 class PulsedTwoWayValve(TwoWayValve, PulseTrain):

@@ -6,9 +6,8 @@ commands the valve `unloading_valve`.
 
 from typing import NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Fraction, Pressure
-from vvdp.base.params import Params
+from vvdp.base.params import Params, require_less
 from vvdp.base.select import clip, select
 from vvdp.network.program import ProgramType
 
@@ -23,11 +22,7 @@ class UnloadingSettings(Params):
     cut_in_pressure: Pressure
 
     def check(self) -> None:
-        if self.cut_in_pressure >= self.cut_out_pressure:
-            raise ParameterError(
-                f"UnloadingSettings.cut_in_pressure: {self.cut_in_pressure:g} Pa absolute is not below "
-                f"the cut-out pressure, {self.cut_out_pressure:g} Pa absolute"
-            )
+        require_less(self, "cut_in_pressure", "cut_out_pressure")
 
 
 class UnloadingReading(NamedTuple):

@@ -11,7 +11,7 @@ import numpy as np
 from vvdp.base.display import value_text, with_unit
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
 from vvdp.base.kinds import PRESSURE_LEVEL
-from vvdp.base.tables import nearest, read_table, with_settings
+from vvdp.base.tables import nearest, read_table, refuse_unknown, with_settings
 from vvdp.base.units import parse
 from vvdp.design.quantities import KINDS, LABELS, Quantities, Setup, quantities, setup
 from vvdp.design.variables import VARIABLES, Variable, value_in, with_variables
@@ -436,6 +436,7 @@ def cycle_points(path: Path, system: System, faults: list[Fault]) -> list[tuple[
     rows = table.content.get("points")
     if not isinstance(rows, list) or not rows or not all(isinstance(row, Mapping) for row in rows):
         raise unusable(path, 'has no operating points; expected tables [[points]] with weight and "table.key" = value')
+    refuse_unknown(table.content, ("points",), "", table, faults)
     found = []
     for number, row in enumerate(rows, 1):
         place, settings, weight = f"{path}: point {number}", dict[str, Any](), row.get("weight", 1.0)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from vvdp.base.display import number
+from vvdp.base.display import number, readable
 from vvdp.base.kinds import Kind
 from vvdp.base.params import field_kinds
 from vvdp.fluid.oil import Oil
@@ -103,7 +103,7 @@ def _has_width(interval: Interval) -> bool:
 def settings(found: Fitted, source: Path) -> Iterator[str]:
     """The values of the valve as settings of a system, each with its interval and origin."""
     rows = found.points.rows
-    note = f"fitted to {rows} points of {source.name}".replace('"', "'").replace("\\", "/")
+    note = f"fitted to {rows} points of {readable(source.name)}".replace('"', "'").replace("\\", "/")
     for key, (interval, kind, _) in found.valve.items():
         unit = "" if kind.unit == "1" else f" {kind.unit}"
         texts = [f'"{each:.9g}{unit}"' for each in interval]

@@ -5,8 +5,10 @@ from collections.abc import Iterator
 from vvdp.base.display import key_suffix, percent, with_unit
 from vvdp.base.kinds import COUNT, EFFICIENCY, PRESSURE_LEVEL, TEMPERATURE
 from vvdp.fitting.fitted import Coefficient, Fitted, Host
-from vvdp.results.result import Finding, Listing, Number, Result, Row, Section
+from vvdp.results.result import Finding, Grade, Listing, Number, Result, Row, Section
 
+MOST_SCATTER = 0.2
+"""Of points about a law that may be taken for theirs: measured drops, leakages and torques repeat to a few percent."""
 INTERVALS = (
     "An interval holds a coefficient with 95 % if the scatter about the law is all that is uncertain and alike at all "
     "points: Student's t with the degrees of freedom that are left. What all points share, such as the error of a mesh "
@@ -76,7 +78,16 @@ def _listings(found: Fitted, host: Host | None) -> dict[str, Listing]:
 
 
 def _findings(found: Fitted) -> Iterator[Finding]:
-    yield Finding(
-        text=f"{found.points.rows} points scatter by {percent(found.scatter, 2)} about the law; the farthest lies "
+    text = (
+        f"{found.points.rows} points scatter by {percent(found.scatter, 2)} about the law; the farthest lies "
         f"{percent(float(abs(found.points['distance']).max()), 2)} off."
+    )
+    if not found.scatter > MOST_SCATTER:
+        yield Finding(text=text)
+        return
+    yield Finding(
+        title="The points do not follow the law",
+        grade=Grade.WARNING,
+        text=f"{text} That is more than {percent(MOST_SCATTER, 2)}: the coefficients describe no point well.",
+        remedy="Look at the chart for a point that lies apart, check the units, or take another law.",
     )

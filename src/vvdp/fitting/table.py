@@ -13,6 +13,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.display import key_suffix
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
 from vvdp.base.kinds import Kind
+from vvdp.base.tables import closest_word
 from vvdp.base.units import parse
 
 _HEADING = re.compile(r"\s*(.*?)\s*(?:[\[(]\s*(.*?)\s*[\])])?\s*\Z")
@@ -45,7 +46,8 @@ def read_columns(path: Path, wanted: Mapping[str, Quantity]) -> dict[str, Array]
 
     A heading is the name with its unit in brackets, `flow [lpm]`, or as in the tables of vvdp, `flow_m3_s`. Fields are
     parted by commas, semicolons (numbers may then have a decimal comma) or tabs; lines that begin with # are left out.
-    Raises ConfigError with the line and heading of every fault.
+    Other columns are left out, but for one whose heading is nearly that of a column that is missing. Raises ConfigError
+    with the line and heading of every fault.
     """
     lines = list(_lines(path))
     if not lines:
@@ -54,7 +56,12 @@ def read_columns(path: Path, wanted: Mapping[str, Quantity]) -> dict[str, Array]
     rows = [(number, fields) for number, fields in lines[1:] if any(field.strip() for field in fields)]
     if not rows:
         raise unusable(path, "has a heading and no rows")
-    faults: list[Fault] = []
+    width = len(lines[0][1])
+    faults = [
+        Fault(str(path), number, "", f"{len(fields)} cells; must be at most {width}, as there are headings")
+        for number, fields in rows
+        if any(field.strip() for field in fields[width:])
+    ]
     found = {name: np.array([_cell(path, row, place, wanted[name], faults) for row in rows])
              for name, place in places.items()}  # fmt: skip
     if faults:
@@ -75,7 +82,10 @@ def _lines(path: Path) -> Iterator[tuple[int, list[str]]]:
     numbered = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip()[:1] not in ("", "#")]
     delimiter = next((mark for mark in "\t;" if numbered and mark in numbered[0][1]), ",")
     for number, line in numbered:
-        fields = next(csv.reader([line], delimiter=delimiter))
+        try:
+            fields = next(csv.reader([line], delimiter=delimiter))
+        except csv.Error as problem:  # a cell that is too long, or a NUL
+            raise ConfigError([Fault(str(path), number, "", f"is not a line of a table: {problem}")]) from None
         yield number, [field.replace(",", ".") for field in fields] if delimiter == ";" else fields
 
 
@@ -100,6 +110,11 @@ def _places(path: Path, head: tuple[int, Sequence[str]], wanted: Mapping[str, Qu
             example = f"{name} [{unit}]" if unit else name
             there = ", ".join(repr(heading.strip()) for heading in headings)
             faults.append(Fault(str(path), line, name, f"no such column; write for example {example!r}, not {there}"))
+    faults += [
+        Fault(str(path), line, headings[k].strip(), f"unknown column; did you mean {meant!r}?")
+        for k, text, _ in read
+        if (meant := closest_word(text, wanted.keys() - found.keys())) and meant != text
+    ]
     if faults:
         raise ConfigError(faults)
     return found

@@ -23,7 +23,7 @@ from vvdp.base.kinds import (
     ThermalExpansion,
     Time,
 )
-from vvdp.base.params import Params
+from vvdp.base.params import Params, field_text, refuse
 from vvdp.base.powers import expm1
 
 PressureViscosity = Annotated[float, Kind("pressure-viscosity coefficient", "1/Pa", 0.0, 1e-7, "2e-8 1/Pa")]
@@ -76,13 +76,11 @@ class Oil(Params):
                 f"Oil.viscosity_100: {hot:g} cSt is too thin; the viscosity law needs more than 0.3 cSt"
             )
         if not self.reference_pressure > 0.0:
-            raise ParameterError(
-                f"Oil.reference_pressure: {self.reference_pressure:g} Pa; expected an absolute pressure above zero"
-            )
+            refuse(self, "reference_pressure", "must be an absolute pressure above zero")
         if not self.vapour_pressure < self.reference_pressure:
-            raise ParameterError(
-                f"Oil.vapour_pressure: {self.vapour_pressure:g} Pa; at the reference pressure, "
-                f"{self.reference_pressure:g} Pa, the oil would boil"
+            limit = field_text(self, "reference_pressure")
+            refuse(
+                self, "vapour_pressure", f"must be less than reference_pressure, {limit}, at which the oil would boil"
             )
         times = self.dissolving_time, self.release_time
         if self.bunsen_coefficient > 0.0 and not min(times) > 0.0:

@@ -7,7 +7,7 @@ import numpy as np
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Area, Count, Kind, Length, Position, Ratio, Volume
-from vvdp.base.params import Params
+from vvdp.base.params import Params, refuse, require_positive
 from vvdp.geometry.kernel import Floats
 from vvdp.valve.geometry import barrier_width, helix_slope, nozzle_length, nozzle_width
 from vvdp.valve.rotary import RotaryValve
@@ -60,11 +60,10 @@ class ValveShape(Params):
 
     def check(self) -> None:
         """Refuse lengths that are not there, and blades that are no number of blades."""
-        for name in (field.name for field in fields(self)):
-            if name not in ("stroke_ratio", "rail_tail", "rail_port_angle") and not getattr(self, name) > 0.0:
-                raise ParameterError(f"ValveShape.{name} must be greater than zero")
+        free = ("stroke_ratio", "rail_tail", "rail_port_angle")
+        require_positive(self, *(field.name for field in fields(self) if field.name not in free))
         if self.outlet_blades != round(self.outlet_blades):
-            raise ParameterError(f"ValveShape.outlet_blades = {self.outlet_blades:g}; expected a whole number")
+            refuse(self, "outlet_blades", "must be a whole number")
 
 
 class Stations(NamedTuple):

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.kinds import LENGTH
 from vvdp.base.params import field_kinds
-from vvdp.base.tables import Sourced, Table, build, fault_at, parsed_table, read_table, suggestion, with_settings
+from vvdp.base.tables import Sourced, Table, build, parsed_table, read_table, refuse_unknown, suggestion, with_settings
 from vvdp.geometry.makeable import contradictions
 from vvdp.geometry.shape import ValveShape
 from vvdp.valve.rotary import RotaryValve
@@ -108,8 +108,10 @@ def shape_table(name: str) -> Table:
         meant = suggestion(name, texts)
         raise ConfigError([Fault(name, 0, "", f"neither a shipped shape ({', '.join(texts)}) nor a file{meant}")])
     table = parsed_table(texts[name], f"{name}.toml") if name in texts else read_table(Path(name))
-    if more := sorted(set(table.content) - {NAME}):
-        raise ConfigError([fault_at(table, key, f"expected [{NAME}] only") for key in more])
+    faults: list[Fault] = []
+    refuse_unknown(table.content, (NAME,), "", table, faults)
+    if faults:
+        raise ConfigError(faults)
     return table
 
 

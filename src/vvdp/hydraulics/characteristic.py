@@ -5,10 +5,9 @@ Source  ours, docs/models/components.md, where a function names no other.
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Fraction, Ratio
 from vvdp.base.modes import between
-from vvdp.base.params import Params
+from vvdp.base.params import Params, refuse
 from vvdp.base.select import clip, select
 
 
@@ -23,11 +22,9 @@ class Characteristic(Params):
 
     def check(self) -> None:
         if self.dead_band >= 1.0:
-            raise ParameterError(f"{type(self).__name__}.dead_band: 1; the valve would never open")
+            refuse(self, "dead_band", "must be less than 1: the valve would never open")
         if self.rangeability < 1.0:
-            raise ParameterError(
-                f"{type(self).__name__}.rangeability: {self.rangeability:g}; expected 1 (linear) or more"
-            )
+            refuse(self, "rangeability", "must be at least 1 (linear)")
 
 
 def flow_share(opening: float, characteristic: Characteristic) -> float:

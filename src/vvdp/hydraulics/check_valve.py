@@ -5,10 +5,9 @@ Source  ours, docs/models/components.md, where a function names no other.
 
 from typing import NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Flow, Fraction, PressureDifference, Time
 from vvdp.base.modes import between
-from vvdp.base.params import Params
+from vvdp.base.params import Params, field_text, refuse, require_positive
 from vvdp.base.select import clip, select
 from vvdp.hydraulics.flow import rated_root
 
@@ -27,10 +26,8 @@ class CheckPoppet(Params):
 
     def check(self) -> None:
         if self.rated_drop <= self.cracking_pressure:
-            raise ParameterError(
-                f"{type(self).__name__}.rated_drop: {self.rated_drop:g} Pa does not exceed "
-                f"the cracking pressure {self.cracking_pressure:g} Pa"
-            )
+            limit = field_text(self, "cracking_pressure")
+            refuse(self, "rated_drop", f"must be greater than cracking_pressure, {limit}")
 
 
 class CheckValve(CheckPoppet):
@@ -40,8 +37,7 @@ class CheckValve(CheckPoppet):
 
     def check(self) -> None:
         super().check()
-        if self.rated_flow <= 0.0:
-            raise ParameterError(f"CheckValve.rated_flow: {self.rated_flow:g} m^3/s; expected a flow above zero")
+        require_positive(self, "rated_flow")
 
 
 class CheckState(NamedTuple):

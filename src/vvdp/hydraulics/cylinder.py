@@ -5,7 +5,7 @@ Source  ours, docs/models/components.md, where a function names no other.
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Area, Conductance, Length, Mass
-from vvdp.base.params import Params
+from vvdp.base.params import Params, require_positive
 from vvdp.hydraulics.ports import Wall
 
 
@@ -19,8 +19,7 @@ class Plunger(Params):
     moving_mass: Mass
 
     def check(self) -> None:
-        if self.area_a <= 0.0:
-            raise ParameterError(f"{type(self).__name__}.area_a: 0 m^2; expected an area above zero")
+        require_positive(self, "area_a")
 
 
 class Cylinder(Plunger):
@@ -39,8 +38,7 @@ class Cylinder(Plunger):
         super().check()
         if self.area_b <= 0.0:
             raise ParameterError("Cylinder.area_b: 0 m^2; expected an area above zero, or a Plunger")
-        if self.stroke <= 0.0:
-            raise ParameterError("Cylinder.stroke: 0 m; expected a length above zero")
+        require_positive(self, "stroke")
 
 
 def plunger_force(pressure_a: float, reference_pressure: float, plunger: Plunger) -> float:

@@ -5,10 +5,9 @@ Source  ours, docs/models/components.md, where a function names no other.
 
 from typing import NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import FlowCoefficient, Fraction, Kink, PressureDifference, SignedFraction, Time
 from vvdp.base.modes import between
-from vvdp.base.params import Params
+from vvdp.base.params import Params, refuse, require_positive
 from vvdp.base.select import clip
 from vvdp.hydraulics.flow import signed_root
 
@@ -26,11 +25,8 @@ class DirectionalValve(Params):
 
     def check(self) -> None:
         if self.overlap >= 1.0:
-            raise ParameterError("DirectionalValve.overlap: 1; the valve would never open")
-        if self.transition_pressure <= 0.0:
-            raise ParameterError("DirectionalValve.transition_pressure: 0 Pa; the flow law needs one above zero")
-        if self.lag <= 0.0:
-            raise ParameterError("DirectionalValve.lag: 0 s; expected a time above zero")
+            refuse(self, "overlap", "must be less than 1: the valve would never open")
+        require_positive(self, "transition_pressure", "lag")
 
 
 class EdgeSides(NamedTuple):

@@ -7,9 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Count, Flow, Fraction, PressureDifference, Time
-from vvdp.base.params import Params
+from vvdp.base.params import Params, refuse, require_positive
 from vvdp.base.select import clip, select
 from vvdp.hydraulics.flow import rated_root
 
@@ -31,12 +30,9 @@ class OnOffValve(Params):
     dead_travel: Fraction = 0.25
 
     def check(self) -> None:
-        name = type(self).__name__
-        for key in ("rated_flow", "rated_drop", "opening_time", "closing_time"):
-            if not getattr(self, key) > 0.0:
-                raise ParameterError(f"{name}.{key}: 0; expected more than zero")
+        require_positive(self, "rated_flow", "rated_drop", "opening_time", "closing_time")
         if not NEAR <= self.dead_travel < 0.5:
-            raise ParameterError(f"{name}.dead_travel: {self.dead_travel:g}; expected {NEAR:g} to less than 0.5")
+            refuse(self, "dead_travel", f"must be at least {NEAR:g} and less than 0.5")
 
 
 class UnitValve(OnOffValve):
@@ -48,9 +44,7 @@ class UnitValve(OnOffValve):
     def check(self) -> None:
         super().check()
         if not 1.0 <= self.weight < self.modulus:
-            raise ParameterError(
-                f"UnitValve.weight: {self.weight:g}; expected at least 1 and less than the modulus {self.modulus:g}"
-            )
+            refuse(self, "weight", f"must be at least 1 and less than modulus, {self.modulus:g}")
 
 
 class PoppetState(NamedTuple):

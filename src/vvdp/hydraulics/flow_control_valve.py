@@ -3,10 +3,9 @@
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Flow, Fraction, PressureDifference
 from vvdp.base.modes import between
-from vvdp.base.params import Params
+from vvdp.base.params import Params, require_less, require_positive
 from vvdp.base.select import clip
 from vvdp.hydraulics.flow import rated_root
 
@@ -24,15 +23,9 @@ class FlowControlValve(Params):
     flow_rise: Fraction
 
     def check(self) -> None:
-        if self.rated_flow <= 0.0:
-            raise ParameterError(f"FlowControlValve.rated_flow: {self.rated_flow:g} m^3/s; expected a flow above zero")
-        if self.minimum_drop <= 0.0:
-            raise ParameterError("FlowControlValve.minimum_drop: 0 Pa; the compensator needs a drop above zero")
-        if self.maximum_drop <= self.minimum_drop:
-            raise ParameterError(
-                f"FlowControlValve.maximum_drop: {self.maximum_drop:g} Pa does not exceed "
-                f"the minimum drop {self.minimum_drop:g} Pa"
-            )
+        require_positive(self, "rated_flow")
+        require_positive(self, "minimum_drop")
+        require_less(self, "minimum_drop", "maximum_drop")
 
 
 def controlled_side(pressure_drop: float, valve: FlowControlValve) -> float:

@@ -2,9 +2,8 @@
 
 from typing import NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Flow, Fraction, Time
-from vvdp.base.params import Params
+from vvdp.base.params import Params, refuse, require_positive
 from vvdp.base.select import select
 
 
@@ -15,10 +14,7 @@ class FlowSource(Params):
 
     def check(self) -> None:
         if self.counted_at_outlet not in (0.0, 1.0):
-            raise ParameterError(
-                f"FlowSource.counted_at_outlet: {self.counted_at_outlet:g}; expected 0 (tank volumes) "
-                "or 1 (volume at the outlet's pressure)"
-            )
+            refuse(self, "counted_at_outlet", "must be 0 (tank volumes) or 1 (volume at the outlet's pressure)")
 
 
 class LaggingSource(FlowSource):
@@ -28,8 +24,7 @@ class LaggingSource(FlowSource):
 
     def check(self) -> None:
         super().check()
-        if self.lag <= 0.0:
-            raise ParameterError("LaggingSource.lag: 0 s; expected a time above zero")
+        require_positive(self, "lag")
 
 
 class SourceState(NamedTuple):

@@ -5,9 +5,8 @@ Source  ours, docs/models/components.md, where a function names no other.
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Coupling, Force, FrictionTorque, Speed, Velocity, ViscousFriction
-from vvdp.base.params import Params
+from vvdp.base.params import Params, field_text, refuse, require_less, require_positive
 
 
 class RodFriction(Params):
@@ -26,20 +25,13 @@ class RodFriction(Params):
     def check(self) -> None:
         F_c, F_s = self.coulomb_friction, self.breakaway_friction
         if F_c < 0.0:
-            raise ParameterError(f"RodFriction.coulomb_friction: {F_c:g} N would drive the rod")
+            refuse(self, "coulomb_friction", "must be at least 0: it would drive the rod")
         if F_s < F_c:
-            raise ParameterError(
-                f"RodFriction.breakaway_friction: {F_s:g} N is less than the coulomb friction {F_c:g} N; "
-                "make them equal for a friction that does not fall"
-            )
-        for name in ("stribeck_velocity", "coulomb_velocity"):
-            if getattr(self, name) <= 0.0:
-                raise ParameterError(f"RodFriction.{name}: {getattr(self, name):g} m/s; expected one above zero")
-        if F_s > F_c and self.coulomb_velocity >= self.stribeck_velocity:
-            raise ParameterError(
-                f"RodFriction.coulomb_velocity: {self.coulomb_velocity:g} m/s is not below the Stribeck velocity "
-                f"{self.stribeck_velocity:g} m/s, so that the breakaway friction would never be reached"
-            )
+            least = field_text(self, "coulomb_friction")
+            refuse(self, "breakaway_friction", f"must be at least coulomb_friction, {least}")
+        require_positive(self, "stribeck_velocity", "coulomb_velocity")
+        if F_s > F_c:  # else the breakaway friction would never be reached
+            require_less(self, "coulomb_velocity", "stribeck_velocity")
 
 
 class ShaftFriction(Params):
@@ -50,11 +42,9 @@ class ShaftFriction(Params):
     coulomb_speed: Speed
 
     def check(self) -> None:
-        name = type(self).__name__
         if self.coulomb_torque < 0.0:
-            raise ParameterError(f"{name}.coulomb_torque: {self.coulomb_torque:g} N m would drive the shaft")
-        if self.coulomb_speed <= 0.0:
-            raise ParameterError(f"{name}.coulomb_speed: {self.coulomb_speed:g} rad/s; expected one above zero")
+            refuse(self, "coulomb_torque", "must be at least 0: it would drive the shaft")
+        require_positive(self, "coulomb_speed")
 
 
 def smooth_sign(value: float, width: float) -> float:

@@ -22,7 +22,7 @@ from vvdp.base.kinds import (
     ViscousFriction,
 )
 from vvdp.base.modes import side
-from vvdp.base.params import Params
+from vvdp.base.params import Params, require_positive
 from vvdp.base.select import clip, minimum, select
 from vvdp.numerics.piecewise import check_rising, piecewise_linear
 
@@ -65,8 +65,7 @@ class GerotorMap(Params):
 
     def check(self) -> None:
         name = type(self).__name__
-        if self.largest_flow <= 0.0:
-            raise ParameterError(f"{name}.largest_flow: {self.largest_flow:g} m^3/s; expected a flow above zero")
+        require_positive(self, "largest_flow")
         if self.backward_gain <= 0.0:
             raise ParameterError(f"{name}.backward_gain: 0; the drive would never come back")
         for band in ("forward_dead_band", "backward_dead_band"):

@@ -7,9 +7,8 @@ from typing import Protocol
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Length, Ratio
-from vvdp.base.params import Params
+from vvdp.base.params import Params, require_positive
 from vvdp.base.select import clip, maximum
 from vvdp.fluid.mixture import FluidState
 
@@ -36,10 +35,7 @@ class Line(Params):
     wall_friction: Ratio = 1.0
 
     def check(self) -> None:
-        if self.length <= 0.0 or self.diameter <= 0.0:
-            raise ParameterError(
-                f"{type(self).__name__}: length {self.length:g} m, diameter {self.diameter:g} m; expected both above 0"
-            )
+        require_positive(self, "length", "diameter")
 
 
 def line_volume(line: RoundLine) -> float:

@@ -3,8 +3,8 @@
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Conductance, Displacement, Inertia
+from vvdp.base.params import require_positive
 from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.friction import ShaftFriction
@@ -22,8 +22,7 @@ class Motor(ShaftFriction):
 
     def check(self) -> None:
         super().check()
-        if self.displacement <= 0.0:
-            raise ParameterError("Motor.displacement: 0 m^3/rad; expected a displacement above zero")
+        require_positive(self, "displacement")
 
 
 def motor_flow(shaft_speed: float, motor: Motor) -> float:

@@ -8,9 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.conservation import Stored
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import BulkModulus, Compliance, Count, Length, Ratio
-from vvdp.base.params import Params
+from vvdp.base.params import Params, refuse, require_positive
 from vvdp.fluid.mixture import FluidState
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.line import line_volume
@@ -31,12 +30,9 @@ class LinePipe(Params):
     pieces: Count = 5.0
 
     def check(self) -> None:
-        if self.length <= 0.0 or self.diameter <= 0.0:
-            raise ParameterError(
-                f"LinePipe: length {self.length:g} m, diameter {self.diameter:g} m; expected both above 0"
-            )
+        require_positive(self, "length", "diameter")
         if self.pieces < 1.0 or self.pieces % 1.0:
-            raise ParameterError(f"LinePipe.pieces: {self.pieces:g}; expected a whole number from 1 on")
+            refuse(self, "pieces", "must be a whole number of at least 1")
 
 
 class TubeWall(Params):
@@ -47,10 +43,7 @@ class TubeWall(Params):
     youngs_modulus: BulkModulus
 
     def check(self) -> None:
-        if self.wall_thickness <= 0.0 or self.diameter <= 0.0:
-            raise ParameterError(
-                f"TubeWall: diameter {self.diameter:g} m, wall {self.wall_thickness:g} m; expected both above 0"
-            )
+        require_positive(self, "wall_thickness", "diameter")
 
 
 class PipePiece(NamedTuple):

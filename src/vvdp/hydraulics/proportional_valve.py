@@ -2,9 +2,8 @@
 
 from typing import NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Conductance, FlowCoefficient, Fraction, PressureDifference, Time
-from vvdp.base.params import Params
+from vvdp.base.params import Params, require_positive
 from vvdp.base.select import clip
 from vvdp.hydraulics.flow import signed_root
 
@@ -21,10 +20,7 @@ class ProportionalValve(Params):
     lag: Time
 
     def check(self) -> None:
-        if self.transition_pressure <= 0.0:
-            raise ParameterError("ProportionalValve.transition_pressure: 0 Pa; the flow law needs one above zero")
-        if self.lag <= 0.0:
-            raise ParameterError("ProportionalValve.lag: 0 s; expected a time above zero")
+        require_positive(self, "transition_pressure", "lag")
 
 
 class OpeningState(NamedTuple):

@@ -5,10 +5,9 @@ Source  ours, docs/models/whole-machine.md, where a function names no other.
 
 from typing import NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Speed, Time
 from vvdp.base.modes import side
-from vvdp.base.params import Params
+from vvdp.base.params import Params, require_positive
 from vvdp.base.select import clip, select
 
 NEAR = 0.02
@@ -22,9 +21,7 @@ class PumpMotor(Params):
     coast_time: Time
 
     def check(self) -> None:
-        for name in ("start_time", "coast_time"):
-            if getattr(self, name) <= 0.0:
-                raise ParameterError(f"PumpMotor.{name}: 0 s; no motor changes its speed at once, expected above zero")
+        require_positive(self, "start_time", "coast_time")
 
 
 class PumpMotorState(NamedTuple):

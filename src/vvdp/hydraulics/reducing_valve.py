@@ -3,10 +3,9 @@
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Flow, Pressure, PressureDifference, Time
 from vvdp.base.modes import between
-from vvdp.base.params import Params
+from vvdp.base.params import Params, require_less, require_positive
 from vvdp.base.select import clip, select
 from vvdp.hydraulics.flow import rated_root
 
@@ -25,15 +24,8 @@ class ReducingValve(Params):
     opening_time: Time
 
     def check(self) -> None:
-        if not 0.0 < self.override_pressure < self.closing_pressure:
-            raise ParameterError(
-                f"ReducingValve.override_pressure: {self.override_pressure:g} Pa; expected one above zero "
-                f"and below the closing pressure, {self.closing_pressure:g} Pa absolute"
-            )
-        if self.rated_flow <= 0.0:
-            raise ParameterError(f"ReducingValve.rated_flow: {self.rated_flow:g} m^3/s; expected a flow above zero")
-        if self.rated_drop <= 0.0:
-            raise ParameterError("ReducingValve.rated_drop: 0 Pa; expected a drop above zero")
+        require_positive(self, "override_pressure", "rated_flow", "rated_drop")
+        require_less(self, "override_pressure", "closing_pressure")
 
 
 def reducing_opening(outlet_pressure: float, valve: ReducingValve) -> float:

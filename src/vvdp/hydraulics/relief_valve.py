@@ -8,7 +8,7 @@ from typing import NamedTuple
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Flow, Pressure, PressureDifference, Ratio, Time
 from vvdp.base.modes import side
-from vvdp.base.params import Params
+from vvdp.base.params import Params, refuse, require_less, require_positive
 from vvdp.base.select import maximum, minimum, select
 from vvdp.hydraulics.flow import rated_root
 
@@ -30,23 +30,12 @@ class ReliefValve(Params):
     def check(self) -> None:
         if self.cracking_pressure <= 0.0:
             raise ParameterError("ReliefValve.cracking_pressure: 0 Pa absolute; expected a level above the tank's")
-        if self.rated_flow <= 0.0:
-            raise ParameterError(f"ReliefValve.rated_flow: {self.rated_flow:g} m^3/s; expected a flow above zero")
+        require_positive(self, "rated_flow")
         if self.override_pressure <= 0.0 < self.opening_time:
-            raise ParameterError(
-                f"ReliefValve: override_pressure 0 (ideal) contradicts opening_time {self.opening_time:g} s; "
-                "make the opening time 0 or give an override"
-            )
+            refuse(self, "opening_time", "must be 0 if override_pressure is 0 (an ideal valve)")
         if self.override_pressure <= 0.0 < self.reseat_drop:
-            raise ParameterError(
-                f"ReliefValve: override_pressure 0 (ideal) contradicts reseat_drop {self.reseat_drop:g} Pa; "
-                "make the drop 0 or give an override"
-            )
-        if not self.reseat_drop < self.cracking_pressure:
-            raise ParameterError(
-                f"ReliefValve.reseat_drop: {self.reseat_drop:g} Pa; expected less than the cracking pressure, "
-                f"{self.cracking_pressure:g} Pa"
-            )
+            refuse(self, "reseat_drop", "must be 0 if override_pressure is 0 (an ideal valve)")
+        require_less(self, "reseat_drop", "cracking_pressure")
 
 
 class ShockValve(ReliefValve):
@@ -55,7 +44,7 @@ class ShockValve(ReliefValve):
     def check(self) -> None:
         super().check()
         if self.override_pressure <= 0.0:
-            raise ParameterError("ShockValve.override_pressure: 0 Pa; expected one above zero, or take a relief valve")
+            refuse(self, "override_pressure", "must be greater than 0; an ideal one is of type relief-valve")
 
 
 class LoadReliefValve(ShockValve):

@@ -7,10 +7,9 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, Force, Kind, Kink, Mass, Position, Power, Stiffness
 from vvdp.base.modes import side
-from vvdp.base.params import Params
+from vvdp.base.params import Params, refuse, require_less, require_positive
 from vvdp.base.select import maximum
 
 IMPACT_DAMPING = Kind("impact damping", "s/m", 0.0, 1e4, "1 s/m")
@@ -31,12 +30,8 @@ class EndStop(Params):
     stop_damping: ImpactDamping
 
     def check(self) -> None:
-        if self.lower_end >= self.upper_end:
-            raise ParameterError(
-                f"EndStop.lower_end: {self.lower_end:g} m is not below the upper end, {self.upper_end:g} m"
-            )
-        if self.stop_stiffness <= 0.0:
-            raise ParameterError("EndStop.stop_stiffness: 0 N/m; expected a stiffness above zero")
+        require_less(self, "lower_end", "upper_end")
+        require_positive(self, "stop_stiffness")
 
 
 class StopForce(NamedTuple):
@@ -69,7 +64,7 @@ class Weight(Params):
 
     def check(self) -> None:
         if abs(self.slope) > 0.5 * np.pi:
-            raise ParameterError(f"Weight.slope: {self.slope:g} rad is steeper than upright, {0.5 * np.pi:g} rad")
+            refuse(self, "slope", "must lie between -90 deg and 90 deg (upright)")
 
 
 def stop_force(position: float, velocity: float, stop: EndStop) -> StopForce:

@@ -3,9 +3,8 @@
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Flow, PressureDifference, Time
-from vvdp.base.params import Params
+from vvdp.base.params import Params, require_positive
 from vvdp.base.select import clip
 from vvdp.hydraulics.flow import rated_root
 
@@ -18,12 +17,7 @@ class SeatValve(Params):
     lag: Time
 
     def check(self) -> None:
-        if self.rated_flow <= 0.0:
-            raise ParameterError(f"SeatValve.rated_flow: {self.rated_flow:g} m^3/s; expected a flow above zero")
-        if self.rated_drop <= 0.0:
-            raise ParameterError("SeatValve.rated_drop: 0 Pa; expected a drop above zero")
-        if self.lag <= 0.0:
-            raise ParameterError("SeatValve.lag: 0 s; expected a time above zero")
+        require_positive(self, "rated_flow", "rated_drop", "lag")
 
 
 def seat_flow(pressure_drop: float, opening: float, valve: SeatValve) -> float:

@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Area, Fraction, Frequency, Kink, Length, Mode, Position, Ratio, Velocity
+from vvdp.base.display import value_text
+from vvdp.base.kinds import LENGTH, Area, Fraction, Frequency, Kink, Length, Mode, Position, Ratio, Velocity
 from vvdp.base.modes import side
-from vvdp.base.params import Params
+from vvdp.base.params import Params, refuse, require_positive
 from vvdp.base.select import clip, minimum, select
 
 STOP_DAMPING = 50.0
@@ -32,16 +32,11 @@ class SwitchingValve(Params):
     full_area: Area
 
     def check(self) -> None:
-        if self.natural_frequency <= 0.0:
-            raise ParameterError("SwitchingValve.natural_frequency: 0 Hz; expected one above zero")
-        if self.stroke <= 0.0:
-            raise ParameterError("SwitchingValve.stroke: 0 m; expected a length above zero")
+        require_positive(self, "natural_frequency", "stroke")
         half = 0.5 * self.stroke
         if not -half <= self.lap < half:
-            raise ParameterError(
-                f"SwitchingValve.lap: {self.lap:g} m; expected less than half the stroke, {half:g} m, "
-                f"and not below -{half:g} m"
-            )
+            text = value_text(half, LENGTH)
+            refuse(self, "lap", f"must lie between -{text} and {text} (half the stroke)")
 
 
 class SpoolState(NamedTuple):
@@ -78,8 +73,7 @@ class PulseClock(Params):
     frequency: Frequency
 
     def check(self) -> None:
-        if self.frequency <= 0.0:
-            raise ParameterError(f"{type(self).__name__}.frequency: 0 Hz; expected one above zero")
+        require_positive(self, "frequency")
 
 
 class PulseTrain(PulseClock):

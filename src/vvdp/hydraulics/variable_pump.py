@@ -5,10 +5,9 @@ Source  ours, docs/models/components.md, where a function names no other.
 
 from typing import NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Fraction, Pressure, PressureDifference, Time
 from vvdp.base.modes import between
-from vvdp.base.params import Params
+from vvdp.base.params import Params, require_positive
 from vvdp.base.select import clip, maximum, minimum
 
 
@@ -26,9 +25,7 @@ class PumpControl(Params):
     reset_time: Time
 
     def check(self) -> None:
-        for name in ("highest_pressure", "proportional_band", "reset_time"):
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(f"PumpControl.{name}: 0; expected more than zero")
+        require_positive(self, "highest_pressure", "proportional_band", "reset_time")
 
 
 class SwivelState(NamedTuple):

@@ -6,9 +6,8 @@ Source  ours, docs/models/components.md, where a function names no other.
 import numpy as np
 
 from vvdp.base.conservation import Stored
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Compliance, Polytropic, Pressure, Volume
-from vvdp.base.params import Params
+from vvdp.base.params import Params, field_text, refuse
 from vvdp.base.powers import power
 from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState
@@ -35,11 +34,10 @@ class Vessel(Params):
 
     def check(self) -> None:
         if self.oil_volume <= 0.0:
-            raise ParameterError("Vessel.oil_volume: 0 m^3; below precharge nothing else would hold the pressure")
+            refuse(self, "oil_volume", "must be greater than 0: below precharge nothing else would hold the pressure")
         if self.gas_volume > 0.0 and self.precharge_pressure <= 0.0:
-            raise ParameterError(
-                f"Vessel.precharge_pressure: 0 Pa with {self.gas_volume:g} m^3 of gas; expected an absolute pressure"
-            )
+            gas = field_text(self, "gas_volume")
+            refuse(self, "precharge_pressure", f"must be greater than 0 bara with a gas_volume of {gas}")
 
 
 def pressure_rate(

@@ -20,7 +20,7 @@ import numpy as np
 from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.kinds import DUTY_RATIO, FRACTION, FREQUENCY, PRESSURE_LEVEL, TIME, Kind
 from vvdp.base.params import field_kinds
-from vvdp.base.tables import Table, nearest, read_flag, read_table, read_text, read_values, read_whole
+from vvdp.base.tables import Table, read_flag, read_table, read_text, read_values, read_whole, refuse_unknown
 from vvdp.base.units import line_to_si, parse
 from vvdp.estimation.event_settings import EventFilter, event_filter
 from vvdp.estimation.fusion import LAG
@@ -170,10 +170,9 @@ def _read(table: Table, options: Sequence[Option]) -> _Given:
     entries = {name: _entries(table, name, options) for name in READERS}
     values = {name: read_values(READERS[name], entries[name], name, table, faults) for name in READERS}
     given = _Given(table, names, entries, values, faults)
+    refuse_unknown(table.content, READERS, "", table, faults)
     for name, content in table.content.items():
-        if name not in READERS:
-            given.fault(name, f"unknown table{nearest(name, list(READERS))}")
-        elif not isinstance(content, Mapping):
+        if name in READERS and not isinstance(content, Mapping):
             given.fault(name, f"{content!r}; expected a table, [{name}]")
     return given
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from vvdp.base.display import readable
 from vvdp.base.errors import ConfigError, Fault, unusable
 from vvdp.base.files import write_whole
 from vvdp.logs.channel import Log
@@ -182,7 +183,7 @@ def _outcome(run: FilteringPass, sums: Sums, wanted: Estimation, began: float) -
         excerpt=run.excerpt,
         summary=found,
         findings=findings(found, sums, wanted, log),
-        config=config_text(wanted, log.channels(), log.path.name),
+        config=config_text(wanted, log.channels(), readable(log.path.name)),
         remarks=tuple(log.remarks),
         log_sha256=_hash(log.path),
         seconds=seconds,

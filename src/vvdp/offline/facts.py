@@ -140,6 +140,7 @@ def clock_facts(told: Explained | None, wanted: Estimation, log: Log) -> dict[st
     others = ", ".join(repr(name) for name in channels_of_edges(log))
     return {
         "even_clock": told.likelihood.period,
+        "evenly": "All" if told.even_share == 1.0 else percent(told.even_share, 3),
         "channel": source.channel,
         "others": f": {others}" if others else "",
     }

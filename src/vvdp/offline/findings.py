@@ -76,7 +76,8 @@ WHEEL = (
 """What the speed stands on, before everything else: which wheel it was, which way it turned, aliases."""
 CLOCK = (
     Rule("even_clock", "An even clock in place of edges",
-        "All times in {channel!r} are {even_clock:.6g} s apart: it is the clock of the log, and no edge passes then.",
+        "{evenly} of the times in {channel!r} are {even_clock:.6g} s apart, or a multiple of it: it is the clock of "
+        "the log, and no edge passes then.",
         "Name the channel that holds the edges with --wave, --counts or --edges{others}.", Grade.BAD),
 )
 RECORD = (

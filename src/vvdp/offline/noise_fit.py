@@ -28,6 +28,8 @@ FEWEST_EDGES = 64
 TURNS_OF_A_WHEEL = 8
 """A wheel's edges are placed from so many turns, at least."""
 MOST_PLACES = 256
+EVEN = 0.9
+"""Share of the times between edges that a clock has in common, whatever is damaged; edges of a spool share none."""
 CLEAR = 10.0
 """By so much the logarithm of the likelihood has to be higher before one explanation is preferred to another."""
 FASTEST_CHANGE = 1e4
@@ -145,16 +147,17 @@ def _first_edges(file: Any, first: int, wanted: float, most: int, edge_variance:
     return Passed(t, numbers, angles, sampled, pieces)
 
 
-def time_resolution(times: Array) -> float:
-    """The step in which times are written [s]: a power of ten where all are whole multiples of it, else the distance
-    of neighbouring double numbers."""
-    spacing = float(np.spacing(np.max(np.abs(times), initial=1e-300)))
+def time_resolution(times: Array, share: float = 1.0) -> float:
+    """The step in which times are written [s]: a power of ten where at least this `share` of them are whole multiples
+    of it, else the distance of neighbouring double numbers."""
+    largest = float(np.quantile(np.abs(times), share)) if times.size else 0.0
+    spacing = float(np.spacing(max(largest, 1e-300)))
     for digits in range(10):
         step = 10.0**-digits
         if spacing > 1e-3 * step:
             break
         parts = times / step
-        if np.all(np.abs(parts - np.round(parts)) < 1e-6 + 2.0 * spacing / step):
+        if np.mean(np.abs(parts - np.round(parts)) < 1e-6 + 2.0 * spacing / step) >= share:
             return step
     return spacing
 
@@ -409,11 +412,23 @@ class Explained:
         modest = now.stated > MODEST * max(now.true, then) and now.stated > MODEST * WORTH * speed
         return self.nis > OPTIMISTIC or worse or modest
 
+    @cached_property
+    def even_share(self) -> float:
+        """Share of the times between edges that are the median, or a whole multiple where samples are lost, as far as
+        times are written."""
+        steps, period = self.likelihood.steps, self.likelihood.period
+        if not period > 0.0:
+            return 0.0
+        multiples = np.fmax(np.round(steps / period), 1.0)
+        rounding = (1.5 + multiples) * time_resolution(
+            self.likelihood.passed.times, EVEN
+        )  # a time at each end, and the median
+        return float(np.mean(np.abs(steps - multiples * period) <= rounding))
+
     @property
     def even_clock(self) -> bool:
-        """Whether the times are evenly spaced as far as they are written."""
-        steps = self.likelihood.steps
-        return float(np.ptp(steps)) <= 2.5 * time_resolution(self.likelihood.passed.times)
+        """Whether the times are evenly spaced but for damage to a few."""
+        return self.even_share >= EVEN
 
     @cached_property
     def index_gain(self) -> float:

@@ -5,9 +5,8 @@ Source  ours, docs/models/encoder.md, where a function names no other.
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Fraction, Length
-from vvdp.base.params import Params
+from vvdp.base.params import Params, require_positive
 from vvdp.base.select import clip, select
 from vvdp.sensing.wheel import TURN, CodeWheel
 
@@ -22,8 +21,7 @@ class LightSpot(Params):
     roundness: Fraction
 
     def check(self) -> None:
-        if not self.track_radius > 0.0:
-            raise ParameterError(f"track_radius = {self.track_radius:g} m; expected more than 0 m")
+        require_positive(self, "track_radius")
 
 
 def ramp_width(spot: LightSpot) -> float:

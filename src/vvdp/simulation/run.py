@@ -18,6 +18,7 @@ from vvdp.simulation import places
 from vvdp.simulation.crew import first_call
 from vvdp.simulation.installed import is_loop_compiled as is_loop_compiled
 from vvdp.simulation.layout import as_memory, memory_parts
+from vvdp.simulation.limiting import LimitingState, state_words
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.prepare import Prepared, Reached, start_run
@@ -256,6 +257,7 @@ def _carry(
     status, clock, budget = places.PAUSED, reached.clock, watcher.portion or watcher.pace.first
     turn: AbstractContextManager[Any] = first_call
     bench = loop.workbench(ready.plan, reached.state.size, ready.width.size, ready.pattern)
+    limiting = LimitingState(case, ready, bench)
     while True:
         began, before = time.perf_counter(), clock[places.EVALUATIONS]
         with turn, interrupts_afterwards():
@@ -275,11 +277,14 @@ def _carry(
             rows.mark_times = np.concatenate([rows.mark_times, np.zeros_like(rows.mark_times)])
             rows.mark_states = np.concatenate([rows.mark_states, np.zeros_like(rows.mark_states)])
         elif status not in (places.DONE, places.PAUSED):
-            raise RunError(failure(case, clock, reached.state, status))
-        if counted is not None and (gone := time.perf_counter() - begun) > SOON:
-            if words := long_run(stepping.until, gone, counted, clock_now(clock)):
-                watcher.say(words)
-            counted = None
+            limits = state_words(case, limiting.count(reached.state)) if status == places.STEP_TOO_SMALL else ""
+            raise RunError(failure(case, clock, reached.state, status, limits))
+        if counted is not None:
+            limiting.count(reached.state)
+            if (gone := time.perf_counter() - begun) > SOON:
+                if words := long_run(stepping.until, gone, counted, clock_now(clock)):
+                    watcher.say(f"{words}; its steps are limited by {limiting.words}")
+                counted = None
         stops = watcher.hears(float(clock[places.TIME]))
         if status == places.DONE or stops:
             return bool(status == places.DONE)
@@ -361,15 +366,19 @@ def remarks(clock: Array) -> tuple[str, ...]:
     return tuple(found)
 
 
-def failure(case: Case, clock: Array, state: Array, status: int) -> str:
-    """Why a case could not be carried past the time of its `clock` [s], with its state there, shape (n,)."""
+def failure(case: Case, clock: Array, state: Array, status: int, limits: str = "") -> str:
+    """Why a case could not be carried past the time of its `clock` [s], with its state there, shape (n,).
+
+    `limits` names the state that limits the step, where that is known.
+    """
     reached = clock[places.TIME]
     found = ((path, x) for (path, _, _), x in zip(leaves(case.state), state, strict=False))
     values = ", ".join(f"{path} = {x:.4g}" for path, x in found if not path.startswith("books."))
     culprit = int(clock[places.CULPRIT])
     why = {
         places.NOT_FINITE: "a rate is no longer finite (a pressure at absolute zero?)",
-        places.STEP_TOO_SMALL: "the step has become too small",
+        places.STEP_TOO_SMALL: "the step has become too small"
+        + (f", limited by {limits}: is it much smaller than its neighbours?" if limits else ""),
         places.STOP_BEHIND: "`stop` names no later time; expected the next one at which the rates jump",
         places.TOO_MANY_WAITING: f"more than {places.DEPTH} commands of a program wait; has it a long latency?",
     }.get(status) or (_below_zero(case, culprit) if status == places.BELOW_ZERO else _restless(case, culprit))

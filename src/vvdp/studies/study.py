@@ -24,6 +24,7 @@ seed = 1
 
 import hashlib
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -34,13 +35,15 @@ import numpy as np
 
 from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.kinds import TIME
-from vvdp.base.tables import Table, fault_at, read_table
+from vvdp.base.tables import Table, fault_at, read_table, refuse_unknown
 from vvdp.base.units import number_and_unit, parse
 from vvdp.systems.system import System, shipped_systems
 
 Settings: TypeAlias = Mapping[str, Any]
 """Values by `table.key`, each as a system file has it: text with a unit, a number, or a signal's mapping."""
 
+MOST_CASES = 1_000_000
+"""Of a study; each has a row in the list of cases, which is made before the first one runs."""
 DEVIATIONS = 3.0
 """Where a normal spread ends on either side."""
 
@@ -139,9 +142,10 @@ def load_study(path: Path | str) -> Study:
     path = Path(path)
     table = read_table(path)
     content, faults = table.content, list[Fault]()
-    for key in content:
-        if key not in KEYS:
-            faults.append(fault_at(table, key, f"unknown key; expected {', '.join(KEYS[:-1])} or {KEYS[-1]}"))
+    refuse_unknown(content, KEYS, "", table, faults)
+    title = content.get("title", "")
+    if not isinstance(title, str):
+        faults.append(fault_at(table, "title", f"{title!r} is not a text in quotes"))
     system = _system(path, table, faults)
     until = _until(table, faults)
     outputs = content.get("outputs")
@@ -151,6 +155,7 @@ def load_study(path: Path | str) -> Study:
         outputs = []
     settings = _settings(table, faults)
     variations = _variations(table, faults)
+    _refuse_twice(settings, variations, table, faults)
     if faults:
         raise ConfigError(faults)
     common = {key: value for key, value in settings.items() if isinstance(value, Mapping)}
@@ -163,7 +168,7 @@ def load_study(path: Path | str) -> Study:
         outputs=tuple(outputs),
         settings=plain,
         until=until,
-        title=str(content.get("title", "")),
+        title=title,
     )
 
 
@@ -209,12 +214,36 @@ def _variations(table: Table, faults: list[Fault]) -> Variations:
     for key, values in grid.items():
         if not isinstance(values, list) or not values:
             faults.append(fault_at(table, f"grid.{key}", f"{values!r}; expected a list of values"))
+    _refuse_many(grid, table, faults)
     random = _random(table, grid, faults) if "random" in content else None
     if "cases" in content:
         return _cases(table, faults)
     if not grid and random is None:
         faults.append(fault_at(table, "", "nothing is varied; expected [grid], [random] or [[cases]]"))
     return random if random is not None else grid
+
+
+def _refuse_twice(settings: Mapping[str, Any], variations: Variations, table: Table, faults: list[Fault]) -> None:
+    """Append a fault for each value that is the same in all cases and varied as well."""
+    varied: dict[str, str] = {}
+    if isinstance(variations, Random):
+        varied = {**dict.fromkeys(variations.grid, "[grid]"), **dict.fromkeys(variations.spreads, "[random.spreads]")}
+    elif isinstance(variations, Mapping):
+        varied = dict.fromkeys(variations, "[grid]")
+    else:
+        varied = {key: "[[cases]]" for case in variations for key in case}
+    for key in settings.keys() & varied.keys():
+        message = f"is in {varied[key]} as well; a value is either the same in all cases or varied"
+        faults.append(fault_at(table, f"settings.{key}", message))
+
+
+def _refuse_many(grid: Mapping[str, Any], table: Table, faults: list[Fault]) -> None:
+    """Append a fault for a grid with more points than can be made."""
+    counts = [len(values) for values in grid.values() if isinstance(values, list)]
+    if (points := math.prod(counts)) > MOST_CASES:
+        product = " x ".join(map(str, counts))
+        message = f"{product} = {points} points; must be at most {MOST_CASES}: give fewer values, or use [random]"
+        faults.append(fault_at(table, "grid", message))
 
 
 def _cases(table: Table, faults: list[Fault]) -> list[Settings]:
@@ -225,7 +254,12 @@ def _cases(table: Table, faults: list[Fault]) -> list[Settings]:
     if "grid" in table.content or "random" in table.content:
         message = "contradicts grid and random; write the cases out or have them made"
         faults.append(fault_at(table, "cases", message))
-    return [_join_keys(case) for case in cases]
+    found: list[Settings] = [_join_keys(case) for case in cases]
+    for number, case in enumerate(found, 1):
+        for key in case:
+            if "." not in key:
+                faults.append(fault_at(table, f"cases.{number}.{key}", 'expected a key of the form "table.key"'))
+    return found
 
 
 KEYS = ("title", "system", "until", "outputs", "settings", "grid", "random", "cases")
@@ -266,13 +300,15 @@ def _random(table: Table, grid: Mapping[str, Any], faults: list[Fault]) -> Rando
     if not isinstance(content, Mapping):
         faults.append(fault_at(table, "random", f"{content!r}; expected a table with count, seed and spreads"))
         return None
-    for key in content:
-        if key not in ("count", "seed", "spreads"):
-            faults.append(fault_at(table, f"random.{key}", "unknown key; expected count, seed or spreads"))
+    refuse_unknown(content, ("count", "seed", "spreads"), "random", table, faults)
     count, seed = content.get("count"), content.get("seed")
-    if type(count) is not int or not 1 <= count <= 1_000_000:
-        faults.append(fault_at(table, "random.count", f"{count!r}; expected a whole number from 1 to 1000000"))
+    if type(count) is not int or not 1 <= count <= MOST_CASES:
+        faults.append(fault_at(table, "random.count", f"{count!r}; must be a whole number from 1 to {MOST_CASES}"))
         count = 1
+    points = math.prod(len(values) for values in grid.values() if isinstance(values, list))
+    if points <= MOST_CASES < points * count:
+        message = f"{count} draws at each of {points} points are {points * count} cases; must be at most {MOST_CASES}"
+        faults.append(fault_at(table, "random.count", message))
     if type(seed) is not int or seed < 0:
         faults.append(fault_at(table, "random.seed", f"{seed!r}; expected a whole number, not negative"))
         seed = 0

@@ -25,9 +25,20 @@ from vvdp.base.kinds import (
     Velocity,
     Volume,
 )
-from vvdp.base.params import Params, field_kinds
+from vvdp.base.params import Params, field_kinds, refused_field, without_class
 from vvdp.base.signal import Signal
-from vvdp.base.tables import Sourced, Table, build, nearest, suggestion
+from vvdp.base.tables import (
+    Sourced,
+    Table,
+    build,
+    fault_at,
+    inner_table,
+    join,
+    nearest,
+    read_values,
+    refuse_unknown,
+    suggestion,
+)
 from vvdp.base.units import parse, parsed_difference
 from vvdp.components.library import COMPONENTS, PROGRAMS, UsualOil
 from vvdp.fluid.oil import Oil
@@ -41,8 +52,8 @@ from vvdp.sensing.instrument import Instrument, ideal_instrument
 from vvdp.systems.bench_tables import Limits
 from vvdp.systems.part_keys import PartType, other_type, part_keys
 
-TABLES = ("oil", "oils", "operation", "nodes", "components", "programs", "limits", "faults")
-DRAWING_WORDS = ("type", "at", "oil")
+TABLES = ("oil", "oils", "operation", "nodes", "components", "programs", "limits", "faults", "geometry")
+DRAWING_WORDS = ("type", "at")
 
 
 class Temperature(Params):
@@ -145,6 +156,7 @@ class NodeType:
 
     table: type[Params]
     add: Callable[..., None]
+    holds_oil: bool = True
 
 
 NODES: Mapping[str, NodeType] = {
@@ -152,9 +164,9 @@ NODES: Mapping[str, NodeType] = {
     "vessel": NodeType(VesselTable, _add_vessel),
     "tank": NodeType(SourceTable, _add_tank),
     "pressure-source": NodeType(SourceTable, _add_source),
-    "shaft": NodeType(ShaftTable, _add_shaft),
-    "driven-shaft": NodeType(DrivenShaftTable, _add_driven_shaft),
-    "rod": NodeType(RodTable, _add_rod),
+    "shaft": NodeType(ShaftTable, _add_shaft, holds_oil=False),
+    "driven-shaft": NodeType(DrivenShaftTable, _add_driven_shaft, holds_oil=False),
+    "rod": NodeType(RodTable, _add_rod, holds_oil=False),
 }
 
 
@@ -175,12 +187,8 @@ class Drawer:
 
     def network(self) -> Network | None:
         """The network of the file; None where something is wrong."""
-        for key, part in self.content.items():
-            if key not in TABLES and isinstance(part, Mapping):
-                self._fault(key, f"unknown table; expected {', '.join((*TABLES, 'run'))}")
-        oil = self._table(UsualOil, "oil", self.content.get("oil", {}))
-        operation = self.content.get("operation")
-        heat = self._table(Temperature, "operation", operation) if isinstance(operation, Mapping) else None
+        oil = self._table(UsualOil, "oil", self._inner("oil"))
+        heat = self._given_table(Temperature, "operation")
         if oil is None:
             return None
         oils = {name: self._table(Oil, f"oils.{name}", part) for name, part in self._parts("oils")}
@@ -197,15 +205,20 @@ class Drawer:
 
     def limits(self) -> Limits | None:
         """What is watched and reported; None where the file says nothing."""
-        given = self.content.get("limits")
-        found: Limits | None = self._table(Limits, "limits", given) if isinstance(given, Mapping) else None
+        found: Limits | None = self._given_table(Limits, "limits")
         return found
 
+    def _given_table(self, cls: type[Any], name: str) -> Any:
+        """The values of a table of the file; None where there is none."""
+        faults = len(self.faults)
+        given = self._inner(name)
+        return self._table(cls, name, given) if name in self.content and len(self.faults) == faults else None
+
+    def _inner(self, table: str) -> Mapping[str, Any]:
+        return inner_table(self.content, table, self.origin, self.faults)
+
     def _parts(self, table: str) -> list[tuple[str, Mapping[str, Any]]]:
-        found = self.content.get(table, {})
-        if not isinstance(found, Mapping):
-            self._fault(table, f"{found!r} is not a table")
-            return []
+        found = self._inner(table)
         for name, part in found.items():
             if not isinstance(part, Mapping):
                 self._fault(f"{table}.{name}", f"{part!r} is not a table; expected {{ type = ... }}")
@@ -220,12 +233,7 @@ class Drawer:
                 yield name, part
 
     def _fault(self, path: str, message: str) -> None:
-        inner = (line for key, line in self.origin.lines.items() if key.startswith(f"{path}."))
-        line, part = self.origin.lines.get(path, next(inner, None)), path
-        while line is None and "." in part:
-            part = part.rpartition(".")[0]
-            line = self.origin.lines.get(part)
-        self.faults.append(Fault("--set" if line == 0 else self.origin.place, line or 0, path, message))
+        self.faults.append(fault_at(self.origin, path, message))
 
     def _table(self, cls: type[Any], path: str, part: Any) -> Any:
         found, rows = build(cls, part, path, self.origin, self.faults)
@@ -234,11 +242,11 @@ class Drawer:
 
     def _type(self, path: str, part: Mapping[str, Any], types: Mapping[str, Any]) -> Any:
         word = part.get("type")
-        if word not in types:
+        if not isinstance(word, str) or word not in types:
             unknown = f"type {word!r} is unknown{nearest(str(word), list(types))}"
             self._fault(path, self._type_hint(path, types) if word is None else unknown)
             return None
-        return types[str(word)]
+        return types[word]
 
     def _type_hint(self, path: str, types: Mapping[str, Any]) -> str:
         """What is said of a part without a type: perhaps the name of another one is meant."""
@@ -251,11 +259,12 @@ class Drawer:
         kind = self._type(path, part, NODES)
         if kind is None:
             return
-        oil = oils.get(str(part["oil"])) if "oil" in part else net.oil
+        words = (*DRAWING_WORDS, "oil") if kind.holds_oil else DRAWING_WORDS
+        oil = oils.get(str(part["oil"])) if "oil" in part and kind.holds_oil else net.oil
         if oil is None:
             self._fault(f"{path}.oil", f"{part['oil']!r} is no oil{nearest(str(part['oil']), list(oils))}")
             return
-        own = {key: value for key, value in part.items() if key not in DRAWING_WORDS}
+        own = {key: value for key, value in part.items() if key not in words}
         values = None if kind is NODES["tank"] and not own else self._values(kind.table, path, own)
         if values is not None or (not own and kind is NODES["tank"]):
             self._try(path, lambda: kind.add(net, name, values, oil))
@@ -284,7 +293,7 @@ class Drawer:
             add()
         except (NetworkError, ParameterError) as problem:
             name = path.rpartition(".")[2]
-            self._fault(path, str(problem).removeprefix(f"{name}: "))
+            self._fault(path, without_class(str(problem).removeprefix(f"{name}: ")))
 
     def _add_component(self, net: Network, name: str, part: Mapping[str, Any]) -> None:
         path = f"components.{name}"
@@ -325,10 +334,7 @@ class Drawer:
             self._fault(path, meant)
             return False
         needed, known = part_keys(types[word])
-        for key in part:
-            if key not in known:
-                meant = suggestion(key, needed - part.keys()) or nearest(key, known)
-                self._fault(f"{path}.{key}", f"unknown key{meant}")
+        refuse_unknown(part, known, path, self.origin, self.faults, needed - part.keys())
         return True
 
     def _has_faults(self, path: str) -> bool:
@@ -380,7 +386,7 @@ class Drawer:
         if self._has_faults(path):
             return
         reads = {key: part[key] for key in fields}
-        sensors = self._sensors(kind, f"{path}.sensors", part.get("sensors", {}))
+        sensors = self._sensors(kind, f"{path}.sensors", inner_table(part, "sensors", self.origin, self.faults, path))
         if self._has_faults(path):
             return
         period = times.period or None
@@ -398,37 +404,32 @@ class Drawer:
             ),
         )
 
-    def _sensors(self, kind: ProgramType, path: str, given: Any) -> dict[str, Instrument]:
+    def _sensors(self, kind: ProgramType, path: str, given: Mapping[str, Any]) -> dict[str, Instrument]:
         """The instruments through which a program reads; each value has the unit of what is read."""
         kinds, found = field_kinds(kind.reading), {}
-        for name, entries in given.items() if isinstance(given, Mapping) else ():
-            measured, values = kinds.get(name), {}
+        for name, entries in given.items():
+            measured = kinds.get(name)
             if measured is None or not isinstance(entries, Mapping):
                 self._fault(f"{path}.{name}", f"not read by the program{nearest(name, list(kinds))}")
                 continue
-            for key, entry in entries.items():
-                try:
-                    values[key] = _instrument_value(key, entry, measured)
-                except ParameterError as problem:
-                    self._fault(f"{path}.{name}.{key}", str(problem))
+            readers = {key: partial(_instrument_value, key, measured) for key in field_kinds(Instrument)}
+            values = read_values(readers, entries, f"{path}.{name}", self.origin, self.faults)
             ideal = ideal_instrument(values.get("range_low", measured.low), measured.high)
             try:
                 found[name] = dataclasses.replace(ideal, **values)
             except ParameterError as problem:
-                self._fault(f"{path}.{name}", str(problem))
+                key, message = refused_field(problem, Instrument)
+                self._fault(join(f"{path}.{name}", key), message)
         return found
 
 
-def _instrument_value(key: str, entry: object, measured: Kind) -> float:
+def _instrument_value(key: str, measured: Kind, entry: object) -> float:
     """One value of an instrument for a quantity of a kind [SI]. Raises ParameterError."""
-    own = field_kinds(Instrument)
-    if key not in own:
-        raise ParameterError(f"unknown key{nearest(key, list(own))}")
     if key in ("range_low", "range_high", "dropout_reading"):
         return parse(entry, measured)
     if key in ("resolution", "offset", "noise", "bias"):
         return parsed_difference(entry, measured)
-    kind = own[key]
+    kind = field_kinds(Instrument)[key]
     assert kind is not None
     return parse(entry, kind)
 

@@ -15,6 +15,7 @@ Source  ours, docs/models/faults.md, where a function names no other.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from typing import Annotated, Any, get_type_hints
 
 from vvdp.base.display import value_text
@@ -22,8 +23,9 @@ from vvdp.base.errors import Fault, ParameterError
 from vvdp.base.kinds import FRACTION, FRICTION_FORCE, FRICTION_TORQUE, TIME, Kind
 from vvdp.base.params import Params, field_kinds, field_types
 from vvdp.base.signal import Signal
-from vvdp.base.tables import Sourced, Table, build, fault_at, nearest
+from vvdp.base.tables import Sourced, Table, build, fault_at, nearest, read_sourced, read_values
 from vvdp.base.units import parse, parsed_difference
+from vvdp.components.library import COMPONENTS
 from vvdp.network.network import Network
 from vvdp.network.nodes import Rod, Shaft
 from vvdp.network.program import ProgramType
@@ -92,16 +94,13 @@ class FaultReader:
         return None
 
     def _window(self, path: str, part: Mapping[str, Any]) -> Window | None:
-        times: dict[str, float] = {}
-        for key in ("begin", "end"):
-            if key not in part:
-                continue
-            try:
-                times[key] = parse(part[key]["value"] if isinstance(part[key], Mapping) else part[key], TIME)
-                self.rows.append(Sourced(path, key, times[key], TIME, "given"))
-            except (ParameterError, KeyError) as problem:
-                self._tell(f"{path}.{key}", str(problem))
-                return None
+        before = len(self.wrong)
+        readers = {key: partial(read_sourced, path, key, TIME, float) for key in ("begin", "end")}
+        rows = read_values(readers, {key: part[key] for key in readers if key in part}, path, self.origin, self.wrong)
+        self.rows += rows.values()
+        if len(self.wrong) > before:
+            return None
+        times = {key: row.nominal for key, row in rows.items()}
         window = Window(**times)
         if not 0.0 <= window.begin < window.end:
             self._tell(f"{path}.{'end' if 'end' in times else 'begin'}",
@@ -239,6 +238,7 @@ def _entry(origin: Table, where: str, entry: Any, window: Window) -> Any:
     before: Any = origin.content
     for word in where.split("."):
         before = before.get(word) if isinstance(before, Mapping) else None
+    _refuse_wiring(where, origin)
     if before is None or where.partition(".")[0] not in VALUES:
         known = [key for key in origin.lines if key.partition(".")[0] in VALUES and "." in key]
         raise _Unreadable("value", f"{where!r} does not stand in the file{nearest(where, known)}")
@@ -250,6 +250,22 @@ def _entry(origin: Table, where: str, entry: Any, window: Window) -> Any:
     times = [f"{t!r} s" for t in (window.begin, window.begin, window.end, window.end)]
     points = zip(times, (plain, entry, entry, plain), strict=True)
     return {"table": [list(point) for point in points][: 4 if window.end < FOR_GOOD else 3]}
+
+
+def _refuse_wiring(where: str, origin: Table) -> None:
+    """Raises ParameterError where a path of a drawn file leads to no value, but to what is joined, or to a table."""
+    group, _, rest = where.partition(".")
+    name, _, key = rest.partition(".")
+    if group not in ("nodes", "components"):
+        return
+    part = origin.content.get(group, {}).get(name, {})
+    kind = COMPONENTS.get(str(part.get("type"))) if group == "components" else None
+    joined = {"type", "at", "oil", *(kind.ports if kind is not None else ())}
+    if not key or key.partition(".")[0] in joined:
+        values = ", ".join(f"{group}.{name}.{each}" for each in part if each not in joined)
+        raise _Unreadable(
+            "value", f"{where!r} is no value that can be another; expected one of {values or 'oil, operation'}"
+        )
 
 
 def _disturbance(given: Mapping[str, Any], kind: Kind | None, still: str, *, has_range: bool = False) -> Disturbance:

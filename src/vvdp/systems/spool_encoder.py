@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, Count, Fraction, FractionSignal, Length
-from vvdp.base.params import Params
+from vvdp.base.params import Params, require_positive
 from vvdp.estimation.estimator import Estimate, to_estimate
 from vvdp.estimation.event_filter import event_filter_step
 from vvdp.estimation.event_memory import EventFilterMemory, event_filter_start
@@ -41,6 +41,7 @@ class EncoderTable(Params):
     seed: Count
 
     def check(self) -> None:
+        require_positive(self, "track_radius")
         if self.sectors % 1.0 or self.seed % 1.0:
             raise ParameterError(f"sectors = {self.sectors:g}, seed = {self.seed:g}; expected whole numbers")
         encoder_of(self)  # here, where the line of the table is known

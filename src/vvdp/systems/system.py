@@ -10,12 +10,23 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from vvdp.base.display import readable
 from vvdp.base.errors import ConfigError, Fault, NetworkError, ParameterError
 from vvdp.base.kinds import Ratio, Time
 from vvdp.base.manifest import Directory
-from vvdp.base.params import Params
+from vvdp.base.params import Params, without_class
 from vvdp.base.signal import Signal
-from vvdp.base.tables import Sourced, Table, build, fault_at, parsed_table, read_table, suggestion, with_settings
+from vvdp.base.tables import (
+    Sourced,
+    Table,
+    build,
+    fault_at,
+    parsed_table,
+    read_table,
+    refuse_unknown,
+    suggestion,
+    with_settings,
+)
 from vvdp.geometry.shape import ValveShape
 from vvdp.geometry.shape_tables import NAME as SHAPE
 from vvdp.geometry.shape_tables import read_shape
@@ -31,7 +42,7 @@ from vvdp.systems.circuits import (
     network_function,
     table_slots,
 )
-from vvdp.systems.drawing import Drawing, draw_network
+from vvdp.systems.drawing import TABLES, Drawing, Temperature, draw_network
 from vvdp.systems.extras import Extras
 from vvdp.systems.fault_tables import FAULTS, FaultReader
 from vvdp.systems.faults import NamedFault, OtherValue, change_entries, change_tables, faulty_network
@@ -214,16 +225,32 @@ def load_system(name: str, settings: Sequence[str] = (), until: str | None = Non
     Raises ConfigError naming every fault at once: file, line, key, value, and what was expected.
     """
     plain = system_table(name)
-    place = Path(name).stem, Path(name).parent
+    place = readable(Path(name).stem), Path(name).parent
     table = with_settings(without_other_position(plain, settings), list(settings)) if settings else plain
     if until is not None:
         if "run.until" in option_keys(settings):
             _check_overridden(table, place, {"run.until"})
         table = lasting(table, until, settings)
-    system = built_system(table, *place)
+    try:
+        system = built_system(table, *place)
+    except ConfigError as problem:
+        raise (_from_options(problem, plain, place) if settings else problem) from None
     if table is not plain:
         _check_overridden(plain, place, {*option_keys(settings), *(("run.until",) if until is not None else ())})
     return system
+
+
+def _from_options(problem: ConfigError, plain: Table, place: tuple[str, Path]) -> ConfigError:
+    """The faults of a system with settings; those that the file alone does not have are placed at the option."""
+    try:
+        built_system(plain, *place)
+        own: set[tuple[str, str]] = set()
+    except ConfigError as of_file:
+        own = {(fault.key, fault.message) for fault in of_file.faults}
+    return ConfigError([
+        fault if (fault.key, fault.message) in own or not fault.line else Fault("--set", 0, fault.key, fault.message)
+        for fault in problem.faults
+    ])  # fmt: skip
 
 
 def _check_overridden(plain: Table, place: tuple[str, Path], overridden: set[str]) -> None:
@@ -245,6 +272,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     content = dict(table.content)
     run, method = _run_table(content.pop("run", None), table, faults)
     function = _function(table, folder, faults)
+    _refuse_unknown_tables(function, table, faults)
     content.pop(FAULTS, None)
     lengths = None if function is not None and SHAPE in table_slots(function) else content.pop(SHAPE, None)
     drawing, failing = _fail(_draw(function, content, table, faults), function, content, table, faults)
@@ -259,9 +287,9 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
             circuit, stepping = build_circuit(network), run[0].stepping(method)
             _check_temperature(network.temperature, stepping.sample_period)
         except (NetworkError, ParameterError) as problem:
-            faults.append(_locate_fault(str(problem), table))
+            faults.append(_locate_fault(without_class(str(problem)), table))
     if faults or circuit is None or stepping is None or run is None:
-        raise ConfigError(faults)
+        raise ConfigError(list(dict.fromkeys(faults)))
     return System(
         name=name,
         title=str(table.content.get("title", name)),
@@ -276,6 +304,19 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         faults=failing,
         module=None if function is None else own_module(str(table.content["circuit"]), folder),
     )
+
+
+def _refuse_unknown_tables(function: NetworkFunction | None, table: Table, faults: list[Fault]) -> None:
+    """Append a fault for each key and table of a file that nothing reads, and for a title that is no text."""
+    if not isinstance(title := table.content.get("title", ""), str):
+        faults.append(fault_at(table, "title", f"{title!r} is not a text in quotes"))
+    if function is None and set(DRAWN).isdisjoint(table.content):
+        return  # it is not known which tables there should be
+    own = TABLES if function is None else (*table_slots(function), FAULTS, SHAPE)
+    meant = [f"run.{key}" for key in (*_fields(RunTable), "method")]
+    if function is None:
+        meant += [f"operation.{key}" for key in _fields(Temperature)]
+    refuse_unknown(table.content, (*HEADINGS, *own, "run", *meant), "", table, faults)
 
 
 def saved_system(directory: Directory, name: str, recorded: Any, trust: str = "") -> System:
@@ -322,7 +363,7 @@ def _fail(
     try:
         network = None if faults else faulty_network(drawing.network, drawing.tables, failing, redraw)
     except (NetworkError, ParameterError) as problem:
-        wrong.append(fault_at(table, FAULTS, str(problem)))
+        wrong.append(fault_at(table, FAULTS, without_class(str(problem))))
     where = next((f"{FAULTS}.{each.name}" for each in failing if isinstance(each.fault, OtherValue)), FAULTS)
     faults += [fault_at(table, where, f"the circuit cannot be drawn with it: {each.message}") for each in wrong]
     return Drawing(network, [*drawing.rows, *reader.rows], drawing.tables), failing
@@ -389,11 +430,6 @@ def _tables(
 ) -> tuple[dict[str, Any], list[Sourced]]:
     """The values of the tables that a circuit takes, and where each comes from."""
     slots = table_slots(function)
-    for key in content:
-        if key not in slots and key not in HEADINGS:
-            message = f"unknown table; expected {', '.join((*slots, 'run'))}{suggestion(key, slots)}"
-            place = table.place if key in table.lines else "--set"
-            faults.append(Fault(place, table.lines.get(key, 0), key, message))
     values: dict[str, Any] = {}
     rows: list[Sourced] = []
     for key, slot in slots.items():
@@ -436,7 +472,8 @@ def _drawn_by(
     except (NetworkError, ParameterError) as problem:
         key, _, message = str(problem).partition(": ")
         line = table.lines.get(key, 0)
-        faults.append(Fault(table.place, line, key if line else "", message if line else str(problem)))
+        text = message if line else without_class(str(problem))
+        faults.append(Fault(table.place, line, key if line else "", text))
         return None
     except Exception as problem:  # of code that is not ours
         at = traceback.extract_tb(problem.__traceback__)[-1]

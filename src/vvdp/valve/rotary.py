@@ -17,7 +17,7 @@ from vvdp.base.kinds import (
     PressureDifference,
     Ratio,
 )
-from vvdp.base.params import Params
+from vvdp.base.params import Params, field_text, refuse, require_positive
 
 CentreCoefficient = Annotated[float, Kind("centre section coefficient", "SI", 1e-12, 1.0, "1.45e-6 SI", units=("SI",))]
 FlowExponent = Annotated[
@@ -71,7 +71,8 @@ class RotaryValve(Params):
 
     def check(self) -> None:
         """Refuse a valve that cannot be made."""
-        for name in (
+        require_positive(
+            self,
             "spool_radius",
             "sections",
             "nozzle_area",
@@ -84,27 +85,17 @@ class RotaryValve(Params):
             "land_length",
             "transition_pressure",
             "inlet_area_ratio",
-        ):
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(f"RotaryValve.{name} must be greater than zero")
+        )
         if not self.eccentricity < 1.0:
-            raise ParameterError(
-                "RotaryValve.eccentricity = 1: the spool touches the sleeve, where no film is left to carry it and its "
-                "viscous friction has no bound; expected less than 1"
-            )
+            refuse(self, "eccentricity", "must be less than 1: no film is left where the spool touches the sleeve")
         if self.sections != round(self.sections):
-            raise ParameterError(f"RotaryValve.sections = {self.sections:g}; expected a whole number")
+            refuse(self, "sections", "must be a whole number")
+        radius = field_text(self, "spool_radius")
         if self.radial_clearance > 0.1 * self.spool_radius:
-            raise ParameterError(
-                f"RotaryValve.radial_clearance = {1e6 * self.radial_clearance:g} um is more than a tenth of the "
-                f"spool radius, {1e3 * self.spool_radius:g} mm"
-            )
+            refuse(self, "radial_clearance", f"must be at most a tenth of spool_radius, {radius}")
         for name in ("inlet_radius", "outlet_radius"):
             if getattr(self, name) > self.spool_radius:
-                raise ParameterError(
-                    f"RotaryValve.{name} = {1e3 * getattr(self, name):g} mm is larger than the spool radius, "
-                    f"{1e3 * self.spool_radius:g} mm"
-                )
+                refuse(self, name, f"must be at most spool_radius, {radius}")
         self._check_circumference()
 
     def _check_circumference(self) -> None:

@@ -2,12 +2,16 @@
 
 import csv
 import math
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from vvdp.base.errors import ConfigError, Fault, ParameterError
+from vvdp.base.params import without_class
+from vvdp.base.tables import nearest
 from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.hydraulics.friction import RodFriction
 from vvdp.systems.displacement.duty_cycle import DutyCycle, cycle_period, cycle_speeds
@@ -155,7 +159,7 @@ def read_duty(path: Path, cylinder: Cylinder, friction: RodFriction) -> Duty:
     try:
         cycle = DutyCycle(times=tuple(t - start for t in times), positions=positions, forces=forces)
     except ParameterError as problem:
-        raise ConfigError([Fault(str(path), 0, "", str(problem))]) from None
+        raise ConfigError([Fault(str(path), 0, "", without_class(str(problem)))]) from None
     low, high = 1e-3 * min(forces), 1e-3 * max(forces)
     return sized_duty(
         path.stem, f"{path.name}, {len(rows)} rows", f"{low:.3g} to {high:.3g} kN on the rod", cycle, cylinder, friction
@@ -166,20 +170,33 @@ def _read_rows(path: Path) -> list[tuple[float, float, float]]:
     try:
         with path.open(encoding="utf-8", newline="") as file:
             lines = list(csv.reader(file))
-    except (OSError, UnicodeDecodeError) as problem:
+    except (OSError, UnicodeDecodeError, csv.Error) as problem:
         raise ConfigError([Fault(str(path), 0, "", f"cannot be read: {problem}")]) from None
     head = [cell.strip().lower() for cell in lines[0]] if lines else []
-    if missing := [name for name in COLUMNS if name not in head]:
-        message = f"column {missing[0]!r} is missing; expected {', '.join(COLUMNS)} in s, m and N in the first line"
-        raise ConfigError([Fault(str(path), 1, "", message)])
+    faults = list(_faults_of_head(path, head))
+    if faults:
+        raise ConfigError(faults[:MOST_FAULTS])
     places = [head.index(name) for name in COLUMNS]
-    faults: list[Fault] = []
     rows = [found for k, line in enumerate(lines[1:], 2) if line and (found := _row(line, places, path, k, faults))]
     if not faults and len(rows) < 2:
         faults.append(Fault(str(path), 0, "", f"{len(rows)} rows; expected two at least"))
     if faults:
         raise ConfigError(faults[:MOST_FAULTS])
     return rows
+
+
+def _faults_of_head(path: Path, head: Sequence[str]) -> Iterator[Fault]:
+    """What is wrong with the names of the columns."""
+    missing = [name for name in COLUMNS if name not in head]
+    if missing:
+        message = f"column {missing[0]!r} is missing; expected {', '.join(COLUMNS)} in s, m and N in the first line"
+        yield Fault(str(path), 1, "", message)
+        return
+    for name, count in Counter(head).items():
+        if name not in COLUMNS:
+            yield Fault(str(path), 1, name, f"unknown column{nearest(name, COLUMNS)}")
+        elif count > 1:
+            yield Fault(str(path), 1, name, f"{count} columns have this name; leave one")
 
 
 def _row(

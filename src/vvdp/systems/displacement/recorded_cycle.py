@@ -29,6 +29,8 @@ def recorded_cycle(path: Path, channel: str = CHANNEL) -> OwnCycle:
     """
     with open_log(path) as log:
         name = log.channel(channel).name
+        if any(each.name == f"{name} #2" for each in log.channels()):
+            raise unusable(path, f"has several columns {name!r}; leave one")
         unit = log.channel(channel).unit or "m"
         parts = [portion[name] for portion in log.portions([name], SAMPLES)]
     times, values = (np.concatenate([getattr(part, each) for part in parts]) for each in ("times", "values"))
