@@ -40,8 +40,9 @@ class Exits:
 class Body:
     """The statements of one function, written one after the other to `block`."""
 
-    def __init__(self, unit: "Unit", source: Source, taken: frozenset[str]) -> None:
-        self.unit, self.source, self._taken = unit, source, taken
+    def __init__(self, unit: "Unit", source: Source) -> None:
+        self.unit, self.source = unit, source
+        self._taken = source.function.__code__.co_varnames
         self.block: list[tree.Statement] = []
         self.line = source.node.lineno
         self.returns: list[tuple[End, Any, int]] = []

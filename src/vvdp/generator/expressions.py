@@ -32,6 +32,7 @@ from vvdp.generator.values import (
 )
 from vvdp.generator.words import FOLDED, WORDS, Written, array_attribute
 
+LIBRARIES = ("numpy", "scipy")
 MOST_ROUNDS = 1000
 """Rounds of a comprehension at most."""
 
@@ -40,7 +41,8 @@ def evaluate(body: Body, node: ast.expr, names: Names) -> Any:
     """The value of an expression. Raises LanguageError where the language does not have it."""
     reader = EVALUATED.get(type(node))
     if reader is None:
-        raise refusal(f"a {type(node).__name__} expression", ADVICE.get(type(node), "write it with plain statements"))
+        other = f"a {type(node).__name__} expression", "write it with plain statements"
+        raise refusal(*REFUSED.get(type(node), other))
     before, body.line = body.line, getattr(node, "lineno", body.line)
     value = reader(body, node, names)
     body.line = before
@@ -316,9 +318,14 @@ def call(body: Body, function: Any, values: list[Any], given: dict[str, Any]) ->
         return function(*values)
     if any(function is each for each in FOLDED):
         return function(*(known_items(body, v) if is_record(v) or is_array(v) else v for v in values), **given)
-    if isinstance(inspect.unwrap(function), types.FunctionType):
+    if _is_plain(inspect.unwrap(function)):
         return body.unit.call(body, function, tuple(values), given)
     raise refusal(f"a call of {describe(function)}", "use the listed functions (`vvdp list --language`)")
+
+
+def _is_plain(function: Any) -> bool:
+    """Whether something is a Python function, and none of a library's own."""
+    return isinstance(function, types.FunctionType) and function.__module__.partition(".")[0] not in LIBRARIES
 
 
 def _word(function: Any) -> Any:
@@ -356,14 +363,14 @@ EVALUATED: dict[type[ast.expr], Callable[[Body, Any, Names], Any]] = {
     ast.JoinedStr: lambda body, node, names: "",
 }  # fmt: skip
 
-ADVICE: dict[type[ast.expr], str] = {
-    ast.Lambda: "define a function with `def` at the top level",
-    ast.Dict: "use a NamedTuple",
-    ast.Set: "use a tuple",
-    ast.DictComp: "use a NamedTuple",
-    ast.SetComp: "use a tuple",
-    ast.NamedExpr: "assign on a line of its own",
-    ast.Starred: "use it in a call or a tuple only",
-    ast.Yield: "return a value",
-    ast.Await: "call a plain function",
+REFUSED: dict[type[ast.expr], tuple[str, str]] = {
+    ast.Lambda: ("a lambda", "define a function with `def` at the top level"),
+    ast.Dict: ("a dictionary", "use a NamedTuple"),
+    ast.Set: ("a set", "use a tuple"),
+    ast.DictComp: ("a dictionary", "use a NamedTuple"),
+    ast.SetComp: ("a set", "use a tuple"),
+    ast.NamedExpr: ("`:=`", "assign on a line of its own"),
+    ast.Yield: ("`yield`", "return a value"),
+    ast.Await: ("`await`", "call a plain function"),
 }
+"""What no expression may be, in words, and what to write instead."""

@@ -5,7 +5,7 @@ from typing import Any
 from vvdp.generator import tree
 from vvdp.generator.body import Body, End, Names
 from vvdp.generator.kinds import Kind, Known, Record
-from vvdp.generator.values import Undefined, are_same, joined_type, part, parts, refusal, tuple_of
+from vvdp.generator.values import Undefined, are_same, carried_type, joined_type, part, parts, refusal, tuple_of
 
 
 def set_all(body: Body, target: Any, value: Any) -> None:
@@ -68,11 +68,12 @@ def changing(body: Body, name: str, kind: Kind | None, value: Any) -> Any:
     return tree.Read(body.variable(name, kind))
 
 
-def finish(body: Body) -> Kind:
-    """Writes the returns, and gives the type of the result."""
+def finish(body: Body, *, is_entry: bool) -> Kind:
+    """Writes the returns, and gives the type of the result; an entry hands over known numbers, too."""
     kind = joined_type([value for _, value, _ in body.returns]) if body.returns else Known(None)
     if kind is None:
         raise refusal("returns of different types", "return values of one type everywhere")
+    kind = carried_type(kind) if is_entry else kind
     for end, value, line in body.returns:
         with body.within(end.block):
             body.line = line

@@ -199,8 +199,8 @@ def truth(body: Body, value: Any) -> Any:
 def compare(body: Body, op: ast.cmpop, left: Any, right: Any) -> Any:
     """`left op right`."""
     if isinstance(op, ast.Is | ast.IsNot):
-        if is_symbol(left) and is_symbol(right):
-            raise refusal("`is` of two values", "compare with `==`")
+        if left is not None and right is not None and (is_symbol(left) or is_symbol(right)):
+            raise refusal("`is` of numbers", "compare with `==`")
         return (left is right) == isinstance(op, ast.Is)
     if isinstance(op, ast.In | ast.NotIn):
         found = _is_in(body, left, right)

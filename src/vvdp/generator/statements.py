@@ -10,7 +10,7 @@ from vvdp.generator.body import Body, End, Exits, Names
 from vvdp.generator.expressions import evaluate, index_of, known_items, test_of
 from vvdp.generator.joining import changing, merge, set_all
 from vvdp.generator.kinds import INT, Kind, common_kind
-from vvdp.generator.operations import binary, negate, truth
+from vvdp.generator.operations import binary, negate
 from vvdp.generator.source import leaves_loop, stored_names
 from vvdp.generator.values import (
     Undefined,
@@ -33,8 +33,8 @@ def read_block(body: Body, statements: list[ast.stmt], names: Names) -> Names | 
         reader = READ.get(type(statement))
         body.line = statement.lineno
         if reader is None:
-            what = f"a `{type(statement).__name__.lower()}` statement"
-            raise refusal(what, ADVICE.get(type(statement), "write it with assignments, `if`, `for` and `while`"))
+            other = f"a {type(statement).__name__} statement", "write it with assignments, `if`, `for` and `while`"
+            raise refusal(*REFUSED.get(type(statement), other))
         found = reader(body, statement, found)
         if found is None:
             return None
@@ -161,54 +161,17 @@ def _for(body: Body, node: ast.For, names: Names) -> Names | None:
 
 
 def _unroll(body: Body, node: ast.For, items: list[Any], names: Names) -> Names | None:
-    """A loop of known items, one copy of its body for each; where it may be left, in loops of one round."""
-    if not leaves_loop(node.body):
-        found: Names | None = names
-        for one in items:
-            assign(body, node.target, one, names)
-            found = read_block(body, node.body, names)
-            if found is None:
-                return None
-            names = found
-        return read_block(body, node.orelse, names)
-    whole: list[Any] = []
-    exits = Exits()
-    left = body.variable("left", INT)
-    body.add(tree.Set((left,), (tree.Constant(INT, 0),), body.line))
-    body.add(tree.Loop(whole, body.line))
-    with body.within(whole):
-        end = _items_in_turn(body, node, items, names, exits, left)
-        if end is not None:
-            end = read_block(body, node.orelse, end)
-    ends = [End(whole, end)] if end is not None else []
-    met = merge(body, [*ends, *exits.breaks])
-    for each in exits.breaks:
-        each.block += [tree.Set((left,), (tree.Constant(INT, 1),), node.lineno), tree.Break()]
-    if ends:
-        whole.append(tree.Break())
-    return met
-
-
-def _items_in_turn(body: Body, node: ast.For, items: list[Any], names: Names, exits: Exits, left: Any) -> Names | None:
+    """A loop over known items, with one copy of its body for each."""
+    if leaves_loop(node.body):
+        return _items_in_rounds(body, node, items, names)
     found: Names | None = names
     for one in items:
+        assign(body, node.target, one, names)
+        found = read_block(body, node.body, names)
         if found is None:
             return None
-        inside: list[Any] = []
-        body.loops.append(Exits())
-        with body.within(inside):
-            assign(body, node.target, one, found)
-            end = read_block(body, node.body, dict(found))
-        round_ = body.loops.pop()
-        ends = [*([End(inside, end)] if end is not None else []), *round_.continues]
-        exits.breaks += round_.breaks
-        found = merge(body, ends)
-        for each in ends:
-            each.block.append(tree.Break())
-        body.add(tree.Loop(inside, node.lineno))
-        if round_.breaks:
-            body.add(tree.If(truth(body, tree.Read(left)), [tree.Break()], [], node.lineno))
-    return found
+        names = found
+    return read_block(body, node.orelse, names)
 
 
 class Round:
@@ -255,6 +218,31 @@ def _rounds(body: Body, node: ast.For, names: Names, limits: tuple[Any, Any, Any
             after = read_block(body, node.orelse, dict(names))
         past = End(exhausted, after) if after is not None else None
         return Round(statement, backs, breaks, past)
+
+    return _loop(body, node, names, read)
+
+
+def _items_in_rounds(body: Body, node: ast.For, items: list[Any], names: Names) -> Names | None:
+    """A loop over known items that may be left: in each round the copy of the body that belongs to it runs."""
+    limits = tree.Constant(INT, 0), tree.Constant(INT, len(items)), tree.Constant(INT, 1)
+
+    def read(names: Names) -> Round:
+        variable, inside, exhausted = body.variable("i", INT), list[Any](), list[Any]()
+        backs, breaks, block = list[End](), list[End](), inside
+        for number, one in enumerate(items):
+            own, others, start = block, list[Any](), dict(names)
+            if number < len(items) - 1:
+                own = []
+                is_its_turn = tree.Compare("==", tree.Read(variable), tree.Constant(INT, number))
+                block.append(tree.If(is_its_turn, own, others, node.lineno))
+            with body.within(own):
+                assign(body, node.target, one, start)
+            ends = _read_rounds(body, node.body, start, own)
+            backs, breaks, block = backs + ends[0], breaks + ends[1], others
+        with body.within(exhausted):
+            after = read_block(body, node.orelse, dict(names))
+        past = End(exhausted, after) if after is not None else None
+        return Round(tree.For(variable, limits, inside, exhausted, node.lineno), backs, breaks, past)
 
     return _loop(body, node, names, read)
 
@@ -317,15 +305,16 @@ READ: dict[type[ast.stmt], Callable[[Body, Any, Any], Names | None]] = {
     ast.Break: _break, ast.Continue: _continue, ast.Pass: lambda body, node, names: names,
 }  # fmt: skip
 
-ADVICE: dict[type[ast.stmt], str] = {
-    ast.Try: "check values with `if` before they are used",
-    ast.With: "write plain statements",
-    ast.FunctionDef: "define the function at the top level of a module",
-    ast.ClassDef: "define the class at the top level of a module",
-    ast.Import: "import at the top of the module",
-    ast.ImportFrom: "import at the top of the module",
-    ast.Global: "hand the value over as an argument and return it",
-    ast.Nonlocal: "hand the value over as an argument and return it",
-    ast.Delete: "leave the name alone",
-    ast.Match: "write `if` and `elif`",
+REFUSED: dict[type[ast.stmt], tuple[str, str]] = {
+    ast.Try: ("`try`", "check values with `if` before they are used"),
+    ast.With: ("`with`", "write plain statements"),
+    ast.FunctionDef: ("a function within a function", "define it at the top level of a module"),
+    ast.ClassDef: ("a class within a function", "define it at the top level of a module"),
+    ast.Import: ("an import within a function", "import at the top of the module"),
+    ast.ImportFrom: ("an import within a function", "import at the top of the module"),
+    ast.Global: ("`global`", "hand the value over as an argument and return it"),
+    ast.Nonlocal: ("`nonlocal`", "hand the value over as an argument and return it"),
+    ast.Delete: ("`del`", "leave the name alone"),
+    ast.Match: ("`match`", "write `if` and `elif`"),
 }
+"""What no statement may be, in words, and what to write instead."""

@@ -74,7 +74,7 @@ class Unit:
         """
         if name in self.entries:
             raise ValueError(f"there are two entries {name}")
-        made = _read(self, self.replacement(function), tuple(kinds), name)
+        made = _read(self, self.replacement(function), tuple(kinds), name, is_entry=True)
         self.entries.append(name)
         return made
 
@@ -131,21 +131,21 @@ class Unit:
         return self.reasons.index(where) + 1
 
 
-def _read(unit: Unit, given: Any, kinds: tuple[Kind, ...], name: str) -> tree.Function:
+def _read(unit: Unit, given: Any, kinds: tuple[Kind, ...], name: str, *, is_entry: bool = False) -> tree.Function:
     """Reads a function for arguments of these types. Raises LanguageError where the language does not have it."""
     source = read_source(given)
     if source.function in unit.reading:
         raise refusal(f"a call of `{source.name}` within itself", "write a loop")
-    pairs = list(zip(_parameters(source.function), kinds, strict=True))
-    variables = {n: tree.Variable(n, kind) for n, kind in pairs if not isinstance(kind, Known)}
-    start = {n: kind.value if isinstance(kind, Known) else tree.Read(variables[n]) for n, kind in pairs}
-    body = Body(unit, source, frozenset(variables))
+    body = Body(unit, source)
     unit.reading.append(source.function)
     try:
+        pairs = list(zip(_parameters(source.function), kinds, strict=True))
+        variables = {n: tree.Variable(n, kind) for n, kind in pairs if not isinstance(kind, Known)}
+        start = {n: kind.value if isinstance(kind, Known) else tree.Read(variables[n]) for n, kind in pairs}
         end = read_block(body, source.node.body, start)
         if end is not None:
             body.returns.append((End(body.block, end), None, body.line))
-        result = finish(body)
+        result = finish(body, is_entry=is_entry)
     except LanguageError as problem:
         problem.locate(source.file, body.line, source.name)
         raise

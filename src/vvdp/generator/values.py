@@ -67,7 +67,7 @@ def _open(kind: Kind) -> Kind:
 
 
 def carried_type(kind: Kind) -> Kind:
-    """The type of a variable that a loop may change: any number is open."""
+    """The type of what may change, as a variable in a loop: any number is open."""
     if isinstance(kind, Record):
         return Record(kind.cls, tuple(map(carried_type, kind.fields)))
     return scalar_of(kind.value) or kind if isinstance(kind, Known) else kind
