@@ -178,6 +178,13 @@ def swapped(n):
     return a, b
 
 
+def rotated(n):
+    a, b, c = 1.0, 2.0, 3.0
+    for _ in range(n):
+        a, b, c = b, c, a
+    return a, b, c
+
+
 def nested_loops(n):
     total = 0
     for i in range(n):
@@ -394,6 +401,7 @@ CASES = [
     (loop_over_tuple, [(1.0, -2.0, 3.0), (1.0, 20.0, 3.0), (-1.0, -2.0, -3.0)]),
     (while_loops, [(100.0, 20), (1e9, 50), (100.0, 2), (0.5, 5)]),
     (swapped, [(0,), (1,), (7,)]),
+    (rotated, [(0,), (1,), (20,)]),
     (nested_loops, [(0,), (9,)]),
     (whole_becomes_float, [(0,), (5,)]),
     (tuples, [(1.0, 2.0), (3.0, -4.0)]),

@@ -22,29 +22,31 @@ PLAIN = Options()
 
 def module_of(function: Callable[..., Any], values: tuple[Any, ...], options: Options = PLAIN) -> Module:
     """The verified tree of a function for arguments like these."""
+    return module_with({"entry": function}, values, options)
+
+
+def module_with(entries: dict[str, Callable[..., Any]], values: tuple[Any, ...], options: Options = PLAIN) -> Module:
+    """The verified tree of several functions that take arguments like these."""
     unit = Unit(options)
-    unit.add(function, [kind_of(value) for value in values], "entry")
+    for name, function in entries.items():
+        unit.add(function, [kind_of(value) for value in values], name)
     return verify(unit.module())
 
 
-def machine_code(module: Module, level: int) -> Callable[..., Any]:
-    """The entry as machine code."""
-    loaded = binding.load_code(binding.compile_text(write_llvm(module), level), module.entries)
-    entry = callables(module, loaded.addresses)["entry"]
-
-    def call(*values: Any) -> Any:
-        return entry(*values, *((),) * (loaded is None))  # holds the code for as long as the function
-
-    return call
+def machine_code(module: Module, level: int) -> dict[str, Callable[..., Any]]:
+    """The entries of a module as machine code."""
+    code = binding.compile_text(write_llvm(module), level)
+    return callables(module, binding.load_code(code, module.entries))
 
 
 def ways_of(module: Module) -> dict[str, Callable[..., Any]]:
     """The entry of a module in every way that a writer makes of it."""
-    return {
-        "tree": run_python(module)["entry"],
-        "level 0": machine_code(module, 0),
-        "level 2": machine_code(module, 2),
-    }
+    return {name: entries["entry"] for name, entries in all_ways(module).items()}
+
+
+def all_ways(module: Module) -> dict[str, dict[str, Callable[..., Any]]]:
+    """All entries of a module in every way that a writer makes of them."""
+    return {"tree": run_python(module), "level 0": machine_code(module, 0), "level 2": machine_code(module, 2)}
 
 
 def as_numpy(value: Any) -> Any:

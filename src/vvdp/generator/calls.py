@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from vvdp.generator.binding import Loaded
 from vvdp.generator.kinds import BOOL, FLOAT, INT, Kind, Known, Record, Row, Scalar, size
 from vvdp.generator.library import Failure
 from vvdp.generator.tree import Function, Module
@@ -14,12 +15,12 @@ from vvdp.generator.values import tuple_of
 C_TYPES: dict[Kind, Any] = {FLOAT: ctypes.c_double, INT: ctypes.c_int64, BOOL: ctypes.c_bool}
 
 
-def callables(module: Module, addresses: dict[str, int]) -> dict[str, Callable[..., Any]]:
-    """The entries of a module at these addresses, as functions of Python values."""
-    return {f.name: _callable(f, addresses[f.name], module) for f in module.functions if f.name in module.entries}
+def callables(module: Module, loaded: Loaded) -> dict[str, Callable[..., Any]]:
+    """The entries of a module as functions of Python values, which keep its code in memory."""
+    return {f.name: _callable(f, loaded, module) for f in module.functions if f.name in module.entries}
 
 
-def _callable(function: Function, address: int, module: Module) -> Callable[..., Any]:
+def _callable(function: Function, loaded: Loaded, module: Module) -> Callable[..., Any]:
     kinds = [parameter.kind for parameter in function.parameters]
     result = function.result
 
@@ -32,7 +33,7 @@ def _callable(function: Function, address: int, module: Module) -> Callable[...,
             handed += _c_arguments(value, kind, kept)
         returned = C_TYPES[result] if isinstance(result, Scalar) else None
         types: list[Any] = [type(each) for each in handed]
-        run = ctypes.CFUNCTYPE(returned, *types, ctypes.c_void_p)(address)
+        run = ctypes.CFUNCTYPE(returned, *types, ctypes.c_void_p)(loaded.addresses[function.name])
         answer = run(*handed, ctypes.addressof(trouble))
         if trouble.value:
             raise Failure(module.reasons[trouble.value - 1])

@@ -183,7 +183,8 @@ def _for(text: Text, statement: tree.For) -> None:
     text.begin(past)
     write_block(text, statement.exhausted)
     text.begin(after)
-    text.is_open = not _never_ends(statement)
+    if _never_ends(statement):
+        text.end("unreachable")
 
 
 def _never_ends(statement: tree.For) -> bool:
