@@ -173,3 +173,7 @@ def asynchronous(x):
 
 def walrus(x):
     return (y := x) + y
+
+
+def returned_array(n):
+    return np.zeros(n)

@@ -75,6 +75,7 @@ GOLDEN = [
     ("matches", 1, "`match`", "write `if` and `elif`"),
     ("asynchronous", 1, "`yield`", "return a value"),
     ("walrus", 1, "`:=`", "assign on a line of its own"),
+    ("returned_array", 1, "an array that an entry returns", "write its numbers to an array that is handed over"),
 ]
 """Function, line behind its first, construct, advice."""
 

@@ -14,6 +14,8 @@ from vvdp.generator.values import tuple_of
 
 C_TYPES: dict[Kind, Any] = {FLOAT: ctypes.c_double, INT: ctypes.c_int64, BOOL: ctypes.c_bool}
 
+READ: dict[Kind, Callable[[Any], Any]] = {FLOAT: lambda slot: float(slot.view(np.float64)), INT: int, BOOL: bool}
+
 
 def callables(module: Module, loaded: Loaded) -> dict[str, Callable[..., Any]]:
     """The entries of a module as functions of Python values, which keep its code in memory."""
@@ -28,7 +30,7 @@ def _callable(function: Function, loaded: Loaded, module: Module) -> Callable[..
         """Raises Failure with file, line and reason where the function fails, TypeError for other arguments."""
         found = np.zeros(max(1, size(result)), np.int64)
         trouble, kept = ctypes.c_int64(0), [found]
-        handed = [ctypes.c_void_p(found.ctypes.data)] if isinstance(result, Record | Row) else []
+        handed = [ctypes.c_void_p(found.ctypes.data)] if isinstance(result, Record) else []
         for value, kind in zip(values, kinds, strict=True):
             handed += _c_arguments(value, kind, kept)
         returned = C_TYPES[result] if isinstance(result, Scalar) else None
@@ -91,10 +93,7 @@ def _read(kind: Record, slots: Iterator[np.int64]) -> Any:
             found.append(_read(field, slots))
         elif isinstance(field, Known):
             found.append(field.value)
-        elif isinstance(field, Scalar):
-            number = next(slots)
-            plain: Any = {FLOAT: lambda n: float(n.view(np.float64)), INT: int, BOOL: bool}[field]
-            found.append(plain(number))
         else:
-            raise TypeError("an array that the function has made cannot be handed back; write it to an argument")
+            number = next(slots)
+            found.append(READ[field](number))
     return tuple_of(kind.cls, found)

@@ -4,7 +4,7 @@ from typing import Any
 
 from vvdp.generator import tree
 from vvdp.generator.body import Body, End, Names
-from vvdp.generator.kinds import Kind, Known, Record
+from vvdp.generator.kinds import Kind, Known, Record, has_rows
 from vvdp.generator.values import Undefined, are_same, carried_type, joined_type, part, parts, refusal, tuple_of
 
 
@@ -74,6 +74,8 @@ def finish(body: Body, *, is_entry: bool) -> Kind:
     if kind is None:
         raise refusal("returns of different types", "return values of one type everywhere")
     kind = carried_type(kind) if is_entry else kind
+    if is_entry and has_rows(kind):
+        raise refusal("an array that an entry returns", "write its numbers to an array that is handed over")
     for end, value, line in body.returns:
         with body.within(end.block):
             body.line = line

@@ -116,6 +116,11 @@ def place(kind: Record, number: int) -> int:
     return sum(size(field) for field in kind.fields[:number])
 
 
+def has_rows(kind: Kind) -> bool:
+    """Whether there is an array in a value."""
+    return isinstance(kind, Row) or (isinstance(kind, Record) and any(map(has_rows, kind.fields)))
+
+
 def common_kind(one: Kind, other: Kind) -> Kind | None:
     """The type that values of both can be converted to; None where there is none."""
     if one == other:

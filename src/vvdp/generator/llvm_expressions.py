@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 from vvdp.generator import tree
-from vvdp.generator.kinds import BOOL, FLOAT, INT, Known, Record, Row, Scalar, leaves, place, size
+from vvdp.generator.kinds import BOOL, FLOAT, INT, Known, Record, Row, Scalar, has_rows, leaves, place, size
 from vvdp.generator.library import C_LIBRARY, EXACT, FITS
 from vvdp.generator.llvm_text import (
     SELDOM,
@@ -14,7 +14,6 @@ from vvdp.generator.llvm_text import (
     Text,
     arguments_text,
     constant,
-    has_rows,
     is_held_in_memory,
     open_lengths,
     result_type,

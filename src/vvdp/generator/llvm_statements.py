@@ -4,9 +4,9 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from vvdp.generator import tree
-from vvdp.generator.kinds import Known, Record, Row, leaves, size
-from vvdp.generator.llvm_expressions import is_own_room, one, registers, return_nothing, trouble_address
-from vvdp.generator.llvm_text import Needs, Registers, Text, has_rows, is_held_in_memory, open_lengths
+from vvdp.generator.kinds import Known, Record, Row, has_rows, leaves, size
+from vvdp.generator.llvm_expressions import is_own_room, item_address, one, registers, return_nothing, trouble_address
+from vvdp.generator.llvm_text import TYPES, Needs, Registers, Text, is_held_in_memory, open_lengths, registers_of
 
 
 def statements_in(block: tree.Block) -> Iterator[tree.Statement]:
@@ -137,8 +137,6 @@ def _is_kept(text: Text, value: tree.Expression) -> bool:
 
 
 def _store(text: Text, statement: tree.Store) -> None:
-    from vvdp.generator.llvm_expressions import item_address
-
     number = one(text, statement.value)
     kind = statement.array.kind
     assert isinstance(kind, Row)
@@ -269,8 +267,6 @@ def _return(text: Text, statement: tree.Return) -> None:
     if isinstance(result, Known) or is_held_in_memory(result):
         text.end("ret void")
     else:
-        from vvdp.generator.llvm_text import TYPES, registers_of
-
         text.end(f"ret {TYPES[registers_of(result)[0]]} {found[0]}")
 
 

@@ -185,11 +185,6 @@ def result_type(kind: Kind) -> str:
     return TYPES[kind] if isinstance(kind, Scalar) else "void"
 
 
-def has_rows(kind: Kind) -> bool:
-    """Whether there is an array in a value."""
-    return isinstance(kind, Row) or (isinstance(kind, Record) and any(map(has_rows, kind.fields)))
-
-
 def is_held_in_memory(kind: Kind) -> bool:
     """Whether a result is written to memory of the caller."""
     return not isinstance(kind, Scalar | Known | Address)
