@@ -131,3 +131,18 @@ def test_text_made_at_run_time_is_read_where_linecache_knows_it():
     found = {}
     exec(compile(text, "<made>", "exec"), found)
     assert Unit().add(found["made"], [FLOAT], "entry").line == 1
+
+
+def test_functions_made_at_run_time_may_call_each_other():
+    text = "def inner(x):\n    return x + 1.0\n\n\ndef outer(x):\n    return inner(x)\n"
+    linecache.cache["<pair>"] = (len(text), None, text.splitlines(keepends=True), "<pair>")
+    found = {}
+    exec(compile(text, "<pair>", "exec"), found)
+    assert found["inner"].__module__ is None or found["inner"].__module__ == "builtins"
+    assert len(unit_with(found["outer"]).functions) == 2
+
+
+def unit_with(function):
+    unit = Unit()
+    unit.add(function, [FLOAT], "entry")
+    return unit

@@ -325,7 +325,7 @@ def call(body: Body, function: Any, values: list[Any], given: dict[str, Any]) ->
 
 def _is_plain(function: Any) -> bool:
     """Whether something is a Python function, and none of a library's own."""
-    return isinstance(function, types.FunctionType) and function.__module__.partition(".")[0] not in LIBRARIES
+    return isinstance(function, types.FunctionType) and str(function.__module__).partition(".")[0] not in LIBRARIES
 
 
 def _word(function: Any) -> Any:
