@@ -6,6 +6,8 @@ from tests.generator.systems import options, unit_of
 from tests.generator.ways import machine_code
 
 from vvdp.base.powers import expm1, power
+from vvdp.generator import binding
+from vvdp.generator.calls import callables
 from vvdp.generator.kinds import FLOAT
 from vvdp.generator.llvm_writer import write_llvm
 from vvdp.generator.python_writer import run_python
@@ -60,6 +62,17 @@ def rates_of(rates, y, numbers):
     with np.errstate(all="ignore"):
         rates(np.float64(0.3141), y, numbers.command, numbers.params, dy)
     return dy
+
+
+def test_copied_functions_have_the_same_rates():
+    model, case = model_of("buck-converter")
+    numbers, module = vectors(case), verify(unit_of(model, case, options()).module())
+    found = set()
+    for chosen in ({}, {"inline": True}, {"debug": True}):
+        code = binding.compile_text(write_llvm(module, **chosen), 2)
+        rates = callables(module, binding.load_code(code, module.entries))["rates"]
+        found.add(rates_of(rates, numbers.state, numbers).tobytes())
+    assert len(found) == 1
 
 
 def test_checked_code_has_the_same_rates():

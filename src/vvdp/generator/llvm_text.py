@@ -23,6 +23,7 @@ class Shared:
     tables: dict[str, str] = field(default_factory=dict)
     located: dict[str, int] = field(default_factory=dict)  # metadata by its text, for debug locations
     debug: bool = False
+    inline: bool = False
 
     def metadata(self, text: str) -> int:
         """The number of a piece of metadata."""
