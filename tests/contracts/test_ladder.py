@@ -9,7 +9,7 @@ import pytest
 
 RUNGS = [
     {"base"},
-    {"fluid", "numerics", "results", "logs"},
+    {"fluid", "numerics", "results", "logs", "generator"},
     {"valve", "hydraulics", "sensing"},
     {"geometry", "estimation", "control"},
     {"simulation"},

@@ -20,11 +20,17 @@ def systems(
     components: Annotated[
         bool, typer.Option("--components", help="List the component library for drawing circuits.")
     ] = False,
+    language: Annotated[
+        bool, typer.Option("--language", help="List the functions that your own laws and programs may call.")
+    ] = False,
     json: AsJson = False,
 ) -> None:
     """List systems and circuits, shipped and in this folder."""
     from vvdp.cli.screen import print_json
 
+    if language:
+        _language(json)
+        return
     if components:
         _library(json)
         return
@@ -42,6 +48,17 @@ def systems(
     _print("Circuits", ("circuit", "tables", "what it is"), circuits)
     if own:
         _print("Systems in this folder", ("file", "circuit", "title"), own)
+
+
+def _language(json: bool) -> None:
+    from vvdp.cli.screen import print_json
+    from vvdp.generator.words import word_names
+
+    names = word_names()
+    if json:
+        print_json({"functions": names})
+    else:
+        _print("Functions of the language", ("function",), [(name,) for name in names])
 
 
 def _print(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
