@@ -16,6 +16,7 @@ from vvdp.base.select import maximum, minimum, select
 from vvdp.simulation import places
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Method, Stepping, simulate
+from vvdp.simulation.schedule import landing_time
 
 PLAIN = Annotated[float, Kind("plain number", "1", -1e9, 1e9, "1")]
 BOTH = (Method.EXPLICIT, Method.STIFF)
@@ -43,6 +44,22 @@ def sawtooth(t: float, s: Level, u: Held, p: Rates) -> tuple[Level, Nothing, Tur
     falling = u.modes.direction
     position = side(select(falling > 0.5, s.x, s.x - 1.0))
     return Level(select(falling > 0.5, -p.down, p.up)), NOTHING, Turning(position)
+
+
+@pytest.mark.parametrize(
+    ("stop", "due", "expected"),
+    [
+        (2.0, 3.0, 2.0),
+        (3.0, 2.0, 2.0),
+        (np.inf, np.inf, 4.0),
+        (2.0, np.nextafter(2.0, 0.0), 2.0),  # a jump a hair behind a sample: both at the jump
+        (np.nextafter(2.0, 0.0), 2.0, np.nextafter(2.0, 0.0)),
+        (np.nextafter(4.0, 9.0), np.inf, np.nextafter(4.0, 9.0)),
+        (2.0, 2.0 * (1.0 - 1e-14), 2.0 * (1.0 - 1e-14)),  # further apart than rounding: two steps
+    ],
+)
+def test_a_step_between_two_instants_that_differ_by_rounding_is_not_taken(stop, due, expected):
+    assert landing_time(stop, due, 4.0) == expected
 
 
 def run_of(circuit, command, params, until, state=None, **stepping):

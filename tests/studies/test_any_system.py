@@ -101,9 +101,10 @@ def test_a_drawn_network_is_varied_at_any_depth(drawn: Path) -> None:
     for case, (area, coefficient) in enumerate((a, c) for a in areas for c in ("0.6", "0.7")):
         changes = [f"components.drain.area={area}", f"components.drain.discharge_coefficient={coefficient}"]
         single = alone(drawn / "drain.toml", ["nodes.line.volume=0.5 l", *changes])
-        assert {name: column.values[case] for name, column in found.outputs.items()} == {
-            name: single[name] for name in found.outputs
-        }
+        # Cases in lanes take the same steps; their sums are rounded in another order.
+        assert {name: column.values[case] for name, column in found.outputs.items()} == pytest.approx(
+            {name: float(single[name]) for name in found.outputs}, rel=1e-12
+        )
     assert np.all(found.outputs["trusted"].values == 1.0)
     again = run_study(load_study(drawn / "study.toml"), drawn / "kept")
     assert again.ran == 0

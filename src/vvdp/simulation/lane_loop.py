@@ -77,7 +77,7 @@ from vvdp.simulation.places import (
     TIME,
 )
 from vvdp.simulation.queue import take
-from vvdp.simulation.schedule import begin, instant, next_due
+from vvdp.simulation.schedule import begin, instant, landing_time, next_due
 from vvdp.simulation.steps import below, copy, turning_value
 
 # A case that is at the edge of stability for so many steps, less those that are not, is stiff for good.
@@ -98,7 +98,6 @@ SIGNALS = types.FunctionType(types.void(float64, VECTOR, VECTOR))
 @njit(**BARE, inline="always")
 def aim(cases, rules, lanes):
     """Chooses the step of each lane."""
-    end = rules.t_end + HAIR * abs(rules.t_end)
     for lane in range(WIDTH):
         case, own = lanes.case[lane], lanes.own[lane]
         own[VERDICT] = IDLE
@@ -106,7 +105,7 @@ def aim(cases, rules, lanes):
             continue
         clock = cases.clocks[case]
         t = clock[TIME]
-        t_next = min(own[T_STOP], own[T_DUE] if own[T_DUE] <= end else rules.t_end)
+        t_next = landing_time(own[T_STOP], own[T_DUE], rules.t_end)
         if own[TRIED] == 0.0:
             step, aimed = next_step(clock, cases.course[case], lanes.before[lane], lanes.held[lane], rules.grain)
             own[AIMS] = 1.0 if aimed else 0.0

@@ -61,7 +61,7 @@ from vvdp.simulation.places import (
     TOO_MANY_WAITING,
 )
 from vvdp.simulation.queue import take
-from vvdp.simulation.schedule import begin, instant, next_due
+from vvdp.simulation.schedule import begin, instant, landing_time, next_due
 from vvdp.simulation.steps import below, between, copy, explicit_step, fill, widen
 from vvdp.simulation.stiff import stiff_step
 
@@ -199,7 +199,7 @@ def run(
     while t < t_end - HAIR * abs(t_end):
         if not t_stop > t:
             return STOP_BEHIND
-        t_next = min(t_stop, t_due if t_due <= t_end + HAIR * abs(t_end) else t_end)
+        t_next = landing_time(t_stop, t_due, t_end)
         if tries == 0:
             if clock[EVALUATIONS] >= enough:
                 return PAUSED

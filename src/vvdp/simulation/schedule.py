@@ -38,6 +38,16 @@ def next_due(plan, agenda):
     return found
 
 
+@njit(**BARE, inline="always")
+def landing_time(t_stop, t_due, t_end):
+    """The time at which a step ends at the latest: the next jump, what is due next, or the end of the run.
+
+    What is due a hair before a jump is served at the jump: a step between the two would be as short as the rounding.
+    """
+    t_next = t_due if t_due <= t_end + HAIR * abs(t_end) else t_end
+    return t_stop if t_stop <= t_next + HAIR * abs(t_next) else t_next
+
+
 @njit(**BARE)
 def ask(sample, k, t, y, u, m, p, plan, agenda, waiting):
     """Calls program `k`; its command acts at once or waits. False where no more can wait."""
