@@ -271,7 +271,7 @@ def _return(text: Text, statement: tree.Return) -> None:
 
 
 def _fail(text: Text, statement: tree.Fail) -> None:
-    text.put(f"store i64 {statement.number}, ptr {trouble_address(text)}, align 8")
+    text.put(f"store i64 {text.shared.base + statement.number}, ptr {trouble_address(text)}, align 8")
     return_nothing(text)
 
 

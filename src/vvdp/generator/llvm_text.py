@@ -24,6 +24,7 @@ class Shared:
     located: dict[str, int] = field(default_factory=dict)  # metadata by its text, for debug locations
     debug: bool = False
     inline: bool = False
+    base: int = 0  # of the numbers of failures
 
     def metadata(self, text: str) -> int:
         """The number of a piece of metadata."""

@@ -76,14 +76,15 @@ declare void @free(ptr) nounwind
 """
 
 
-def write_llvm(module: Module, *, debug: bool = False, inline: bool = False) -> str:
+def write_llvm(module: Module, *, debug: bool = False, inline: bool = False, base: int = 0) -> str:
     """The LLVM text of a module.
 
     debug   gives each instruction the file and line of its Python text
     inline  copies every function to where it is called: formulas without loops run a sixth faster and compile in half
             the time; what has many calls in branches and loops grows
+    base    added to the number of each failure, so that those of modules that call each other differ
     """
-    shared, needs = Shared(debug=debug, inline=inline), dict[str, Needs]()
+    shared, needs = Shared(debug=debug, inline=inline, base=base), dict[str, Needs]()
     shared.metadata('!{!"branch_weights", i32 1, i32 1000000}')  # the first, which is `SELDOM`
     functions = []
     for function in module.functions:

@@ -1,5 +1,6 @@
 """Many cases of one model at once, on all cores; nothing is recorded but what a summary needs."""
 
+import os
 import time
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
@@ -18,9 +19,10 @@ from vvdp.simulation.layout import as_memory, case_form
 from vvdp.simulation.layout import case_shape as case_shape
 from vvdp.simulation.layout import rows as rows_of
 from vvdp.simulation.link import quiet
+from vvdp.simulation.loops import Loop, compiled_loop
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.outcome import Outcome, Window, kept_marks, marked_window, plain_window
-from vvdp.simulation.prepare import Prepared, Reached, compiled_loop, prepare, start_run
+from vvdp.simulation.prepare import Prepared, Reached, prepare, start_run
 from vvdp.simulation.run import failure, remarks
 from vvdp.simulation.start import check_start, start_bounds
 from vvdp.simulation.stepping import Method, Stepping
@@ -122,7 +124,7 @@ def simulate_batch(
     crew = Crew(_threads(cores), stop)
     began = time.perf_counter()
     ready = prepare(model, cases[0], stepping, cache, say)
-    loop = compiled_loop(say)
+    loop = compiled_loop(say, cache)
     code: SideBySide | str = "lanes were not asked for"
     if lanes and stepping.method is Method.STIFF:
         code = "the stiff method carries each case alone"
@@ -227,7 +229,7 @@ class _Carried(NamedTuple):
 
 
 def _carry_out(
-    loop: Any,
+    loop: Loop,
     ready: Prepared,
     code: SideBySide | str,
     cases: Sequence[Case],
@@ -276,7 +278,7 @@ def _carry_out(
 
 
 def _run_alone(
-    loop: Any,
+    loop: Loop,
     ready: Prepared,
     stepping: Stepping,
     begun: Reached,
@@ -319,10 +321,8 @@ def _form(found: object) -> str:
 
 
 def _threads(cores: int | None) -> int:
-    """How many threads carry out a batch: `cores`, or as many as Numba is allowed to use."""
-    import numba
-
-    most = int(vars(numba.config)["NUMBA_NUM_THREADS"])
+    """How many threads carry out a batch: `cores`, or all that this process may use."""
+    most = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     if cores is not None and not 1 <= cores <= most:
         raise ParameterError(f"{cores} cores; expected 1 to {most}")
     return cores or most

@@ -1,6 +1,5 @@
 """The threads that carry out the compiled work of a batch, and who may stop them."""
 
-import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
@@ -14,10 +13,6 @@ LOOK = 5e-3
 """Between two questions whether to stop [s]."""
 
 Queue = npt.NDArray[np.int64]  # (2,), see `vvdp.simulation.places`
-
-first_call = threading.Lock()
-"""Held at the first call of a compiled function that takes others: Numba then looks for the version of it that fits, as
-two threads must not do at once."""
 
 
 def never() -> bool:
@@ -43,8 +38,6 @@ class Crew:
 
         Ctrl-C, or whatever else `stop` raises, halts the threads and is raised again when they have ended.
         """
-        with first_call:
-            work(np.array([np.iinfo(np.int64).max // 2, 0]))
         self.queue[places.NEXT] = 0
         with ThreadPoolExecutor(self.threads) as pool:
             try:

@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,16 +12,14 @@ from vvdp.base.arrays import Array
 from vvdp.base.conservation import NOTHING
 from vvdp.base.display import long_time
 from vvdp.base.errors import RunError
-from vvdp.base.interrupts import interrupts_afterwards
 from vvdp.simulation import places
-from vvdp.simulation.crew import first_call
-from vvdp.simulation.installed import is_loop_compiled as is_loop_compiled
 from vvdp.simulation.layout import as_memory, memory_parts
 from vvdp.simulation.limiting import LimitingState, state_words
 from vvdp.simulation.link import quiet
+from vvdp.simulation.loops import Loop
+from vvdp.simulation.loops import compiled_loop as compiled_loop
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.prepare import Prepared, Reached, start_run
-from vvdp.simulation.prepare import compiled_loop as compiled_loop
 from vvdp.simulation.prepare import prepare as prepare
 from vvdp.simulation.stepping import Method as Method
 from vvdp.simulation.stepping import Stepping as Stepping
@@ -188,7 +185,7 @@ def simulate(
     if continue_from is not None:
         stepping = replace(stepping, begin=continue_from.end)
     ready = prepare(model, case, stepping, cache, say)
-    loop = compiled_loop(say)
+    loop = compiled_loop(say, cache)
     before = carried_on(continue_from, ready, stepping) if continue_from else start_run(ready, stepping)
     reached, rows, began, finished = before.copy(), _Rows(before, stepping), time.perf_counter(), True
     if continue_from is not None:
@@ -243,7 +240,7 @@ class _Rows:
 
 
 def _carry(
-    loop: Any,
+    loop: Loop,
     ready: Prepared,
     stepping: Stepping,
     reached: Reached,
@@ -255,21 +252,18 @@ def _carry(
     begun = time.perf_counter()
     counted: Count | None = clock_now(reached.clock)
     status, clock, budget = places.PAUSED, reached.clock, watcher.portion or watcher.pace.first
-    turn: AbstractContextManager[Any] = first_call
     bench = loop.workbench(ready.plan, reached.state.size, ready.width.size, ready.pattern)
     limiting = LimitingState(case, ready, bench)
     while True:
         began, before = time.perf_counter(), clock[places.EVALUATIONS]
-        with turn, interrupts_afterwards():
-            status = loop.run(
-                *ready.linked[:4],
-                *(*reached[:3], ready.vectors.params, ready.plan, *reached[3:]),
-                *(ready.atol, ready.rtol, ready.scale, ready.floor, ready.width, ready.pattern, bench),
-                *(stepping.until, stepping.longest_step, stepping.begin, stepping.method.value, budget, 0),
-                *(rows.times, rows.states, rows.commands, rows.memories, rows.mark_times, rows.mark_states),
-                *(rows.span_times, rows.span_states, rows.low, rows.high),
-            )
-        turn = nullcontext()
+        status = loop.run(
+            *ready.linked[:4],
+            *(*reached[:3], ready.vectors.params, ready.plan, *reached[3:]),
+            *(ready.atol, ready.rtol, ready.scale, ready.floor, ready.width, ready.pattern, bench),
+            *(stepping.until, stepping.longest_step, stepping.begin, stepping.method.value, budget, 0),
+            *(rows.times, rows.states, rows.commands, rows.memories, rows.mark_times, rows.mark_states),
+            *(rows.span_times, rows.span_states, rows.low, rows.high),
+        )
         if status == places.MARKS_FULL:
             if rows.mark_times.size > MOST_MARKS:
                 until = f"until t = {clock[places.TIME]:.6g} s"
