@@ -91,9 +91,8 @@ def _row_slots(array: Any, kind: Row, kept: list[Any]) -> list[int]:
     if len(array.shape) != len(kind.shape):
         raise TypeError(f"an array of shape {array.shape}; expected {kind!r}")
     lengths = [n for n, wanted in zip(array.shape, kind.shape, strict=True) if wanted is None]
-    if len(lengths) < len(array.shape) and any(
-        w not in (None, n) for n, w in zip(array.shape, kind.shape, strict=True)
-    ):
+    known = zip(array.shape, kind.shape, strict=True)
+    if len(lengths) < len(array.shape) and any(wanted not in (None, n) for n, wanted in known):
         raise TypeError(f"an array of shape {array.shape}; expected {kind!r}")
     kept.append(array)
     return [array.__array_interface__["data"][0], *lengths]

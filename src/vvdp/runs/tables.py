@@ -114,7 +114,7 @@ def computation(run: RecordedRun) -> Listing:
     n, meta = run.number, run.meta
     limit = f"limit {plain(LIMIT)}"
     ends = "stiff" if run.has("stiff_method") else "explicit"
-    packages = ", ".join(f"{meta.get(name, '–')}" for name in ("python", "numpy", "numba"))
+    packages = ", ".join(f"{meta.get(name, '–')}" for name in ("python", "numpy", "llvm"))
     rows = [
         Row("energy residual, of the throughput", NUMBER, (n("energy_residual"),), note=limit),
         Row("oil residual, of the throughput", NUMBER, (n("mass_residual"),), note=limit),

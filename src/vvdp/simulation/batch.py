@@ -1,6 +1,5 @@
 """Many cases of one model at once, on all cores; nothing is recorded but what a summary needs."""
 
-import os
 import time
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
@@ -13,7 +12,7 @@ import numpy.typing as npt
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError, RunError
 from vvdp.simulation import places
-from vvdp.simulation.crew import Crew, never
+from vvdp.simulation.crew import Crew, all_cores, never
 from vvdp.simulation.lanes import SideBySide, run_lanes, side_by_side
 from vvdp.simulation.layout import as_memory, case_form
 from vvdp.simulation.layout import case_shape as case_shape
@@ -322,7 +321,7 @@ def _form(found: object) -> str:
 
 def _threads(cores: int | None) -> int:
     """How many threads carry out a batch: `cores`, or all that this process may use."""
-    most = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    most = all_cores()
     if cores is not None and not 1 <= cores <= most:
         raise ParameterError(f"{cores} cores; expected 1 to {most}")
     return cores or most

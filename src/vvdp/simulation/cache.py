@@ -118,13 +118,13 @@ def kept_bytes(cache: Path) -> int:
 
 def _make_room(cache: Path) -> None:
     """Remove what was not used for longest until `MOST_BYTES` are left; another process may do the same."""
-    found = sorted(((path.stat(), path) for path in cache.glob(f"*{SUFFIX}")), key=lambda each: each[0].st_mtime)
-    total = sum(stat.st_size for stat, _ in found)
-    for stat, path in found:
+    found = sorted((path.stat().st_mtime, path.stat().st_size, path) for path in cache.glob(f"*{SUFFIX}"))
+    total = sum(size for _, size, _ in found)
+    for _, size, path in found:
         if total <= MOST_BYTES:
             return
         path.unlink(missing_ok=True)
-        total -= stat.st_size
+        total -= size
 
 
 def _unusable(cache: Path, problem: OSError) -> RunError:

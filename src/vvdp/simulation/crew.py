@@ -1,5 +1,6 @@
 """The threads that carry out the compiled work of a batch, and who may stop them."""
 
+import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
@@ -13,6 +14,13 @@ LOOK = 5e-3
 """Between two questions whether to stop [s]."""
 
 Queue = npt.NDArray[np.int64]  # (2,), see `vvdp.simulation.places`
+
+
+def all_cores() -> int:
+    """How many cores this process may use; `VVDP_THREADS` can make them fewer."""
+    affinity = getattr(os, "sched_getaffinity", None)
+    cores = len(affinity(0)) if affinity else os.cpu_count() or 1
+    return max(1, min(cores, int(os.environ.get("VVDP_THREADS") or cores)))
 
 
 def never() -> bool:

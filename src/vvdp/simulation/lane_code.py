@@ -1,7 +1,7 @@
 """A traced graph as machine code that works out the rates of many cases side by side, without a compiler around.
 
-The graph is written as LLVM's text for vectors as wide as the processor's. The compiled object is kept in the cache under the hash of the graph and of what writes its text, so that the
-next process only loads it.
+The graph is written as LLVM's text for vectors as wide as the processor's. The compiled object is kept in the cache
+under the hash of the graph and of what writes its text, so that the next process only loads it.
 """
 
 import hashlib

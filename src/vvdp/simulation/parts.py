@@ -24,7 +24,7 @@ VECTOR = Row(FLOAT, (None,))
 
 @dataclass(frozen=True)
 class Part:
-    """A function over flat vectors: its name, its text, what is called in it by name, and the types of its arguments."""
+    """A function over flat vectors: its name and text, what it calls by name, and the types of its arguments."""
 
     name: str
     source: str
