@@ -3,6 +3,8 @@
 import ast
 import inspect
 import linecache
+import os
+import time
 import types
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -51,7 +53,10 @@ def read_source(function: Any) -> Source:
     name = plain.__qualname__
     if code.co_freevars:
         raise LanguageError(f"{name} closes over {', '.join(code.co_freevars)}", "hand the values over as arguments")
-    node = _functions(code.co_filename, tuple(linecache.getlines(code.co_filename))).get(code.co_firstlineno)
+    lines = tuple(linecache.getlines(code.co_filename))
+    node = _functions(code.co_filename, lines).get(code.co_firstlineno)
+    if node is not None and not _is_current(code, lines):
+        raise LanguageError(f"{code.co_filename} has changed since it was imported", "start again")
     if node is None or node.name != code.co_name:
         what = "a lambda" if code.co_name == "<lambda>" else f"no source text for {name}"
         error = LanguageError(what, "define the function with `def` in a file")
@@ -68,6 +73,36 @@ def _functions(file: str, lines: tuple[str, ...]) -> dict[int, ast.FunctionDef]:
         if isinstance(node, ast.FunctionDef):
             found[min([node.lineno, *(each.lineno for each in node.decorator_list)])] = node
     return found
+
+
+_STARTED = time.time()
+MARGIN = 60.0
+"""Files older by so much than this module in memory have not changed since they were imported [s]."""
+
+
+def _is_current(code: types.CodeType, lines: tuple[str, ...]) -> bool:
+    """Whether the text of a function is that of its code; it is not where a file has changed under a process."""
+    try:
+        changed = os.stat(code.co_filename).st_mtime
+    except OSError:  # text that no file holds
+        return True
+    if changed < _STARTED - MARGIN:
+        return True
+    return any(_is_same(code, other) for other in _codes(code.co_filename, lines))
+
+
+@lru_cache(maxsize=64)
+def _codes(file: str, lines: tuple[str, ...]) -> list[types.CodeType]:
+    """The code of every function of a file as it is now."""
+    found = [compile("".join(lines), file, "exec")]
+    for each in found:
+        found += [constant for constant in each.co_consts if isinstance(constant, types.CodeType)]
+    return found
+
+
+def _is_same(one: types.CodeType, other: types.CodeType) -> bool:
+    parts = ("co_name", "co_firstlineno", "co_code", "co_names", "co_varnames", "co_consts")
+    return all(getattr(one, part) == getattr(other, part) for part in parts)
 
 
 def stored_names(statements: list[ast.stmt]) -> set[str]:

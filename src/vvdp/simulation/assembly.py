@@ -15,7 +15,7 @@ import numpy as np
 
 from vvdp.base import powers, select, signal
 from vvdp.base.errors import RunError
-from vvdp.base.interrupts import interrupts_afterwards
+from vvdp.base.interrupts import interruptible
 from vvdp.generator import binding
 from vvdp.generator.calls import Entry
 from vvdp.generator.kinds import Known
@@ -48,13 +48,16 @@ class Assembled:
 class Assembly:
     """Functions over flat vectors that are compiled together; `digest` is the hash of all of their text.
 
+    inline   whether all calls are written out, which suits formulas
+    checked  whether bounds, divisions, whole numbers and assertions are checked while the code runs
+
     Raises RunError where a function cannot be hashed, with its name.
     """
 
-    def __init__(self, parts: Sequence[Part], title: str = "", *, inline: bool = False) -> None:
-        self.parts, self.title, self.inline = tuple(parts), title, inline
+    def __init__(self, parts: Sequence[Part], title: str = "", *, inline: bool = False, checked: bool = False) -> None:
+        self.parts, self.title, self.inline, self.checked = tuple(parts), title, inline, checked
         self.functions: Functions = {}
-        found = [f"{inline}", _versions()]
+        found = [f"{inline} {checked}", _versions()]
         for part in parts:
             for function in part.called.values():
                 if isinstance(function, External):
@@ -88,7 +91,7 @@ class Assembly:
 
     def llvm_text(self, *, debug: bool = False) -> tuple[str, tuple[str, ...]]:
         """The LLVM text, and the reasons of its failures. Raises RunError where the language lacks something."""
-        unit = Unit(model_options())
+        unit = Unit(model_options(checked=self.checked))
         try:
             for part in self.parts:
                 unit.add(part.function(), part.kinds, part.name)
@@ -105,9 +108,8 @@ class Assembly:
     def _compile(self, say: Callable[[str], None]) -> bytes:
         if self.title:
             say(f"compiling {self.title} (first use only)")
-        with interrupts_afterwards():
-            text, reasons = self.llvm_text()
-            return json.dumps(reasons).encode() + b"\n" + binding.compile_text(text)
+        text, reasons = self.llvm_text()
+        return json.dumps(reasons).encode() + b"\n" + interruptible(lambda: binding.compile_text(text))
 
     def _entries(self, code: bytes, symbols: Mapping[str, int] | None) -> Assembled:
         reasons, _, code = code.partition(b"\n")

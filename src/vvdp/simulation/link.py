@@ -53,8 +53,17 @@ class Linked(NamedTuple):
     digest: str
 
 
-def link(model: Model, case: Case, cache: Path | None = None, say: Callable[[str], None] = quiet) -> Linked:
+def link(
+    model: Model,
+    case: Case,
+    cache: Path | None = None,
+    say: Callable[[str], None] = quiet,
+    *,
+    checked: bool = False,
+) -> Linked:
     """The compiled form of `model` for values of the shape of `case`; `say` hears when something must be compiled.
+
+    checked  whether bounds, divisions, whole numbers and assertions are checked while the code runs
 
     Raises RunError where a function cannot be compiled or hashed, or the cache cannot be trusted.
     """
@@ -62,10 +71,10 @@ def link(model: Model, case: Case, cache: Path | None = None, say: Callable[[str
         raise RunError("a case has a memory and settings for each program of its model, and for no other")
     place = cache or default_cache()
     if (form := model_key(model, case)) is not None:
-        form = (place, form)
+        form = (place, checked, form)
     if known := _REMEMBERED.get(form):
         return known
-    assembled = ModelAssemblies(model, case)
+    assembled = ModelAssemblies(model, case, checked=checked)
     done = assembled.load(place, say)
     functions = {key: entry for each in assembled for key, entry in each.functions.items()}
     # How many numbers a reading with an array has may depend on the values of a case.
@@ -80,18 +89,18 @@ _REMEMBERED = Remembered[Linked]()
 class ModelAssemblies:
     """What a model is compiled in: its circuit, and a sensor and a step for each program."""
 
-    def __init__(self, model: Model, case: Case) -> None:
+    def __init__(self, model: Model, case: Case, *, checked: bool = False) -> None:
         parts = [rates_part(model, case), stop_part(model, case), events_part(model, case)]
         seeing = [program for program in model.programs.values() if needs_outputs(program.measure)]
         parts += [outputs_part(model, case)] if seeing else []
         parts += [] if model.conditions is None else [conditions_part(model.conditions, case)]
         name = getattr(model.circuit, "__name__", "circuit").removesuffix("circuit").strip("_")
-        self.circuit = Assembly(parts, f"the circuit {name}".rstrip(), inline=True)
+        self.circuit = Assembly(parts, f"the circuit {name}".rstrip(), inline=True, checked=checked)
         self.programs: list[tuple[Assembly, Assembly]] = []
         sampled = list[Sampled]()
         for name, program in model.programs.items():
-            measure = Assembly([measure_part(model, program, case)])
-            step = Assembly([step_part(model, name, case)], f"the program {name}")
+            measure = Assembly([measure_part(model, program, case)], checked=checked)
+            step = Assembly([step_part(model, name, case)], f"the program {name}", checked=checked)
             self.programs.append((measure, step))
             sampled.append(
                 Sampled(
@@ -103,7 +112,7 @@ class ModelAssemblies:
                 )
             )
         held = None if model.conditions is None else self.circuit.symbol("hold")
-        self.sample = Assembly([sample_part(held, self.circuit.symbol("outputs"), sampled)])
+        self.sample = Assembly([sample_part(held, self.circuit.symbol("outputs"), sampled)], checked=checked)
 
     def __iter__(self) -> Iterator[Assembly]:
         return iter([self.circuit, *(each for pair in self.programs for each in pair), self.sample])
@@ -126,3 +135,12 @@ class ModelAssemblies:
         return Linked(
             rates=circuit["rates"], sample=sample, events=circuit["events"], stop=circuit["stop"], digest=self.digest
         )
+
+
+def llvm_text(model: Model, case: Case) -> str:
+    """The LLVM text of everything that a model is compiled in, with the file and line of each instruction."""
+    found = []
+    for each in ModelAssemblies(model, case):
+        functions = ", ".join(part.name for part in each.parts)
+        found.append(f"; {each.title or 'vectors'}: {functions}\n{each.llvm_text(debug=True)[0]}")
+    return "\n".join(found)

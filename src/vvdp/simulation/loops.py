@@ -34,14 +34,13 @@ class Loop(NamedTuple):
     run: Entry
     batch: Entry
 
-    def workbench(self, *values: Any) -> loop.Workbench:
-        return loop.workbench(*values)
+    workbench = staticmethod(loop.workbench)
 
 
-def compiled_loop(say: Callable[[str], None] = quiet, cache: Path | None = None) -> Loop:
-    """The loop, from the cache or compiled into it."""
+def compiled_loop(say: Callable[[str], None] = quiet, cache: Path | None = None, *, checked: bool = False) -> Loop:
+    """The loop, from the cache or compiled into it; `checked` as of `link`."""
     parts = (given(loop.run, loop.RUN, INT), given(loop.batch, loop.BATCH))
-    found = _assembly(parts).load(cache or default_cache(), say)
+    found = _assembly(parts, checked=checked).load(cache or default_cache(), say)
     return Loop(found["run"], found["batch"])
 
 
@@ -53,12 +52,12 @@ def compiled_lane_loop(say: Callable[[str], None] = quiet, cache: Path | None = 
     return _assembly(parts).load(cache or default_cache(), say)["run_lanes"]
 
 
-_ASSEMBLIES: dict[tuple[str, ...], Assembly] = {}
+_ASSEMBLIES: dict[tuple[str, bool], Assembly] = {}
 
 
-def _assembly(parts: tuple[Given, ...]) -> Assembly:
+def _assembly(parts: tuple[Given, ...], *, checked: bool = False) -> Assembly:
     """Hashed once in a process: the loops are vvdp's own, and do not change."""
-    key = tuple(part.name for part in parts)
+    key = parts[0].name, checked
     if key not in _ASSEMBLIES:
-        _ASSEMBLIES[key] = Assembly(parts, "the simulation loop")
+        _ASSEMBLIES[key] = Assembly(parts, "the simulation loop", checked=checked)
     return _ASSEMBLIES[key]

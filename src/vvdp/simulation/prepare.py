@@ -43,13 +43,22 @@ class Prepared:
 
 
 def prepare(
-    model: Model, case: Case, stepping: Stepping, cache: Path | None = None, say: Callable[[str], None] = quiet
+    model: Model,
+    case: Case,
+    stepping: Stepping,
+    cache: Path | None = None,
+    say: Callable[[str], None] = quiet,
+    *,
+    checked: bool = False,
 ) -> Prepared:
-    """Everything that the loop needs. The books take no part in the error control: it is they that judge it."""
+    """Everything that the loop needs. The books take no part in the error control: it is they that judge it.
+
+    checked  as of `link`
+    """
     check_model(model, case)
     check_times(model, stepping.sample_period)
     kinds = [(path, kind) for path, _, kind in leaves(case.state)]
-    linked = link(model, case, cache, say)
+    linked = link(model, case, cache, say, checked=checked)
     scale = np.array([kind.scale if kind else 1.0 for _, kind in kinds])
     bounded = np.array([not (kind and kind.accumulates) for _, kind in kinds])
     active = sum(not path.startswith("books.") for path, _ in kinds)

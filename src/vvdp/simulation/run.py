@@ -12,6 +12,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.conservation import NOTHING
 from vvdp.base.display import long_time
 from vvdp.base.errors import RunError
+from vvdp.generator.library import Failure
 from vvdp.simulation import places
 from vvdp.simulation.layout import as_memory, memory_parts
 from vvdp.simulation.limiting import LimitingState, state_words
@@ -170,6 +171,7 @@ def simulate(
     say: Callable[[str], None] = quiet,
     cache: Path | None = None,
     portion: float | None = None,
+    checked: bool = False,
 ) -> Run:
     """The run of `case` to `stepping.until`.
 
@@ -179,13 +181,15 @@ def simulate(
 
     A run goes without the interpreter's lock, in portions of 0.2 s, of 7 ms where there is a `stop`, or of so many
     evaluations as `portion` says. After each one `progress` hears the time [s] reached, and `stop` is asked whether to
-    end the run there; then, as after Ctrl-C, what was reached is kept (`Run.finished` is False). Raises RunError when
-    the state becomes infinite or the step vanishes, with the time and the states concerned.
+    end the run there; then, as after Ctrl-C, what was reached is kept (`Run.finished` is False). With `checked` bounds,
+    divisions, whole numbers and assertions are checked on the way, and what passes keeps its bits. Raises RunError when
+    the state becomes infinite or the step vanishes, with the time and the states concerned, and where a function of the
+    model raises an error or a check fails, with file and line.
     """
     if continue_from is not None:
         stepping = replace(stepping, begin=continue_from.end)
-    ready = prepare(model, case, stepping, cache, say)
-    loop = compiled_loop(say, cache)
+    ready = prepare(model, case, stepping, cache, say, checked=checked)
+    loop = compiled_loop(say, cache, checked=checked)
     before = carried_on(continue_from, ready, stepping) if continue_from else start_run(ready, stepping)
     reached, rows, began, finished = before.copy(), _Rows(before, stepping), time.perf_counter(), True
     if continue_from is not None:
@@ -256,14 +260,17 @@ def _carry(
     limiting = LimitingState(case, ready, bench)
     while True:
         began, before = time.perf_counter(), clock[places.EVALUATIONS]
-        status = loop.run(
-            *ready.linked[:4],
-            *(*reached[:3], ready.vectors.params, ready.plan, *reached[3:]),
-            *(ready.atol, ready.rtol, ready.scale, ready.floor, ready.width, ready.pattern, bench),
-            *(stepping.until, stepping.longest_step, stepping.begin, stepping.method.value, budget, 0),
-            *(rows.times, rows.states, rows.commands, rows.memories, rows.mark_times, rows.mark_states),
-            *(rows.span_times, rows.span_states, rows.low, rows.high),
-        )
+        try:
+            status = loop.run(
+                *ready.linked[:4],
+                *(*reached[:3], ready.vectors.params, ready.plan, *reached[3:]),
+                *(ready.atol, ready.rtol, ready.scale, ready.floor, ready.width, ready.pattern, bench),
+                *(stepping.until, stepping.longest_step, stepping.begin, stepping.method.value, budget, 0),
+                *(rows.times, rows.states, rows.commands, rows.memories, rows.mark_times, rows.mark_states),
+                *(rows.span_times, rows.span_states, rows.low, rows.high),
+            )
+        except Failure as problem:
+            raise RunError(f"the run ended at t = {clock[places.TIME]:.6g} s: {problem}") from None
         if status == places.MARKS_FULL:
             if rows.mark_times.size > MOST_MARKS:
                 until = f"until t = {clock[places.TIME]:.6g} s"
