@@ -43,11 +43,30 @@ def run(
             show_default=False,
         ),
     ] = None,
+    checked: Annotated[
+        bool,
+        typer.Option(
+            "--checked", help="Check indexes, divisions and assertions in all compiled code: slower, same bits."
+        ),
+    ] = False,
+    watched: Annotated[
+        bool,
+        typer.Option(
+            "--watch", help="Run again whenever the file is saved, and print what changed; writes no results."
+        ),
+    ] = False,
 ) -> None:
     """Simulate a system and write its results and a report.
 
     Ctrl-C stops the simulation early and keeps the results so far.
     """
+    if watched:
+        from vvdp.cli.watch import refuse_together, watch
+        from vvdp.systems.system import load_system
+
+        refuse_together(out=out is not None, force=force, json=json, check=check, cycle=cycle is not None)
+        watch(system, lambda: load_system(system, settings or (), until), lambda done: _print(done, ()))
+        return
     from vvdp.base.files import result_directory
     from vvdp.cli.progress import report_reach
     from vvdp.cli.report import RUN, add_report
@@ -65,7 +84,7 @@ def run(
     directory = out if out is not None else default_directory(loaded.name)
     with result_directory(directory, force=force) as folder:
         with report_reach(end, lambda now: f"t = {now:.4g} s of {end:.4g} s") as progress:
-            done = run_system(loaded, progress=progress, say=say, command=typed_command())
+            done = run_system(loaded, progress=progress, say=say, command=typed_command(), checked=checked)
         if not done.has("finished"):
             say(f"interrupted at t = {done.number('duration_s'):.6g} s; writing what was reached")
         changes: tuple[Move, ...] = ()

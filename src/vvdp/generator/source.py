@@ -3,12 +3,12 @@
 import ast
 import inspect
 import linecache
-import os
 import time
 import types
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 from vvdp.base.errors import VvdpError
@@ -83,7 +83,7 @@ MARGIN = 60.0
 def _is_current(code: types.CodeType, lines: tuple[str, ...]) -> bool:
     """Whether the text of a function is that of its code; it is not where a file has changed under a process."""
     try:
-        changed = os.stat(code.co_filename).st_mtime
+        changed = Path(code.co_filename).stat().st_mtime
     except OSError:  # text that no file holds
         return True
     if changed < _STARTED - MARGIN:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from vvdp.base.errors import RunError
 from vvdp.generator.calls import Entry
-from vvdp.simulation.assembly import Assembly
+from vvdp.simulation.assembly import Assembly, about
 from vvdp.simulation.cache import default_cache, quiet
 from vvdp.simulation.layout import arrays, blocks
 from vvdp.simulation.model import Case, Model
@@ -124,14 +124,17 @@ class ModelAssemblies:
 
     def load(self, cache: Path, say: Callable[[str], None] = quiet) -> Linked:
         """The functions of the model, from the cache or compiled into it."""
-        circuit, symbols = self.circuit.load(cache, say), dict[str, int]()
+        pending = [each for each in self if not each.is_at_hand(cache)]
+        if titles := [each.title for each in pending if each.title]:
+            say(f"compiling {', '.join(titles)} (first use only): {about(sum(each.seconds for each in pending))}")
+        circuit, symbols = self.circuit.load(cache), dict[str, int]()
         symbols |= {self.circuit.symbol(name): int(entry) for name, entry in circuit.entries.items()}
         for pair in self.programs:
             for each, name in zip(pair, ("measure", "step"), strict=True):
-                symbols[each.symbol(name)] = int(each.load(cache, say)[name])
+                symbols[each.symbol(name)] = int(each.load(cache)[name])
         wanted = {part.name for part in self.sample.parts[0].called.values()}
         used = {name: address for name, address in symbols.items() if name in wanted}
-        sample = self.sample.load(cache, say, used)["sample"]
+        sample = self.sample.load(cache, symbols=used)["sample"]
         return Linked(
             rates=circuit["rates"], sample=sample, events=circuit["events"], stop=circuit["stop"], digest=self.digest
         )
