@@ -45,15 +45,11 @@ def run(
     ] = None,
     checked: Annotated[
         bool,
-        typer.Option(
-            "--checked", help="Check indexes, divisions and assertions in all compiled code: slower, same bits."
-        ),
+        typer.Option("--checked", help="Check indexes, divisions, assertions in compiled code (slower)."),
     ] = False,
     watched: Annotated[
         bool,
-        typer.Option(
-            "--watch", help="Run again whenever the file is saved, and print what changed; writes no results."
-        ),
+        typer.Option("--watch", help="Run again whenever the file is saved; print what changed."),
     ] = False,
 ) -> None:
     """Simulate a system and write its results and a report.
@@ -95,10 +91,10 @@ def run(
         save_run(folder, done)
         reported = not no_report and add_report(RUN, folder, done)
     if json:
-        checked = {"check": {move.key: move.change for move in changes}} if changes else {}
+        accuracy = {"check": {move.key: move.change for move in changes}} if changes else {}
         spans = {"ranges": done.meta["ranges"]} if "ranges" in done.meta else {}
         told = {"warnings": list(warnings(loaded, done.summary))}
-        print_json({"system": loaded.name, **_with_counts(done), **told, **checked, **spans, "out": str(directory)})
+        print_json({"system": loaded.name, **_with_counts(done), **told, **accuracy, **spans, "out": str(directory)})
     else:
         _print(done, changes)
         typer.echo(f"results: {directory}" + (f"\nreport: {directory / 'report.html'}" if reported else ""))

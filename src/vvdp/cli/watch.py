@@ -46,9 +46,8 @@ def watch(name: str, load: Callable[[], "System"], show: Callable[["RecordedRun"
                 before = done
             except VvdpError as problem:
                 say(str(problem))
-            say(
-                f"{time.monotonic() - began:.2f} s; waiting for {' or '.join(map(str, files))} to be saved (Ctrl-C ends)"
-            )
+            names = " or ".join(map(str, files))
+            say(f"{time.monotonic() - began:.2f} s; waiting for {names} to be saved (Ctrl-C ends)")
             while _stamps(files) == seen:
                 time.sleep(LOOK)
     except KeyboardInterrupt:

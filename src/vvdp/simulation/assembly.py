@@ -156,6 +156,6 @@ def _versions() -> str:
     """What compiled code depends on besides the model."""
     found = hashlib.sha256()
     generator = Path(binding.__file__).parent.glob("*.py")
-    for path in sorted([*(Path(module.__file__) for module in WRITERS), *generator]):
+    for path in sorted([*(Path(str(module.__file__)) for module in WRITERS), *generator]):
         found.update(path.read_bytes())
     return f"{platform.python_version()} {np.__version__} {binding.version()} {found.hexdigest()}"

@@ -18,6 +18,7 @@ from vvdp.simulation.layout import as_memory, case_form
 from vvdp.simulation.layout import case_shape as case_shape
 from vvdp.simulation.layout import rows as rows_of
 from vvdp.simulation.link import quiet
+from vvdp.simulation.loop import workbench
 from vvdp.simulation.loops import Loop, compiled_loop
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.outcome import Outcome, Window, kept_marks, marked_window, plain_window
@@ -290,7 +291,7 @@ def _run_alone(
     nothing = [np.zeros((0, part.shape[1])) for part in begun[:3]]
 
     def work(queue: npt.NDArray[np.int64]) -> None:
-        bench = loop.workbench(ready.plan, begun.state.shape[1], ready.width.size, ready.pattern)
+        bench = workbench(ready.plan, begun.state.shape[1], ready.width.size, ready.pattern)
         loop.batch(
             *ready.linked[:4],
             *(*begun[:3], params, ready.plan, *begun[3:]),

@@ -34,12 +34,12 @@ class Signal(NamedTuple):
     parameters: Any
 
 
-def signal(t, base, place, changes, sines, parameters):  # type: ignore[no-untyped-def]
+def signal(t: float, base: float, place: float, changes: float, sines: float, parameters: Any) -> Signal:
     """The signal of these numbers in the flat vector `parameters`."""
     return Signal(base, place, changes, sines, parameters)
 
 
-def moving(t, signal):  # type: ignore[no-untyped-def]
+def moving(t: float, signal: Any) -> float:
     """The value at the time `t` [s] of a signal that may move."""
     place, n, m, p = int(signal.place), int(signal.changes), int(signal.sines), signal.parameters
     changed = changes_value(t, p[place : place + n], p[place + n : place + 2 * n], p[place + 2 * n : place + 3 * n])
@@ -48,28 +48,28 @@ def moving(t, signal):  # type: ignore[no-untyped-def]
     return signal.base + changed + swung
 
 
-def corner(t, signal):  # type: ignore[no-untyped-def]
+def corner(t: float, signal: Any) -> float:
     """The next time [s] at which a signal that may move has a corner."""
     place, n, p = int(signal.place), int(signal.changes), signal.parameters
     return changes_stop(t, p[place : place + n], p[place + n : place + 2 * n])
 
 
-def record_value(t, signal):  # type: ignore[no-untyped-def]
+def record_value(t: float, signal: Any) -> float:
     """`base.signal.signal_value` of a signal in a flat vector."""
     return moving(t, signal) if signal.place > 0.0 else signal.base
 
 
-def record_stop(t, signal):  # type: ignore[no-untyped-def]
+def record_stop(t: float, signal: Any) -> float:
     """`base.signal.signal_stop` of a signal in a flat vector."""
     return corner(t, signal) if signal.place > 0.0 else np.inf
 
 
-def view(vector, place, shape):  # type: ignore[no-untyped-def]
+def view(vector: Any, place: int, shape: tuple[int, ...]) -> Any:
     """The numbers of a flat vector from `place` on as an array of this shape."""
     return vector[place : place + int(np.prod(shape))].reshape(shape)
 
 
-def store(vector, place, values):  # type: ignore[no-untyped-def]
+def store(vector: Any, place: int, values: Any) -> int:
     """Write an array or a tuple to a flat vector from `place` on; returns the place behind it."""
     row = np.ravel(values)
     vector[place : place + row.size] = row

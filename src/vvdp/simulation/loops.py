@@ -34,8 +34,6 @@ class Loop(NamedTuple):
     run: Entry
     batch: Entry
 
-    workbench = staticmethod(loop.workbench)
-
 
 def compiled_loop(say: Callable[[str], None] = quiet, cache: Path | None = None, *, checked: bool = False) -> Loop:
     """The loop, from the cache or compiled into it; `checked` as of `link`."""

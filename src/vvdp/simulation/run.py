@@ -17,6 +17,7 @@ from vvdp.simulation import places
 from vvdp.simulation.layout import as_memory, memory_parts
 from vvdp.simulation.limiting import LimitingState, state_words
 from vvdp.simulation.link import quiet
+from vvdp.simulation.loop import workbench
 from vvdp.simulation.loops import Loop
 from vvdp.simulation.loops import compiled_loop as compiled_loop
 from vvdp.simulation.model import Case, Model
@@ -256,7 +257,7 @@ def _carry(
     begun = time.perf_counter()
     counted: Count | None = clock_now(reached.clock)
     status, clock, budget = places.PAUSED, reached.clock, watcher.portion or watcher.pace.first
-    bench = loop.workbench(ready.plan, reached.state.size, ready.width.size, ready.pattern)
+    bench = workbench(ready.plan, reached.state.size, ready.width.size, ready.pattern)
     limiting = LimitingState(case, ready, bench)
     while True:
         began, before = time.perf_counter(), clock[places.EVALUATIONS]
