@@ -45,7 +45,8 @@ def moving(t: float, signal: Any) -> float:
     changed = changes_value(t, p[place : place + n], p[place + n : place + 2 * n], p[place + 2 * n : place + 3 * n])
     place = place + 3 * n
     swung = sines_value(t, p[place : place + m], p[place + m : place + 2 * m], p[place + 2 * m : place + 3 * m])
-    return signal.base + changed + swung
+    value: float = signal.base + changed + swung
+    return value
 
 
 def corner(t: float, signal: Any) -> float:
