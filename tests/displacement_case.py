@@ -4,6 +4,7 @@ import dataclasses
 from collections import namedtuple
 
 import numpy as np
+from vvdp.simulation.compiled import make_compilable
 
 from vvdp.control.adaptation import Adaptation
 from vvdp.control.capacities import CircuitPressures, CylinderModel, SupplyLine
@@ -13,7 +14,6 @@ from vvdp.control.displacement import CylinderSeen, DisplacementSettings, Supply
 from vvdp.control.flow_split import FlowSplit
 from vvdp.control.pressure_modes import PressureBounds
 from vvdp.control.reference import Reference
-from vvdp.simulation.compiled import make_compilable
 from vvdp.simulation.reach import compiled_form, reachable
 
 ATMOSPHERE = 101325.0

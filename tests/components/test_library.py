@@ -90,7 +90,6 @@ def test_arrays_and_symbols_give_the_same(component, meetings, met_argument):
 @pytest.mark.thorough
 def test_compiled_code_gives_the_same(component, meetings, met_argument):
     from numba import njit
-
     from vvdp.simulation.compiled import make_compilable
 
     for function, _ in reachable(component.law, {}).values():

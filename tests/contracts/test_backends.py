@@ -564,7 +564,6 @@ def numbers_of_arguments(arguments: list[Any]) -> list[float]:
 @pytest.mark.thorough
 def test_every_formula_agrees_between_floats_and_compiled_code(formula_modules, functions_of, components):
     from numba import njit
-
     from vvdp.simulation.compiled import make_compilable
 
     count = 0

@@ -5,6 +5,7 @@ from collections import namedtuple
 
 import numpy as np
 import pytest
+from vvdp.simulation.compiled import make_compilable
 
 from vvdp.control.backstepping import backstepping_law
 from vvdp.control.chamber import ChamberReading
@@ -13,7 +14,6 @@ from vvdp.control.orifice import valve_command, valve_flow
 from vvdp.control.passivity import passivity_law, printed_passivity_law
 from vvdp.control.reference import Reference, ReferenceFilter, reference_step
 from vvdp.control.storage import loop_balance
-from vvdp.simulation.compiled import make_compilable
 from vvdp.simulation.reach import compiled_form, reachable
 
 

@@ -179,8 +179,8 @@ def test_noise_without_a_turn_is_refused(speed, harmonics, word):
 
 def test_margin_compiles():
     from numba import njit
-
     from vvdp.simulation.compiled import make_compilable
+
     from vvdp.simulation.reach import compiled_form, reachable
 
     for function, _ in reachable(observability_margin, {}).values():

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tests.dense_filter import predict_n, update_n
+from vvdp.simulation.compiled import make_compilable
 
 from vvdp.numerics.kalman import (
     add_variance,
@@ -16,7 +17,6 @@ from vvdp.numerics.kalman import (
     observe,
     variance_of,
 )
-from vvdp.simulation.compiled import make_compilable
 from vvdp.simulation.reach import compiled_form, reachable
 
 

@@ -118,8 +118,8 @@ def test_compiled_steps_are_the_same():
     from collections import namedtuple
 
     from numba import njit
-
     from vvdp.simulation.compiled import make_compilable
+
     from vvdp.simulation.reach import compiled_form, reachable
 
     settings = changed(noise=0.1, resolution=0.01, lag=0.5, offset=0.1, seed=3.0)

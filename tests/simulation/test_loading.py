@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from numba import njit
 from numba.core.caching import FunctionCache
-
 from vvdp.simulation.loading import registries_left_out
 
 pytestmark = pytest.mark.thorough

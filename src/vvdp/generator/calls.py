@@ -2,16 +2,29 @@
 
 import ctypes
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vvdp.generator.binding import Loaded
-from vvdp.generator.kinds import BOOL, FLOAT, INT, POINTER, Kind, Known, Record, Row, Scalar, size
+from vvdp.generator.kinds import (
+    BOOL,
+    FLOAT,
+    INT,
+    POINTER,
+    Kind,
+    Known,
+    Record,
+    Row,
+    Scalar,
+    registers_of,
+    size,
+    tuple_of,
+)
 from vvdp.generator.library import Failure
-from vvdp.generator.llvm_text import registers_of
-from vvdp.generator.tree import Module
-from vvdp.generator.values import tuple_of
+
+if TYPE_CHECKING:
+    from vvdp.generator.tree import Module
 
 C_TYPES: dict[Any, Any] = {
     FLOAT: ctypes.c_double, INT: ctypes.c_int64, BOOL: ctypes.c_bool, POINTER: ctypes.c_void_p,
@@ -55,7 +68,7 @@ class Entry:
         return _read(result, iter(kept[0])) if isinstance(result, Record) else answer
 
 
-def callables(module: Module, loaded: Loaded) -> dict[str, Entry]:
+def callables(module: "Module", loaded: Loaded) -> dict[str, Entry]:
     """The entries of a module as functions of Python values, which keep its code in memory."""
     entries = (function for function in module.functions if function.name in module.entries)
     return {

@@ -13,7 +13,7 @@ import numpy as np
 from vvdp.generator.arrays import entry, item
 from vvdp.generator.body import Body, End, Names
 from vvdp.generator.joining import merge
-from vvdp.generator.kinds import BOOL, Address, Known, Record, Scalar, number_kind
+from vvdp.generator.kinds import BOOL, Address, Known, Record, Scalar, number_kind, tuple_of
 from vvdp.generator.operations import binary, choose, compare, is_cheap, negate, truth, unary
 from vvdp.generator.tree import Binary, CallAddress, Do, If, Symbol
 from vvdp.generator.values import (
@@ -27,7 +27,6 @@ from vvdp.generator.values import (
     part,
     parts,
     refusal,
-    tuple_of,
     type_of,
 )
 from vvdp.generator.words import FOLDED, WORDS, Written, array_attribute

@@ -4,7 +4,20 @@ from collections.abc import Callable
 from typing import Any
 
 from vvdp.generator import tree
-from vvdp.generator.kinds import BOOL, FLOAT, INT, Known, Record, Row, Scalar, has_rows, leaves, place, size
+from vvdp.generator.kinds import (
+    BOOL,
+    FLOAT,
+    INT,
+    Known,
+    Record,
+    Row,
+    Scalar,
+    has_rows,
+    leaves,
+    place,
+    registers_of,
+    size,
+)
 from vvdp.generator.library import C_LIBRARY, EXACT, FITS
 from vvdp.generator.llvm_text import (
     SELDOM,
@@ -16,7 +29,6 @@ from vvdp.generator.llvm_text import (
     constant,
     is_held_in_memory,
     open_lengths,
-    registers_of,
     result_type,
 )
 

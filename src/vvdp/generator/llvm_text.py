@@ -5,7 +5,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from vvdp.generator.kinds import BOOL, FLOAT, INT, POINTER, Address, Kind, Known, Record, Row, Scalar, leaves, size
+from vvdp.generator.kinds import (
+    BOOL,
+    FLOAT,
+    INT,
+    POINTER,
+    Address,
+    Kind,
+    Known,
+    Record,
+    Row,
+    Scalar,
+    leaves,
+    registers_of,
+    size,
+)
 from vvdp.generator.tree import Function, Table, Variable
 
 TYPES = {FLOAT: "double", INT: "i64", BOOL: "i1", POINTER: "ptr"}
@@ -157,11 +171,6 @@ def constant(kind: Scalar | str, value: Any) -> str:
     if kind is BOOL:
         return "true" if value else "false"
     return "null" if kind == POINTER else str(int(value))
-
-
-def registers_of(kind: Kind) -> list[Scalar | str]:
-    """What is handed over for a value: of a record its address."""
-    return [POINTER] if isinstance(kind, Record) else list(leaves(kind))
 
 
 def open_lengths(registers: Registers, kind: Kind, target: Kind) -> Registers:

@@ -9,7 +9,7 @@ from the C library, place of a failure.
 
 import re
 
-from vvdp.generator.kinds import Record
+from vvdp.generator.kinds import Record, registers_of
 from vvdp.generator.library import C_LIBRARY
 from vvdp.generator.llvm_expressions import declare_library
 from vvdp.generator.llvm_statements import locate, needs_of, scope_of, write_block
@@ -20,7 +20,6 @@ from vvdp.generator.llvm_text import (
     Shared,
     Text,
     is_held_in_memory,
-    registers_of,
     result_type,
 )
 from vvdp.generator.tree import Function, Module

@@ -10,7 +10,7 @@ import numpy as np
 from vvdp.generator import tree
 from vvdp.generator.body import Body, End, Word
 from vvdp.generator.joining import finish
-from vvdp.generator.kinds import FLOAT, INT, Address, Kind, Known, Row, Scalar, element_of, scalar_of
+from vvdp.generator.kinds import FLOAT, INT, Kind, Known, Row, Scalar, element_of, scalar_of
 from vvdp.generator.source import LanguageError, read_source
 from vvdp.generator.statements import read_block
 from vvdp.generator.values import Undefined, argument_type, refusal
@@ -33,14 +33,6 @@ class Intrinsic:
     plain: Callable[..., Any]
     result: Scalar | None = FLOAT
     is_pure: bool = True
-
-
-@dataclass(frozen=True)
-class External:
-    """A function of another module, which code calls by its name; what stands for it is said when code is loaded."""
-
-    name: str
-    kind: Address
 
 
 @dataclass(frozen=True)

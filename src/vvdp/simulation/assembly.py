@@ -13,24 +13,19 @@ from pathlib import Path
 
 import numpy as np
 
-from vvdp.base import powers, select, signal
 from vvdp.base.errors import RunError
 from vvdp.base.interrupts import interruptible
 from vvdp.generator import binding
 from vvdp.generator.calls import Entry
-from vvdp.generator.kinds import Known
-from vvdp.generator.llvm_writer import write_llvm
+from vvdp.generator.kinds import External, Known
 from vvdp.generator.source import LanguageError
-from vvdp.generator.unit import External, Unit
-from vvdp.generator.verify import verify
-from vvdp.simulation import dialect, in_place, lane_math, lane_values
 from vvdp.simulation.cache import is_kept, keep, one_at_a_time, quiet, read_kept
-from vvdp.simulation.dialect import model_options
 from vvdp.simulation.parts import Part
 from vvdp.simulation.reach import Functions, reachable, words
 from vvdp.simulation.values import names
 
-WRITERS = (powers, select, signal, dialect, in_place, lane_math, lane_values)
+WRITERS = ("dialect", "flat", "in_place", "lane_math", "lane_values", "lane_vectors", "queue")
+BASE = ("powers", "select", "signal")
 """Modules by which, or with which, code is made, whatever the model; the generator itself is one more."""
 SECONDS_EACH, SECONDS_PER_BYTE = 0.02, 4e-5
 """About how long functions take to compile, and each byte of the bytecode that they reach, on a core of 2024 [s]."""
@@ -107,6 +102,11 @@ class Assembly:
 
     def llvm_text(self, *, debug: bool = False) -> tuple[str, tuple[str, ...]]:
         """The LLVM text, and the reasons of its failures. Raises RunError where the language lacks something."""
+        from vvdp.generator.llvm_writer import write_llvm  # what reads and writes is loaded where it is needed
+        from vvdp.generator.unit import Unit
+        from vvdp.generator.verify import verify
+        from vvdp.simulation.dialect import model_options
+
         unit = Unit(model_options(checked=self.checked))
         try:
             for part in self.parts:
@@ -154,8 +154,8 @@ def reason_of(number: int) -> str:
 @remembered
 def _versions() -> str:
     """What compiled code depends on besides the model."""
-    found = hashlib.sha256()
-    generator = Path(binding.__file__).parent.glob("*.py")
-    for path in sorted([*(Path(str(module.__file__)) for module in WRITERS), *generator]):
+    found, here = hashlib.sha256(), Path(__file__).parent
+    own = [here / f"{name}.py" for name in WRITERS] + [here.parent / "base" / f"{name}.py" for name in BASE]
+    for path in [*own, *sorted((here.parent / "generator").glob("*.py"))]:
         found.update(path.read_bytes())
     return f"{platform.python_version()} {np.__version__} {binding.version()} {found.hexdigest()}"

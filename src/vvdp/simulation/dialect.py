@@ -1,18 +1,15 @@
-"""What functions of models may use besides the language: signals, views of flat vectors, and formulas in place.
-
-The texts of `simulation.parts` build the arguments of a model's functions from flat vectors with these.
-"""
+"""How the functions of models are read: signals, views of flat vectors, and formulas in place."""
 
 import types
 from collections.abc import Callable, Mapping
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from vvdp.base.powers import expm1, power
 from vvdp.base.select import select
-from vvdp.base.signal import changes_stop, changes_value, signal_stop, signal_value, sines_value
+from vvdp.base.signal import signal_stop, signal_value
 from vvdp.generator.arrays import fill, item, reshape, total
 from vvdp.generator.body import Body
 from vvdp.generator.kinds import FLOAT
@@ -20,61 +17,9 @@ from vvdp.generator.operations import choose, combine, truth
 from vvdp.generator.unit import Intrinsic, Options
 from vvdp.generator.values import is_array, parts
 from vvdp.simulation import lane_vectors
+from vvdp.simulation.flat import corner, moving, record_stop, record_value, store, view
 from vvdp.simulation.queue import TAKE, take
 from vvdp.simulation.reach import compiled_form
-
-
-class Signal(NamedTuple):
-    """A signal in generated code: its numbers are in the parameters from `place` on; 0 where it is constant."""
-
-    base: float
-    place: float
-    changes: float
-    sines: float
-    parameters: Any
-
-
-def signal(t: float, base: float, place: float, changes: float, sines: float, parameters: Any) -> Signal:
-    """The signal of these numbers in the flat vector `parameters`."""
-    return Signal(base, place, changes, sines, parameters)
-
-
-def moving(t: float, signal: Any) -> float:
-    """The value at the time `t` [s] of a signal that may move."""
-    place, n, m, p = int(signal.place), int(signal.changes), int(signal.sines), signal.parameters
-    changed = changes_value(t, p[place : place + n], p[place + n : place + 2 * n], p[place + 2 * n : place + 3 * n])
-    place = place + 3 * n
-    swung = sines_value(t, p[place : place + m], p[place + m : place + 2 * m], p[place + 2 * m : place + 3 * m])
-    value: float = signal.base + changed + swung
-    return value
-
-
-def corner(t: float, signal: Any) -> float:
-    """The next time [s] at which a signal that may move has a corner."""
-    place, n, p = int(signal.place), int(signal.changes), signal.parameters
-    return changes_stop(t, p[place : place + n], p[place + n : place + 2 * n])
-
-
-def record_value(t: float, signal: Any) -> float:
-    """`base.signal.signal_value` of a signal in a flat vector."""
-    return moving(t, signal) if signal.place > 0.0 else signal.base
-
-
-def record_stop(t: float, signal: Any) -> float:
-    """`base.signal.signal_stop` of a signal in a flat vector."""
-    return corner(t, signal) if signal.place > 0.0 else np.inf
-
-
-def view(vector: Any, place: int, shape: tuple[int, ...]) -> Any:
-    """The numbers of a flat vector from `place` on as an array of this shape."""
-    return vector[place : place + int(np.prod(shape))].reshape(shape)
-
-
-def store(vector: Any, place: int, values: Any) -> int:
-    """Write an array or a tuple to a flat vector from `place` on; returns the place behind it."""
-    row = np.ravel(values)
-    vector[place : place + row.size] = row
-    return place + row.size
 
 
 def _view_word(body: Body, vector: Any, place: Any, shape: Any) -> Any:

@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 
 from vvdp.base.signal import Signal
-from vvdp.generator.kinds import FLOAT, INT, Address, Kind, Row, Scalar, stand_in
+from vvdp.generator.kinds import FLOAT, INT, Address, External, Kind, Row, Scalar, stand_in
 from vvdp.generator.source import LanguageError, read_source
-from vvdp.generator.unit import External
-from vvdp.simulation import dialect
+from vvdp.simulation.flat import record_value, signal, store, view
 from vvdp.simulation.layout import blocks, members
 from vvdp.simulation.model import Case, Model, Program
 from vvdp.simulation.text import Classes, Place, numbers, parameters, remember, retell, told_size, write
@@ -37,7 +36,7 @@ class Part:
         """The function of this text, whose lines are known to whoever reads its source."""
         file = f"<{self.name} {hashlib.sha256(self.source.encode()).hexdigest()[:16]}>"
         linecache.cache[file] = (len(self.source), None, self.source.splitlines(keepends=True), file)
-        known = {"np": np, "signal": dialect.signal, "view": dialect.view, "store": dialect.store, **self.called}
+        known = {"np": np, "signal": signal, "view": view, "store": store, **self.called}
         known |= dict(self.classes.tuples())
         known |= {name: stand_in(cls) for name, cls in self.classes.records()}
         exec(compile(self.source, file, "exec"), known)
@@ -108,7 +107,7 @@ def signals_part(case: Case) -> Part:
         source = parameters(leaf, place, classes)
         sources += [source] if isinstance(leaf, Signal) else []
     lines = ["def signals(t, p, s):", *(f"    s[{i}] = value(t, {text})" for i, text in enumerate(sources))]
-    return _part("signals", [*lines, "    return"], {"value": dialect.record_value}, classes)
+    return _part("signals", [*lines, "    return"], {"value": record_value}, classes)
 
 
 def conditions_part(conditions: Callable[..., Any], case: Case) -> Part:
