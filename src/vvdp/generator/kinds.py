@@ -2,7 +2,7 @@
 
 import enum
 import struct
-from collections.abc import Hashable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 from typing import Any, TypeAlias, cast
@@ -66,6 +66,25 @@ class External:
 
     name: str
     kind: Address
+
+
+@dataclass(frozen=True)
+class Intrinsic:
+    """A function that the caller supplies as LLVM text and as Python: both must give the same bits.
+
+    arguments  their types: an array is handed over as its address and all of its lengths
+    text       definitions; among them that of `@<name>`
+    plain      the same in Python
+    result     a number, or None
+    is_pure    whether it takes only floats, gives one, and has no effects
+    """
+
+    name: str
+    arguments: tuple[Kind, ...]
+    text: str
+    plain: Callable[..., Any]
+    result: Scalar | None = FLOAT
+    is_pure: bool = True
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,29 +10,10 @@ import numpy as np
 from vvdp.generator import tree
 from vvdp.generator.body import Body, End, Word
 from vvdp.generator.joining import finish
-from vvdp.generator.kinds import FLOAT, INT, Kind, Known, Row, Scalar, element_of, scalar_of
+from vvdp.generator.kinds import FLOAT, INT, Intrinsic, Kind, Known, Row, element_of, scalar_of
 from vvdp.generator.source import LanguageError, read_source
 from vvdp.generator.statements import read_block
 from vvdp.generator.values import Undefined, argument_type, refusal
-
-
-@dataclass(frozen=True)
-class Intrinsic:
-    """A function that the caller supplies as LLVM text and as Python: both must give the same bits.
-
-    arguments  their types: an array is handed over as its address and all of its lengths
-    text       definitions; among them that of `@<name>`
-    plain      the same in Python
-    result     a number, or None
-    is_pure    whether it takes only floats, gives one, and has no effects
-    """
-
-    name: str
-    arguments: tuple[Kind, ...]
-    text: str
-    plain: Callable[..., Any]
-    result: Scalar | None = FLOAT
-    is_pure: bool = True
 
 
 @dataclass(frozen=True)

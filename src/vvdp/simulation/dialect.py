@@ -12,9 +12,9 @@ from vvdp.base.select import select
 from vvdp.base.signal import signal_stop, signal_value
 from vvdp.generator.arrays import fill, item, reshape, total
 from vvdp.generator.body import Body
-from vvdp.generator.kinds import FLOAT
+from vvdp.generator.kinds import FLOAT, Intrinsic
 from vvdp.generator.operations import choose, combine, truth
-from vvdp.generator.unit import Intrinsic, Options
+from vvdp.generator.unit import Options
 from vvdp.generator.values import is_array, parts
 from vvdp.simulation import lane_vectors
 from vvdp.simulation.flat import corner, moving, record_stop, record_value, store, view

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vvdp.generator.body import Body
-from vvdp.generator.kinds import FLOAT, INT, Row
-from vvdp.generator.unit import Intrinsic, intrinsic_word
+from vvdp.generator.kinds import FLOAT, INT, Intrinsic, Row
+from vvdp.generator.unit import intrinsic_word
 from vvdp.numerics.tableaus import TSIT5_C
 from vvdp.simulation.lane_code import host_width
 from vvdp.simulation.steps import TSIT5_ERROR, TSIT5_ROWS

@@ -2,8 +2,7 @@
 
 from typing import Any
 
-from vvdp.generator.kinds import INT, Row
-from vvdp.generator.unit import Intrinsic
+from vvdp.generator.kinds import INT, Intrinsic, Row
 from vvdp.simulation.places import NEXT
 
 
