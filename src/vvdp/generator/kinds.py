@@ -80,7 +80,7 @@ class Intrinsic:
     """
 
     name: str
-    arguments: tuple[Kind, ...]
+    arguments: tuple["Kind", ...]
     text: str
     plain: Callable[..., Any]
     result: Scalar | None = FLOAT
