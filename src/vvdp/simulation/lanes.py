@@ -12,7 +12,6 @@ from vvdp.base.signal import Signal
 from vvdp.simulation import places
 from vvdp.simulation.assembly import Assembly
 from vvdp.simulation.crew import Crew
-from vvdp.simulation.lane_code import lane_rates
 from vvdp.simulation.layout import SIGNAL_SLOTS, blocks, members
 from vvdp.simulation.link import default_cache, quiet
 from vvdp.simulation.loops import compiled_lane_loop
@@ -51,6 +50,8 @@ _known: dict[str, SideBySide | str] = {}
 
 
 def _compile(model: Model, case: Case, cache: Path | None, say: Callable[[str], None]) -> SideBySide:
+    from vvdp.simulation.lane_code import lane_rates
+
     rates, events = trace(model, case), trace(model, case, events_part)
     if events.signals > rates.signals:
         raise Untraceable("the settings of a program with a trigger have signals")
