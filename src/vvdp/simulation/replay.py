@@ -83,6 +83,8 @@ def _trial_output(step: Step, memory: Any, reading: Any, settings: Any) -> Any:
     if before != found or flat(memory).size != flat(after).size:
         odd = sorted(set(before) ^ set(found)) or [f"{flat(memory).size} numbers against {flat(after).size}"]
         raise RunError(f"{step.__qualname__} returns a memory that differs from the one given in {', '.join(odd)}")
+    if flat(shown).size != len(list(leaves(shown))):
+        raise RunError(f"{step.__qualname__} shows an array; show each of its numbers under a name of its own")
     return shown
 
 
