@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vvdp.generator.binding import Loaded
 from vvdp.generator.kinds import (
     BOOL,
     FLOAT,
@@ -24,6 +23,7 @@ from vvdp.generator.kinds import (
 from vvdp.generator.library import Failure
 
 if TYPE_CHECKING:
+    from vvdp.generator.binding import Loaded
     from vvdp.generator.tree import Module
 
 C_TYPES: dict[Any, Any] = {
@@ -68,7 +68,7 @@ class Entry:
         return _read(result, iter(kept[0])) if isinstance(result, Record) else answer
 
 
-def callables(module: "Module", loaded: Loaded) -> dict[str, Entry]:
+def callables(module: "Module", loaded: "Loaded") -> dict[str, Entry]:
     """The entries of a module as functions of Python values, which keep its code in memory."""
     entries = (function for function in module.functions if function.name in module.entries)
     return {

@@ -15,7 +15,6 @@ import numpy as np
 
 from vvdp.base.errors import RunError
 from vvdp.base.interrupts import interruptible
-from vvdp.generator import binding
 from vvdp.generator.calls import Entry
 from vvdp.generator.kinds import External, Known
 from vvdp.generator.source import LanguageError
@@ -124,10 +123,14 @@ class Assembly:
     def _compile(self, say: Callable[[str], None]) -> bytes:
         if self.title:
             say(f"compiling {self.title} (first use only): {about(self.seconds)}")
+        from vvdp.generator import binding
+
         text, reasons = self.llvm_text()
         return json.dumps(reasons).encode() + b"\n" + interruptible(lambda: binding.compile_text(text))
 
     def _entries(self, code: bytes, symbols: Mapping[str, int] | None) -> Assembled:
+        from vvdp.generator import binding  # llvmlite is loaded here, and only here
+
         reasons, _, code = code.partition(b"\n")
         loaded = binding.load_code(code, [part.name for part in self.parts], symbols)
         found = {}
@@ -154,6 +157,8 @@ def reason_of(number: int) -> str:
 @remembered
 def _versions() -> str:
     """What compiled code depends on besides the model."""
+    from vvdp.generator import binding
+
     found, here = hashlib.sha256(), Path(__file__).parent
     own = [here / f"{name}.py" for name in WRITERS] + [here.parent / "base" / f"{name}.py" for name in BASE]
     for path in [*own, *sorted((here.parent / "generator").glob("*.py"))]:
