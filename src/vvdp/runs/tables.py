@@ -127,7 +127,7 @@ def computation(run: RecordedRun) -> Listing:
         Row("simulated time", DURATION, (n("duration_s"),), note=f"of {float(meta['until_s']):g} s"),
         Row("wall time", DURATION, (n("wall_time_s"),)),
         Row("equations, hash", None, (str(meta["equations"]),)),
-        Row("Python, NumPy, Numba", None, (packages,)),
+        Row("Python, NumPy, LLVM", None, (packages,)),
     ]
     return Listing(title="", heads=("",), rows=tuple(rows))
 
