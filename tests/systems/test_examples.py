@@ -19,6 +19,7 @@ from vvdp.components.resistances import ORIFICE
 from vvdp.components.self_acting_valves import CHECK_VALVE
 from vvdp.components.switching_valves import PULSED_TWO_WAY_VALVE, PulsedTwoWayValve
 from vvdp.fluid.mixture import fluid_state, specific_volume_ratio
+from vvdp.generator.source import known_text
 from vvdp.hydraulics.check_valve import CheckValve
 from vvdp.hydraulics.line import Line, inertance, line_friction_drop
 from vvdp.hydraulics.orifice import Orifice
@@ -231,7 +232,7 @@ def test_minimal_buck_converter_is_the_shipped_one(tmp_path):
     same = [key for key in shipped if key != "wall_time_s"]
     assert [from_file[key] for key in same] == pytest.approx([shipped[key] for key in same], rel=1e-9, abs=1e-12)
     made: dict[str, Any] = {}
-    exec(code, made)
+    exec(compile(code, known_text(code, "page"), "exec"), made)
     circuit = build(made["net"])
     run = simulate(circuit.model, circuit.case, load_system("buck-converter").stepping)
     # The numbers are typed in another unit, so they differ by rounding, and the steps by a little more.

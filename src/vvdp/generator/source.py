@@ -1,6 +1,7 @@
 """Plain Python functions read from their source text, and the refusal of what the language does not have."""
 
 import ast
+import hashlib
 import inspect
 import linecache
 import time
@@ -31,6 +32,13 @@ class LanguageError(VvdpError):
         where = f"{self.file}:{self.line}: " if self.file else ""
         within = f" (in {self.function})" if self.function else ""
         return f"{where}{self.construct}{within}; {self.advice}"
+
+
+def known_text(text: str, name: str) -> str:
+    """A file name for `text` that is in no file, such as a cell of a notebook: compiled under it, its functions can be read."""
+    file = f"<{name} {hashlib.sha256(text.encode()).hexdigest()[:16]}>"
+    linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
+    return file
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,6 @@
 """The texts of the functions of a model over flat vectors, as compiled code has them."""
 
 import ast
-import hashlib
-import linecache
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,7 +9,7 @@ import numpy as np
 
 from vvdp.base.signal import Signal
 from vvdp.generator.kinds import FLOAT, INT, Address, External, Kind, Row, Scalar, stand_in
-from vvdp.generator.source import LanguageError, read_source
+from vvdp.generator.source import LanguageError, known_text, read_source
 from vvdp.simulation.flat import record_value, signal, store, view
 from vvdp.simulation.layout import blocks, members
 from vvdp.simulation.model import Case, Model, Program
@@ -34,12 +32,10 @@ class Part:
 
     def function(self) -> Callable[..., Any]:
         """The function of this text, whose lines are known to whoever reads its source."""
-        file = f"<{self.name} {hashlib.sha256(self.source.encode()).hexdigest()[:16]}>"
-        linecache.cache[file] = (len(self.source), None, self.source.splitlines(keepends=True), file)
         known = {"np": np, "signal": signal, "view": view, "store": store, **self.called}
         known |= dict(self.classes.tuples())
         known |= {name: stand_in(cls) for name, cls in self.classes.records()}
-        exec(compile(self.source, file, "exec"), known)
+        exec(compile(self.source, known_text(self.source, self.name), "exec"), known)
         found: Callable[..., Any] = known[self.name]
         return found
 
