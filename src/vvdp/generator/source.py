@@ -35,7 +35,7 @@ class LanguageError(VvdpError):
 
 
 def known_text(text: str, name: str) -> str:
-    """A file name for `text` that is in no file, such as the cell of a notebook; functions compiled under it can be read."""
+    """A name for `text` that is in no file, such as a cell of a notebook; functions compiled under it can be read."""
     file = f"<{name} {hashlib.sha256(text.encode()).hexdigest()[:16]}>"
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
     return file

@@ -84,17 +84,27 @@ class Assembly:
         return f"{name}_{self.digest}"
 
     def load(
-        self, cache: Path, say: Callable[[str], None] = quiet, symbols: Mapping[str, int] | None = None
+        self,
+        cache: Path,
+        say: Callable[[str], None] = quiet,
+        symbols: Mapping[str, int] | None = None,
+        *,
+        announced: bool = False,
     ) -> Assembled:
         """The compiled functions, from the cache or compiled into it.
 
-        symbols  addresses of what the functions call in other modules, by symbol
+        symbols    addresses of what the functions call in other modules, by symbol
+        announced  whether it is known already that this is compiled
         """
         with one_at_a_time:
             if self.digest not in _LOADED:
                 code = read_kept(self.digest, cache)
                 if code is None:
-                    code = self._compile(say)
+                    if is_kept(self.digest, cache):
+                        say(f"compiled code in {cache} is damaged; compiling it again")
+                    elif self.title and not announced:
+                        say(f"compiling {self.title} (first use only): {about(self.seconds)}")
+                    code = self._compile()
                     keep(self.digest, code, cache)
                 _LOADED[self.digest] = self._entries(code, symbols)
             return _LOADED[self.digest]
@@ -120,9 +130,7 @@ class Assembly:
         """What is added to the numbers of failures, so that those of other modules differ."""
         return int(self.digest[:10], 16) << 16
 
-    def _compile(self, say: Callable[[str], None]) -> bytes:
-        if self.title:
-            say(f"compiling {self.title} (first use only): {about(self.seconds)}")
+    def _compile(self) -> bytes:
         from vvdp.generator import binding
 
         text, reasons = self.llvm_text()
