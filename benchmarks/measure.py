@@ -114,9 +114,9 @@ def compiled(function: Callable[..., Any], kinds: tuple[Any, ...]) -> Any:
     """A plain function for arguments of these types as machine code, which may call the functions of a model."""
     from vvdp.simulation.assembly import Assembly
     from vvdp.simulation.cache import default_cache
-    from vvdp.simulation.loops import given
+    from vvdp.simulation.loops import plain_part
 
-    return Assembly([given(function, kinds)]).load(default_cache())[function.__name__]
+    return Assembly([plain_part(function, kinds)]).load(default_cache())[function.__name__]
 
 
 def in_new_process(code: str, environment: Mapping[str, str] | None = None) -> dict[str, float]:

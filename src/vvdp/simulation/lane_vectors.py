@@ -128,9 +128,10 @@ def combine(result, place, y, h, weights, stages):
     result[lanes] = y[lanes] + h * total
 
 
-def combine_word(body: Body, result: Any, place: Any, y: Any, h: Any, weights: Any, stages: Any) -> Any:
-    """`combine` of so many stages, written in place."""
-    return intrinsic_word(body.unit, _combination(len(weights)))(body, result, place, y, h, *weights, *stages)
+def combine_word(body: Body, *values: Any) -> Any:
+    """`combine` of these arguments, written in place."""
+    *arrays, weights, stages = values
+    return intrinsic_word(body.unit, _combination(len(weights)))(body, *arrays, *weights, *stages)
 
 
 @cache

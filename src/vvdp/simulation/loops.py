@@ -22,7 +22,7 @@ class Given(Part):
         return found
 
 
-def given(function: Callable[..., Any], kinds: tuple[Kind, ...], result: Scalar | None = None) -> Given:
+def plain_part(function: Callable[..., Any], kinds: tuple[Kind, ...], result: Scalar | None = None) -> Given:
     """A plain function for arguments of these types."""
     name = function.__name__
     return Given(name=name, source="", called={name: function}, classes=Classes(), kinds=kinds, result=result)
@@ -37,7 +37,7 @@ class Loop(NamedTuple):
 
 def compiled_loop(say: Callable[[str], None] = quiet, cache: Path | None = None, *, checked: bool = False) -> Loop:
     """The loop, from the cache or compiled into it; `checked` as of `link`."""
-    parts = (given(loop.run, loop.RUN, INT), given(loop.batch, loop.BATCH))
+    parts = (plain_part(loop.run, loop.RUN, INT), plain_part(loop.batch, loop.BATCH))
     found = _assembly(parts, checked=checked).load(cache or default_cache(), say)
     return Loop(found["run"], found["batch"])
 
@@ -46,7 +46,7 @@ def compiled_lane_loop(say: Callable[[str], None] = quiet, cache: Path | None = 
     """The loop for many cases at once, from the cache or compiled into it."""
     from vvdp.simulation import lane_loop
 
-    parts = (given(lane_loop.run_lanes, lane_loop.RUN_LANES),)
+    parts = (plain_part(lane_loop.run_lanes, lane_loop.RUN_LANES),)
     return _assembly(parts).load(cache or default_cache(), say)["run_lanes"]
 
 
