@@ -82,7 +82,8 @@ def optimise(text: str, level: int = 2) -> Any:
     machine = _machine(level)
     module.triple, module.data_layout = llvm.get_process_triple(), str(machine.target_data)
     tuning = llvm.create_pipeline_tuning_options(speed_level=level)
-    tuning.loop_vectorization = tuning.slp_vectorization = False
+    tuning.loop_vectorization = False  # it takes as long again as all else; sums in order gain nothing by it
+    tuning.slp_vectorization = level > 0
     tuning.loop_unrolling = level > 2
     builder = llvm.create_pass_builder(machine, tuning)
     builder.getModulePassManager().run(module, builder)
