@@ -11,7 +11,7 @@ from pathlib import Path
 import vvdp.rigs.maps as maps
 import vvdp.studies.run as studies
 from vvdp.cli.main import main
-from vvdp.simulation.prepare import compiled_loop
+from vvdp.simulation.loops import compiled_loop
 from vvdp.studies.work import Batching
 
 compiled_loop(lambda _: None)

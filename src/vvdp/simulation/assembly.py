@@ -87,13 +87,13 @@ class Assembly:
         self,
         cache: Path,
         say: Callable[[str], None] = quiet,
-        symbols: Mapping[str, int] | None = None,
+        symbols: Mapping[str, Entry] | None = None,
         *,
         announced: bool = False,
     ) -> Assembled:
         """The compiled functions, from the cache or compiled into it.
 
-        symbols    addresses of what the functions call in other modules, by symbol
+        symbols    what the functions call in other modules, by symbol; it stays in memory with them
         announced  whether it is known already that this is compiled
         """
         with one_at_a_time:
@@ -136,16 +136,18 @@ class Assembly:
         text, reasons = self.llvm_text()
         return json.dumps(reasons).encode() + b"\n" + interruptible(lambda: binding.compile_text(text))
 
-    def _entries(self, code: bytes, symbols: Mapping[str, int] | None) -> Assembled:
+    def _entries(self, code: bytes, symbols: Mapping[str, Entry] | None) -> Assembled:
         from vvdp.generator import binding  # llvmlite is loaded here, and only here
 
         reasons, _, code = code.partition(b"\n")
-        loaded = binding.load_code(code, [part.name for part in self.parts], symbols)
+        called = dict(symbols or {})
+        addresses = {name: int(entry) for name, entry in called.items()}
+        loaded = binding.load_code(code, [part.name for part in self.parts], addresses)
         found = {}
         add_reasons(self._base, json.loads(reasons))
         for part in self.parts:
             result = part.result or Known(None)
-            found[part.name] = Entry(loaded.addresses[part.name], part.kinds, result, reason_of, loaded)
+            found[part.name] = Entry(loaded.addresses[part.name], part.kinds, result, reason_of, (loaded, called))
         return Assembled(found)
 
 

@@ -127,13 +127,13 @@ class ModelAssemblies:
         pending = [each for each in self if not each.is_at_hand(cache)]
         if titles := [each.title for each in pending if each.title]:
             say(f"compiling {', '.join(titles)} (first use only): {about(sum(each.seconds for each in pending))}")
-        circuit, symbols = self.circuit.load(cache, say, announced=True), dict[str, int]()
-        symbols |= {self.circuit.symbol(name): int(entry) for name, entry in circuit.entries.items()}
+        circuit, symbols = self.circuit.load(cache, say, announced=True), dict[str, Entry]()
+        symbols |= {self.circuit.symbol(name): entry for name, entry in circuit.entries.items()}
         for pair in self.programs:
             for each, name in zip(pair, ("measure", "step"), strict=True):
-                symbols[each.symbol(name)] = int(each.load(cache, say, announced=True)[name])
+                symbols[each.symbol(name)] = each.load(cache, say, announced=True)[name]
         wanted = {part.name for part in self.sample.parts[0].called.values()}
-        used = {name: address for name, address in symbols.items() if name in wanted}
+        used = {name: entry for name, entry in symbols.items() if name in wanted}
         sample = self.sample.load(cache, say, used, announced=True)["sample"]
         return Linked(
             rates=circuit["rates"], sample=sample, events=circuit["events"], stop=circuit["stop"], digest=self.digest
