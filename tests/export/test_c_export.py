@@ -14,6 +14,7 @@ from vvdp.base.kinds import PRESSURE_LEVEL, Angle, Pressure
 from vvdp.export.c_folder import CIRCUIT, c_files, c_part, expected_values
 from vvdp.export.c_parts import OUT, drawn_values, function_of, module_of
 from vvdp.export.c_structs import Classes, initial_text, store_lines, struct_text, value_text
+from vvdp.generator.library import C_LIBRARY, EXACT
 from vvdp.generator.source import LanguageError
 from vvdp.simulation.values import flat
 from vvdp.systems.system import load_system, shipped_systems
@@ -62,10 +63,7 @@ PARTS = [("prototype", "encoder"), ("buck-converter", CIRCUIT), ("displacement-c
 
 @pytest.mark.parametrize(("name", "part"), PARTS)
 def test_an_exported_folder_has_the_expected_bits(name, part, tmp_path):
-    system = load_system(name)
-    made = c_part(system, part)
-    for file, text in c_files(system, made, 40).items():
-        (tmp_path / file).write_text(text, "utf-8")
+    made = write_folder(tmp_path, name, part, 40)
     done = make(tmp_path, "test")
     assert done.stderr == ""
     assert done.stdout.splitlines() == [
@@ -89,15 +87,43 @@ def make(folder, target, check=True):
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=check)
 
 
+def test_objects_have_no_writable_memory_and_need_the_c_library_only(tmp_path):
+    """By `nm`: D and B are writable data, U is what must come from elsewhere."""
+    made = write_folder(tmp_path, "prototype", "encoder", 3)
+    make(tmp_path, "test")
+    objects = [str(tmp_path / f"{made.name}{end}.o") for end in ("", "_core")]
+    done = subprocess.run([required_program("nm"), *objects], capture_output=True, text=True, check=True)
+    symbols = [line.split()[-2:] for line in done.stdout.splitlines() if line and not line.endswith(":")]
+    assert [name for kind, name in symbols if kind in "DdBbC"] == []
+    own = {name for kind, name in symbols if kind == "T"}
+    needed = {name for kind, name in symbols if kind == "U"} - own
+    assert needed <= {*C_LIBRARY, *EXACT, "fma", "memcpy", "memset", "__stack_chk_fail", "_GLOBAL_OFFSET_TABLE_"}
+    assert "erfc" in needed
+
+
+def test_sanitisers_find_nothing(tmp_path):
+    """Bounds of arrays, and all that C leaves undefined, over the samples of the vectors."""
+    write_folder(tmp_path, "prototype", "encoder", 30)
+    checks = "-g -fsanitize=address,undefined -fno-sanitize-recover=all"
+    command = ["make", "-s", "test", f"CC={required_program('cc')} {checks}"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def write_folder(folder, name, part, samples):
+    """Writes an exported folder; what was exported."""
+    system = load_system(name)
+    made = c_part(system, part)
+    for file, text in c_files(system, made, samples).items():
+        (folder / file).write_text(text, "utf-8")
+    return made
+
+
 def test_another_bit_is_reported(tmp_path):
-    """One number of one sample is changed by its last bit, and one operation of the text."""
-    system = load_system("accumulator-charging")
-    made = c_part(system, "unloading")
-    files = c_files(system, made, 10)
-    for file, text in files.items():
-        (tmp_path / file).write_text(text, "utf-8")
+    """One number of one sample is changed by its last bit."""
+    write_folder(tmp_path, "accumulator-charging", "unloading", 10)
     assert make(tmp_path, "test").returncode == 0
-    expected = files["vectors.h"].rpartition("UINT64_C(0x")
+    expected = (tmp_path / "vectors.h").read_text("utf-8").rpartition("UINT64_C(0x")
     changed = f"{int(expected[2][:16], 16) ^ 1:016x}"
     (tmp_path / "vectors.h").write_text(f"{expected[0]}{expected[1]}{changed}{expected[2][16:]}", "utf-8")
     done = make(tmp_path, "test", check=False)
@@ -114,12 +140,12 @@ def test_the_expected_bits_are_those_of_the_python_text():
     assert np.ptp(list(drawn), axis=0).max() > 0.0
     (entry,) = part.entries
     expected = expected_values(part, times, drawn)[entry.name]
-    kept = {block.name: flat(block.value) for block in entry.used}
+    kept = {block.name: flat(block.value) for block in entry.arguments}
     function = function_of(entry)
     for t, values, wanted in zip(times, drawn, expected, strict=True):
         kept["reading"] = values
-        kept |= {block.name: np.zeros(block.size) for block in entry.used if block.role == OUT}
-        function(t, *(kept[block.name] for block in entry.used))
+        kept |= {block.name: np.zeros(block.size) for block in entry.arguments if block.role == OUT}
+        function(t, *(kept[block.name] for block in entry.arguments))
         for name, numbers in wanted.items():
             assert np.allclose(kept[name], numbers, rtol=1e-12, atol=1e-300), name
             kept[name] = numbers.copy()

@@ -69,7 +69,7 @@ class CPart:
     @property
     def blocks(self) -> dict[str, Block]:
         """The arguments of all entries by name."""
-        return {block.name: block for entry in self.entries for block in entry.used}
+        return {block.name: block for entry in self.entries for block in entry.arguments}
 
     @property
     def hash(self) -> str:
@@ -181,7 +181,7 @@ def facade_text(part: CPart) -> str:
 
 def _head(part: CPart, entry: Entry) -> str:
     found = ["double t"]
-    for block in entry.used:
+    for block in entry.arguments:
         found.append(f"{'const ' if block.role == IN else ''}{part.name}_{block.name} *{block.name}")
     return wrap(f"int {part.name}_{entry.name}({', '.join(found)})")
 
@@ -192,7 +192,7 @@ def _facade(part: CPart, entry: Entry) -> str:
         needs[function.name] = needs_of(function, needs)  # type: ignore[arg-type]
     own = needs[entry.name]
     room, fails = own.room, own.trouble or own.room  # type: ignore[attr-defined]
-    handed = ["t", *(f"(double *){block.name}" for block in entry.used)]
+    handed = ["t", *(f"(double *){block.name}" for block in entry.arguments)]
     lines = [_head(part, entry), "{"]
     if room:
         reals, wholes = part.rooms[entry.name]
@@ -212,15 +212,15 @@ def expected_values(part: CPart, times: Sequence[float], drawn: Sequence[Array])
     entries = callables(part.module, binding.load_code(code, part.module.entries))
     found: dict[str, list[dict[str, Array]]] = {}
     for entry in part.entries:
-        kept = {block.name: flat(block.value) for block in entry.used}
+        kept = {block.name: flat(block.value) for block in entry.arguments}
         found[entry.name] = []
         for t, values in zip(times, drawn, strict=True):
-            for block in entry.used:
+            for block in entry.arguments:
                 if block.drawn:
                     kept[block.name] = values.copy()
                 elif block.role == OUT:
                     kept[block.name] = np.zeros(block.size)
-            entries[entry.name](t, *(kept[block.name] for block in entry.used))
-            written = {block.name for block in entry.used if block.role in (OUT, KEPT)}
+            entries[entry.name](t, *(kept[block.name] for block in entry.arguments))
+            written = {block.name for block in entry.arguments if block.role in (OUT, KEPT)}
             found[entry.name].append({name: kept[name].copy() for name in written})
     return found

@@ -26,7 +26,7 @@ from vvdp.simulation.lane_values import Code, Vector
 from vvdp.simulation.layout import arrays
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.reach import compiled_form
-from vvdp.simulation.values import as_value, flat, leaves, names
+from vvdp.simulation.values import as_value, flat, leaves
 
 IN, OUT, KEPT = "in", "out", "kept"
 
@@ -76,7 +76,7 @@ class Entry:
     classes: Classes
 
     @property
-    def used(self) -> tuple[Block, ...]:
+    def arguments(self) -> tuple[Block, ...]:
         """The blocks with a number in them, which are the arguments."""
         return tuple(block for block in self.blocks if block.size)
 
@@ -88,7 +88,7 @@ def program_entry(model: Model, case: Case, name: str) -> Entry:
     reading = program.measure(0.0, case.state, outputs, case.params)
     classes = Classes()
     values = {"memory": case.memory[name], "reading": reading, "settings": case.settings[name]}
-    texts = [_built(value, vector, classes) for vector, value in values.items()]
+    texts = [_value_text(value, vector, classes) for vector, value in values.items()]
     lines = [f"new_memory, new_command = function(t, {', '.join(texts)})"]
     lines += _kept_lines(case.memory[name])
     lines += store_lines(program.command, "new_command", "command")
@@ -98,7 +98,14 @@ def program_entry(model: Model, case: Case, name: str) -> Entry:
         Block("settings", case.settings[name], IN, "Settings of the program"),
         Block("command", program.command, OUT, "What the program commands"),
     )
-    return Entry("step", "One sample of the program", blocks, tuple(lines), {"function": program.step}, classes)
+    return Entry(
+        name="step",
+        about="One sample of the program",
+        blocks=blocks,
+        lines=tuple(lines),
+        called={"function": program.step},
+        classes=classes,
+    )
 
 
 def _kept_lines(memory: Any) -> list[str]:
@@ -115,7 +122,6 @@ def _kept_lines(memory: Any) -> list[str]:
 def circuit_entries(model: Model, case: Case) -> list[Entry]:
     """The rates of a circuit, and its conditions, stops and marks."""
     results = model.circuit(0.0, case.state, case.command, case.params)
-    has_modes = "modes" in names(case.command)
     state = Block("state", case.state, IN, "State of the circuit", drawn=True)
     command = Block("command", case.command, IN, "What holds between two samples: conditions, commands, modes")
     parameters = Block("parameters", case.params, IN, "Parameters of the circuit")
@@ -123,15 +129,15 @@ def circuit_entries(model: Model, case: Case) -> list[Entry]:
         Block("state_rates", results[0], OUT, "Rates of the state, per second"),
         Block("outputs", results[1], OUT, "Outputs of the circuit"),
     ]
-    if has_modes:
-        found.append(Block("modes", case.command.modes, OUT, "Sides of jumps and kinks: their floors are the modes"))
+    if len(results) > 2:
+        found.append(Block("modes", results[2], OUT, "Sides of jumps and kinks: their floors are the modes"))
     entries = [
         _entry("rates", "Rates of the circuit", (state, command, parameters), found, model.circuit),
         _entry("stop", "Next jump of the rates after t", (command, parameters), _single("next_jump", Stop), model.stop),
         _entry("mark", "Periods at a state", (state, command, parameters), _single("mark_value", Mark), model.mark),
     ]
     if model.conditions is not None:
-        held = [Block("held", case.command.held, OUT, "Conditions, which hold between two samples")]
+        held = [Block("held", model.conditions(0.0, case.params), OUT, "Conditions, which hold between two samples")]
         entries.append(_entry("conditions", "Conditions at a time", (parameters,), held, model.conditions))
     return entries
 
@@ -142,7 +148,7 @@ def _single(name: str, cls: Any) -> list[Block]:
 
 def _entry(name: str, about: str, given: tuple[Block, ...], found: list[Block], function: Callable[..., Any]) -> Entry:
     classes = Classes()
-    handed = ", ".join(_built(block.value, block.name, classes) for block in given)
+    handed = ", ".join(_value_text(block.value, block.name, classes) for block in given)
     is_single = len(found) == 1
     targets = ", ".join(f"{block.name}_found" for block in found)
     lines = [f"{targets} = function(t, {handed})"]
@@ -150,10 +156,17 @@ def _entry(name: str, about: str, given: tuple[Block, ...], found: list[Block], 
         single = is_single and isinstance(block.value, Stop | Mark)
         path = f"{block.name}_found"
         lines += [f"{block.name}[0] = {path}"] if single else store_lines(block.value, path, block.name)
-    return Entry(name, about, (*given, *found), tuple(lines), {"function": function}, classes)
+    return Entry(
+        name=name,
+        about=about,
+        blocks=(*given, *found),
+        lines=tuple(lines),
+        called={"function": function},
+        classes=classes,
+    )
 
 
-def _built(value: Any, vector: str, classes: Classes) -> str:
+def _value_text(value: Any, vector: str, classes: Classes) -> str:
     return value_text(value, vector, itertools.count(), classes)
 
 
@@ -161,14 +174,14 @@ def module_of(entries: Sequence[Entry]) -> Module:
     """The verified tree of entries. Raises LanguageError where a function uses what the language does not have."""
     unit = Unit(model_options())
     for entry in entries:
-        kinds: list[Kind] = [FLOAT, *(Row(FLOAT, (block.size,)) for block in entry.used)]
+        kinds: list[Kind] = [FLOAT, *(Row(FLOAT, (block.size,)) for block in entry.arguments)]
         unit.add(function_of(entry), kinds, entry.name)
     return verify(unit.module())
 
 
 def function_of(entry: Entry) -> FunctionType:
     """The Python function of an entry's text."""
-    head = f"def {entry.name}(t, {', '.join(block.name for block in entry.used)}):"
+    head = f"def {entry.name}(t, {', '.join(block.name for block in entry.arguments)}):"
     text = "\n".join([head, f'    """{entry.about}."""', *(f"    {line}" for line in entry.lines)]) + "\n"
     file = f"<export of {entry.name} {abs(hash(text))}>"
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
@@ -231,11 +244,11 @@ def drawn_values(model: Model, case: Case, name: str | None, times: Sequence[flo
         noise = draw.standard_normal(first.size)
         passed += np.where(accumulates, abs(noise) * SPREAD**2 * scales, 0.0)
         y = first + np.where(accumulates, passed, SPREAD * noise * (abs(first) + np.where(first == 0.0, scales, 0.0)))
-        found.append(y if name is None else _measured(model, case, name, t, y))
+        found.append(y if name is None else _reading(model, case, name, t, y))
     return found
 
 
-def _measured(model: Model, case: Case, name: str, t: float, y: Array) -> Array:
+def _reading(model: Model, case: Case, name: str, t: float, y: Array) -> Array:
     """What a program measures at a state."""
     state = as_value(case.state, y)
     outputs = model.circuit(t, state, case.command, case.params)[1]

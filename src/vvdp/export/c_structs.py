@@ -8,7 +8,7 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import Kind
 from vvdp.base.params import field_kinds
-from vvdp.generator.c_text import constant, identifier
+from vvdp.generator.c_text import constant, member_name
 from vvdp.generator.kinds import FLOAT
 from vvdp.simulation.values import flat, names
 
@@ -33,7 +33,7 @@ def _fields(value: Any) -> Iterator[tuple[str, Any, Kind | None]]:
     for name in names(value):
         part = getattr(value, name)
         if flat(part).size:
-            yield identifier(name), part, kinds.get(name)
+            yield member_name(name), part, kinds.get(name)
 
 
 def _members(value: Any, depth: int) -> list[str]:
@@ -43,11 +43,11 @@ def _members(value: Any, depth: int) -> list[str]:
             found += [f"{space}struct {{", *_members(part, depth + 1), f"{space}}} {name};"]
             continue
         lengths = "".join(f"[{length}]" for length in np.shape(part))
-        found.append(f"{space}double {name}{lengths};{said(kind)}")
+        found.append(f"{space}double {name}{lengths};{unit_comment(kind)}")
     return found
 
 
-def said(kind: Kind | None) -> str:
+def unit_comment(kind: Kind | None) -> str:
     """Unit and name of a kind as a comment."""
     return f" /* [{kind.unit}] {kind.name} */" if kind is not None else ""
 
@@ -58,9 +58,13 @@ def _numbers(value: Any, depth: int) -> list[str]:
         if names(part):
             found += [f"{space}.{name} = {{", *_numbers(part, depth + 1), f"{space}}},"]
         elif np.ndim(part):
-            found += [f"{space}.{name} = {{", *_array(np.asarray(part, float), depth + 1), f"{space}}},{said(kind)}"]
+            found += [
+                f"{space}.{name} = {{",
+                *_array(np.asarray(part, float), depth + 1),
+                f"{space}}},{unit_comment(kind)}",
+            ]
         else:
-            found.append(f"{space}.{name} = {constant(FLOAT, float(part))},{said(kind)}")
+            found.append(f"{space}.{name} = {constant(FLOAT, float(part))},{unit_comment(kind)}")
     return found
 
 

@@ -27,10 +27,10 @@ def vectors_text(
         f"enum {{ SAMPLES = {len(drawn)} }};\n",
         f"static const uint64_t times[SAMPLES] = {{\n{_bits(np.array(times))}\n}};\n",
     ]
-    known = next(block for entry in entries for block in entry.used if block.drawn)
+    known = next(block for entry in entries for block in entry.arguments if block.drawn)
     parts.append(_rows(f"drawn_{known.name}", drawn))
     for entry in entries:
-        for block in entry.used:
+        for block in entry.arguments:
             if block.role != IN:
                 rows = [sample[block.name] for sample in expected[entry.name]]
                 parts.append(_rows(f"{entry.name}_{block.name}", rows))
@@ -124,19 +124,20 @@ def check_text(name: str, entries: Sequence[Entry]) -> str:
 
 def _check(name: str, entry: Entry) -> str:
     lines = [f"static int check_{entry.name}(void)", "{", "    outcome all = {0, 0.0, NULL, 0};"]
-    for block in entry.used:
+    for block in entry.arguments:
         first = f" = {name}_first_{block.name}" if block.role == KEPT else ""
         if block.drawn or block.role != IN:
             lines.append(f"    {name}_{block.name} {block.name}{first};")
     lines.append("    for (size_t i = 0; i < SAMPLES; i++) {")
-    for block in entry.used:
+    for block in entry.arguments:
         if block.drawn:
             lines.append(f"        fill((double *)&{block.name}, drawn_{block.name}[i], {block.size});")
     handed = [
-        f"&{block.name}" if block.drawn or block.role != IN else f"&{name}_first_{block.name}" for block in entry.used
+        f"&{block.name}" if block.drawn or block.role != IN else f"&{name}_first_{block.name}"
+        for block in entry.arguments
     ]
     lines.append(f"        int differs = {name}_{entry.name}(float_of(times[i]), {', '.join(handed)}) != 0;")
-    for block in entry.used:
+    for block in entry.arguments:
         if block.role != IN:
             expected = f"{entry.name}_{block.name}[i], {block.size}, &all"
             lines.append(f'        differs |= compare("{block.name}", (const double *)&{block.name}, {expected});')
@@ -149,11 +150,11 @@ def example_text(name: str, entries: Sequence[Entry], period: float) -> str:
     entry = entries[0]
     lines = ["/* Calls the function with the values of the system. */", f'#include "{name}.h"', ""]
     lines += ["#include <stdio.h>", "", "int main(void)", "{"]
-    for block in entry.used:
+    for block in entry.arguments:
         first = f" = {name}_first_{block.name}" if block.role != OUT else ""
         lines.append(f"    {name}_{block.name} {block.name}{first};")
-    handed = ", ".join(f"&{block.name}" for block in entry.used)
-    shown = next(block for block in entry.used if block.role != IN)
+    handed = ", ".join(f"&{block.name}" for block in entry.arguments)
+    shown = next(block for block in entry.arguments if block.role != IN)
     lines += ["    for (int sample = 0; sample < 3; sample++) {", f"        const double t = sample * {period!r};"]
     lines += [f"        if ({name}_{entry.name}(t, {handed}) != 0) {{", "            return 1;", "        }"]
     lines += [f"        const double *first = (const double *)&{shown.name};"]
@@ -253,7 +254,7 @@ def readme_text(part: "CPart", samples: int, version: str) -> str:
         system=part.system,
         version=version,
         hash=part.hash,
-        calls="".join(f"- `{part.name}_{entry.name}`: {_uncapped(entry.about)}.\n" for entry in part.entries),
+        calls="".join(f"- `{part.name}_{entry.name}`: {_in_sentence(entry.about)}.\n" for entry in part.entries),
         when=_when(part),
         name=part.name,
         samples=samples,
@@ -273,5 +274,5 @@ def _when(part: "CPart") -> str:
     return f"Call it every {part.period:g} s, first at {program.phase:g} s.{latency}"
 
 
-def _uncapped(words: str) -> str:
+def _in_sentence(words: str) -> str:
     return words[0].lower() + words[1:]

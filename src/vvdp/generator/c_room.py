@@ -13,14 +13,14 @@ def room_of(module: tree.Module) -> dict[str, Amount | None]:
     """By function, the most that it takes; None if that depends on what is known only when the code runs."""
     found: dict[str, Amount | None] = {}
     for function in module.functions:
-        taken = _taken(function, function.body, found, hoisted=True)
+        taken = _needs_of_block(function, function.body, found, hoisted=True)
         sure = [each for each in taken if each is not None]
         whole = sum(floats for floats, _ in sure), sum(wholes for _, wholes in sure)
         found[function.name] = whole if len(sure) == len(taken) else None
     return found
 
 
-def _taken(
+def _needs_of_block(
     function: tree.Function, block: tree.Block, known: dict[str, Amount | None], *, hoisted: bool
 ) -> list[Amount | None]:
     """What each statement takes; a round of a loop gives back what the one before took, unless arrays are carried."""
@@ -33,7 +33,7 @@ def _taken(
             found.append(_amount(value))
         carried = isinstance(each, tree.For | tree.Loop) and carries_rows(each.body)
         for inner in inner_blocks(each):
-            taken = _taken(function, inner, known, hoisted=hoisted and not carried)
+            taken = _needs_of_block(function, inner, known, hoisted=hoisted and not carried)
             found += [None] if carried and any(one != (0, 0) for one in taken) else taken
     return found
 

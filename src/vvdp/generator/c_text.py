@@ -16,9 +16,14 @@ TYPES = {FLOAT: "double", INT: "int64_t", BOOL: "bool"}
 WORDS = """
 auto break case char const continue default do double else enum extern float for goto if inline int long register
 restrict return short signed sizeof static struct switch typedef union unsigned void volatile while bool true false
-NULL NAN INFINITY fma j0 j1 jn y0 y1 yn gamma result failure workspace entered asm typeof main
+NULL NAN INFINITY asm typeof
 """
-RESERVED = frozenset(WORDS.split()) | {*C_LIBRARY, *EXACT}
+WORDS_OF_C = frozenset(WORDS.split())
+RESERVED = WORDS_OF_C.union(
+    ["fma", "j0", "j1", "jn", "y0", "y1", "yn", "gamma", "main", "result", "failure", "workspace", "entered"],
+    C_LIBRARY,
+    EXACT,
+)
 """Words of C, functions of its library, and names of arguments that a function may have besides its own."""
 Held = tuple[str, ...]
 """What a value is written as: a number or record, or the address of an array and its open lengths."""
@@ -30,15 +35,20 @@ class RowResult(NamedTuple):
     at: Any
 
 
-def identifier(name: str, taken: Iterable[str] = ()) -> str:
-    """A name in C like `name`, other than those that are taken."""
+def identifier(name: str, taken: Iterable[str] = (), reserved: frozenset[str] = RESERVED) -> str:
+    """A name in C like `name`, other than those that are taken or reserved."""
     plain = re.sub(r"\W", lambda m: f"u{ord(m[0]):x}", name, flags=re.ASCII) or "value"
     plain = f"v{plain}" if plain[0].isdigit() or plain.startswith("__") else plain
     found, number = plain, 1
-    while found in RESERVED or found in taken:
+    while found in reserved or found in taken:
         number += 1
         found = f"{plain}{number}" if not plain[-1].isdigit() else f"{plain}_{number}"
     return found
+
+
+def member_name(name: str) -> str:
+    """The name of a field in C."""
+    return identifier(name, reserved=WORDS_OF_C)
 
 
 def length_names(name: str, kind: Row) -> list[str]:
@@ -116,13 +126,14 @@ class Shared:
     def members(kind: Record) -> list[tuple[str, Kind]]:
         """Name and type of each field that is not known."""
         names = getattr(kind.cls, "_fields", None) or [f"item_{i}" for i in range(len(kind.fields))]
-        return [(identifier(n), k) for n, k in zip(names, kind.fields, strict=True) if not isinstance(k, Known)]
+        pairs = zip(names, kind.fields, strict=True)
+        return [(member_name(name), each) for name, each in pairs if not isinstance(each, Known)]
 
     @staticmethod
     def member(kind: Record, number: int) -> str:
         """The name of a field."""
         names = getattr(kind.cls, "_fields", None)
-        return identifier(names[number]) if names else f"item_{number}"
+        return member_name(names[number]) if names else f"item_{number}"
 
     def table(self, table: Table) -> str:
         """The name of known numbers."""
