@@ -3,6 +3,7 @@
 import ctypes
 import re
 import subprocess
+from functools import cache
 
 import numpy as np
 import pytest
@@ -20,10 +21,13 @@ from vvdp.generator import (
     llvm_statements,
     tree,
 )
+from vvdp.generator.c_joining import join_steps
 from vvdp.generator.c_writer import write_c
-from vvdp.generator.kinds import FLOAT, INT
+from vvdp.generator.kinds import FLOAT, INT, kind_of
 from vvdp.generator.library import Failure
-from vvdp.generator.unit import Intrinsic, Options
+from vvdp.generator.python_writer import run_python
+from vvdp.generator.unit import Intrinsic, Options, Unit
+from vvdp.generator.verify import verify
 
 NAMED = [(f"{number}-{function.__name__}", function, cases) for number, (function, cases) in enumerate(programs.CASES)]
 needs_compiler = pytest.mark.skipif(not compilers(), reason="no C compiler")
@@ -45,16 +49,45 @@ def test_every_construct_compiles_without_a_warning(compiler, tmp_path):
     assert done.returncode == 0, done.stderr[:3000]
 
 
+@pytest.mark.parametrize("function", [case[0] for case in programs.CASES], ids=[name for name, *_ in NAMED])
+def test_joined_steps_are_a_verified_tree_with_the_bits_of_cpython(function):
+    cases = next(cases for one, cases in programs.CASES if one is function)
+    module = module_of(function, cases[0])
+    joined = verify(join_steps(module))
+    assert sum(1 for f in joined.functions for _ in llvm_statements.statements_in(f.body)) <= sum(
+        1 for f in module.functions for _ in llvm_statements.statements_in(f.body)
+    )
+    if function is not programs.library_functions:
+        way = run_python(joined)["entry"]
+        assert [run(way, values) for values in cases] == [run(function, values) for values in cases]
+
+
+@cache
+def every_program():
+    """All programs of the language that end whatever fault there is, and have one result, as one module."""
+    unit = Unit()
+    for name, function, cases in NAMED:
+        if function not in (programs.while_loops, programs.library_functions):
+            unit.add(function, [kind_of(value) for value in cases[0]], f"n{name.replace('-', '_')}")
+    return verify(unit.module())
+
+
+def wrong_programs(extra=("-O0",)):
+    """The programs whose C gives other bits than CPython."""
+    entries = c_entries(every_program(), compilers()[0], extra)
+    found = []
+    for name, function, cases in NAMED:
+        way = entries.get(f"n{name.replace('-', '_')}")
+        if way is not None and any(run(way, values) != run(function, values) for values in cases):
+            found.append(name)
+    return found
+
+
 @needs_compiler
 @pytest.mark.parametrize("extra", [("-O0",), ("-O3", "-march=native"), ("-O2", "-fsanitize=undefined")])
 def test_every_level_has_the_bits_of_cpython(extra):
     """Under the sanitiser, what C leaves undefined would end the process."""
-    extra = (*extra, "-fno-sanitize-recover=all") if "sanitize" in extra[-1] else extra
-    for _, function, cases in NAMED:
-        if function is not programs.library_functions:
-            way = c_entries(module_of(function, cases[0]), compilers()[0], extra)["entry"]
-            for values in cases:
-                assert run(way, values) == run(function, values), (function.__name__, values)
+    assert wrong_programs((*extra, "-fno-sanitize-recover=all") if "sanitize" in extra[-1] else extra) == []
 
 
 @needs_compiler
@@ -252,24 +285,7 @@ def test_a_planted_fault_is_found(monkeypatch, words, place, name, fault):
         monkeypatch.setitem(place, name, fault(place[name]))
     else:
         monkeypatch.setattr(place, name, fault(getattr(place, name)))
-    assert is_found(), words
-
-
-def is_found():
-    """Whether a test of the language fails in C."""
-    for _, function, cases in NAMED:
-        if function in (programs.while_loops, programs.library_functions):  # a fault may let the first run for ever
-            continue
-        try:
-            way = c_entries(module_of(function, cases[0]), compilers()[0])["entry"]
-            wrong = any(run(way, values) != run(function, values) for values in cases)
-        except AssertionError:  # the compiler has refused it
-            return True
-        if wrong:
-            return True
-    return False
-
-
-@needs_compiler
-def test_what_finds_faults_finds_none_without_one():
-    assert not is_found()
+    try:
+        assert wrong_programs(), words
+    except AssertionError as refused:  # by the compiler
+        assert "error" in str(refused), words

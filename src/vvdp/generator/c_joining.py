@@ -8,7 +8,7 @@ from typing import Any
 from vvdp.generator import tree
 from vvdp.generator.c_scopes import expressions_in, has_effect, reads_in
 from vvdp.generator.kinds import Row
-from vvdp.generator.llvm_statements import inner_blocks, statements_in
+from vvdp.generator.llvm_statements import statements_in
 from vvdp.generator.verify import OPERANDS, statement_operands
 
 UNNAMED = re.compile(r"(v|x|i|count)_\d+_?$")
@@ -17,79 +17,91 @@ LONGEST = 14
 """Parts of an expression up to which it is joined with others."""
 
 
-def join_steps(function: tree.Function) -> tree.Function:
-    """The function without steps that have no name, are used once, and whose use comes next."""
-    uses = Counter(
-        variable
-        for statement in statements_in(function.body)
-        for variable in reads_in(tuple(statement_operands(statement)))
-    )
-    return replace(function, body=_block(function.body, uses))
+def join_steps(module: tree.Module) -> tree.Module:
+    """The module without steps that have no name, are used once, and whose use comes next."""
+    done: dict[tree.Function, tree.Function] = {}
+    for function in module.functions:
+        uses = Counter(
+            variable
+            for statement in statements_in(function.body)
+            for variable in reads_in(tuple(statement_operands(statement)))
+        )
+        done[function] = replace(function, body=_Joining(uses, done).block(function.body))
+    return replace(module, functions=tuple(done.values()))
 
 
-def _block(block: tree.Block, uses: Counter[tree.Variable]) -> tuple[tree.Statement, ...]:
-    done: list[tree.Statement] = []
-    waiting: dict[tree.Variable, tree.Let] = {}  # steps that may yet become part of what comes next
-    for statement in block:
+class _Joining:
+    """The pass over one function: how often each variable is read, and the functions that took the place of others."""
+
+    def __init__(self, uses: Counter[tree.Variable], functions: dict[tree.Function, tree.Function]) -> None:
+        self.uses, self.functions = uses, functions
+
+    def block(self, block: tree.Block) -> tuple[tree.Statement, ...]:
+        done: list[tree.Statement] = []
+        waiting: dict[tree.Variable, tree.Let] = {}  # steps that may yet become part of what comes next
+        for statement in block:
+            values = self.ready(statement, waiting, done)
+            found = self.with_inner(self.substitute(statement, values))
+            if isinstance(found, tree.Let) and self.may_join(found):
+                waiting[found.variable] = found
+            else:
+                done.append(found)
+        return (*done, *waiting.values())
+
+    @staticmethod
+    def ready(
+        statement: tree.Statement, waiting: dict[tree.Variable, tree.Let], done: list[tree.Statement]
+    ) -> dict[tree.Variable, tree.Expression]:
+        """The steps that become part of a statement; those that can wait no longer are added to `done`."""
         read = set(reads_in(tuple(statement_operands(statement))))
         keeps_all = isinstance(statement, tree.Let) and not has_effect(statement.value)
-        values = {variable: let.value for variable, let in waiting.items() if variable in read}
+        found: dict[tree.Variable, tree.Expression] = {}
         for variable, let in list(waiting.items()):
-            if not UNNAMED.match(variable.name) and not isinstance(statement, tree.Set):
-                values.pop(variable, None)
-            elif variable not in read and keeps_all:
+            is_value = bool(UNNAMED.match(variable.name)) or isinstance(statement, tree.Set)
+            if variable not in read and keeps_all and is_value:
                 continue
-            if variable not in values:
+            if variable in read and is_value:
+                found[variable] = let.value
+            else:
                 done.append(let)
             del waiting[variable]
-        found = _with_inner(_substitute(statement, values), uses)
-        if isinstance(found, tree.Let) and _may_join(found, uses):
-            waiting[found.variable] = found
-        else:
-            done.append(found)
-    return (*done, *waiting.values())
+        return found
 
+    def may_join(self, statement: tree.Let) -> bool:
+        """Whether a step may become part of another: what has a name is kept, unless it is a variable's next value."""
+        variable, value = statement.variable, statement.value
+        if self.uses[variable] != 1 or isinstance(variable.kind, Row) or isinstance(value, tree.Room):
+            return False
+        return not has_effect(value) and sum(1 for _ in expressions_in(value)) <= LONGEST
 
-def _may_join(statement: tree.Let, uses: Counter[tree.Variable]) -> bool:
-    """Whether a step may become part of another: what has a name is kept, unless it is a variable's next value."""
-    variable, value = statement.variable, statement.value
-    if uses[variable] != 1 or isinstance(variable.kind, Row) or isinstance(value, tree.Room):
-        return False
-    return not has_effect(value) and sum(1 for _ in expressions_in(value)) <= LONGEST
+    def with_inner(self, statement: tree.Statement) -> tree.Statement:
+        names = [each.name for each in fields(statement) if each.name in ("then", "otherwise", "body", "exhausted")]
+        changes: dict[str, Any] = {name: self.block(getattr(statement, name)) for name in names}
+        return replace(statement, **changes) if changes else statement
 
+    def substitute(self, statement: tree.Statement, values: dict[tree.Variable, tree.Expression]) -> tree.Statement:
+        """A statement with values in place of variables that it reads itself, not in statements within."""
+        own = set(map(id, statement_operands(statement)))
+        changes: dict[str, Any] = {}
+        for each in fields(statement):
+            inner = getattr(statement, each.name)
+            if id(inner) in own:
+                changes[each.name] = self.expression(inner, values)
+            elif isinstance(inner, tuple) and any(id(part) in own for part in inner):
+                changes[each.name] = tuple(self.expression(part, values) for part in inner)
+        return replace(statement, **changes) if changes else statement
 
-def _with_inner(statement: tree.Statement, uses: Counter[tree.Variable]) -> tree.Statement:
-    if not inner_blocks(statement):
-        return statement
-    names = [each.name for each in fields(statement) if each.name in ("then", "otherwise", "body", "exhausted")]
-    changes: dict[str, Any] = {name: _block(getattr(statement, name), uses) for name in names}
-    return replace(statement, **changes)
-
-
-def _substitute(statement: tree.Statement, values: dict[tree.Variable, tree.Expression]) -> tree.Statement:
-    """A statement with values in place of variables that it reads itself, not in statements within."""
-    if not values or not statement_operands(statement):
-        return statement
-    own = set(map(id, statement_operands(statement)))
-    changes: dict[str, Any] = {}
-    for each in fields(statement):
-        inner = getattr(statement, each.name)
-        if id(inner) in own:
-            changes[each.name] = _with(inner, values)
-        elif isinstance(inner, tuple) and any(id(part) in own for part in inner):
-            changes[each.name] = tuple(_with(part, values) for part in inner)
-    return replace(statement, **changes)
-
-
-def _with(value: tree.Expression, values: dict[tree.Variable, tree.Expression]) -> tree.Expression:
-    """An expression with values in place of variables."""
-    if isinstance(value, tree.Read):
-        return values.get(value.variable, value)
-    changes: dict[str, Any] = {}
-    for name in OPERANDS[type(value)]:
-        inner = getattr(value, name)
-        if isinstance(inner, tuple):
-            changes[name] = tuple(None if part is None else _with(part, values) for part in inner)
-        else:
-            changes[name] = _with(inner, values)
-    return replace(value, **changes) if changes else value
+    def expression(self, value: tree.Expression, values: dict[tree.Variable, tree.Expression]) -> tree.Expression:
+        """An expression with values in place of variables."""
+        if isinstance(value, tree.Read):
+            return values.get(value.variable, value)
+        changes: dict[str, Any] = {}
+        for name in OPERANDS[type(value)]:
+            inner = getattr(value, name)
+            if isinstance(inner, tuple):
+                changes[name] = tuple(None if part is None else self.expression(part, values) for part in inner)
+            else:
+                changes[name] = self.expression(inner, values)
+        if isinstance(value, tree.Call):
+            changes["function"] = self.functions[value.function]
+        return replace(value, **changes) if changes else value

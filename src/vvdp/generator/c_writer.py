@@ -65,6 +65,7 @@ def write_c(module: Module, prefix: str, supplied: Mapping[str, str] | None = No
     supplied = supplied or {}
     if missing := [name for name in module.intrinsics if name not in supplied]:
         raise ValueError(f"no C text for {', '.join(missing)}")
+    module = join_steps(module)
     shared = Shared(prefix, len(module.reasons))
     for function in module.functions:
         entry = f"{prefix}_{function.name}" if function.name in module.entries else function.name
@@ -105,7 +106,6 @@ def flags_for(module: Module, supplied: Mapping[str, str]) -> tuple[str, ...]:
 
 
 def _function(function: Function, shared: Shared, *, is_entry: bool) -> tuple[str, str]:
-    function = join_steps(function)
     text = Text(function, shared)
     write_block(text, function.body)
     text.optional.add("entered")
