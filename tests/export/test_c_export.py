@@ -2,6 +2,7 @@
 
 import re
 import subprocess
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from tests.conftest import required_program
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError
 from vvdp.base.kinds import PRESSURE_LEVEL, Angle, Pressure
-from vvdp.export.c_folder import CIRCUIT, c_files, c_part, expected_values
+from vvdp.export.c_folder import CIRCUIT, c_files, c_part, expected_values, facade_text, facts
 from vvdp.export.c_parts import OUT, drawn_values, function_of, module_of
 from vvdp.export.c_structs import Classes, initial_text, store_lines, struct_text, value_text
 from vvdp.generator.library import C_LIBRARY, EXACT
@@ -174,3 +175,27 @@ def test_a_step_outside_the_language_is_refused_with_file_and_line():
     line = dictionary_step.__code__.co_firstlineno + 1
     with pytest.raises(LanguageError, match=rf"test_c_export\.py:{line}: "):
         module_of([own])
+
+
+ROW = re.compile(r"^\| `(\S+)` \| `(\S+)` \| (\d+) \| (\d+) \| (\d+) \| (\d+) \| (\d+) \|$", re.MULTILINE)
+PAGE = Path(__file__).parents[2] / "docs" / "c-export.md"
+
+
+def row_of(name, program):
+    """A row of the page's table."""
+    made = c_part(load_system(name), program)
+    found = facts(made, {f"{made.name}.c": facade_text(made), f"{made.name}_core.c": made.core.source}, 0)
+    keys = ("functions", "lines", "memory_bytes", "settings_bytes", "stack_bytes")
+    return [name, program, *(str(found[key]) for key in keys)]
+
+
+def test_the_page_shows_the_size_of_programs():
+    rows = {row[:2]: list(row) for row in ROW.findall(PAGE.read_text("utf-8"))}
+    for each in (("accumulator-charging", "unloading"), ("displacement-chapter6", "control")):
+        assert rows[each] == row_of(*each)
+
+
+@pytest.mark.thorough
+def test_the_page_shows_every_program():
+    expected = [row_of(name, each) for name in sorted(shipped_systems()) for each in load_system(name).model.programs]
+    assert [list(row) for row in ROW.findall(PAGE.read_text("utf-8"))] == expected
