@@ -109,7 +109,8 @@ def _choose(text: Text, value: tree.Choose) -> Held:
 
 def _library(text: Text, value: tree.Library) -> Held:
     name = FITTING[value.name] if value.name in FITS else value.name
-    return (f"{name}({', '.join(one(text, each) for each in value.arguments)})",)
+    found = [part for each in value.arguments for part in argument(text, each, each.kind, changes=True)]
+    return (f"{name}({', '.join(found)})",)
 
 
 def member(text: Text, record: tree.Expression, number: int) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 
 from vvdp.generator import tree
 from vvdp.generator.c_scopes import expressions_in, has_effect, reads_in
-from vvdp.generator.kinds import Row
+from vvdp.generator.kinds import Record, Row
 from vvdp.generator.llvm_statements import statements_in
 from vvdp.generator.verify import OPERANDS, statement_operands
 
@@ -26,15 +26,25 @@ def join_steps(module: tree.Module) -> tree.Module:
             for statement in statements_in(function.body)
             for variable in reads_in(tuple(statement_operands(statement)))
         )
-        done[function] = replace(function, body=_Joining(uses, done).block(function.body))
+        again = {v for each in statements_in(function.body) if isinstance(each, tree.Set) for v in each.variables}
+        done[function] = replace(function, body=_Joining(uses, again, done).block(function.body))
     return replace(module, functions=tuple(done.values()))
 
 
 class _Joining:
-    """The pass over one function: how often each variable is read, and the functions that took the place of others."""
+    """The pass over one function: how often each variable is read, and which are assigned more than once.
 
-    def __init__(self, uses: Counter[tree.Variable], functions: dict[tree.Function, tree.Function]) -> None:
-        self.uses, self.functions = uses, functions
+    functions   those that took the place of others
+    """
+
+    def __init__(
+        self,
+        uses: Counter[tree.Variable],
+        again: set[tree.Variable],
+        functions: dict[tree.Function, tree.Function],
+    ) -> None:
+        self.uses, self.again, self.functions = uses, again, functions
+        self.aliases: dict[tree.Variable, tree.Expression] = {}  # records that are a field of another, not copied
 
     def block(self, block: tree.Block) -> tuple[tree.Statement, ...]:
         done: list[tree.Statement] = []
@@ -42,7 +52,9 @@ class _Joining:
         for statement in block:
             values = self.ready(statement, waiting, done)
             found = self.with_inner(self.substitute(statement, values))
-            if isinstance(found, tree.Let) and self.may_join(found):
+            if isinstance(found, tree.Let) and self.is_alias(found.value):
+                self.aliases[found.variable] = found.value
+            elif isinstance(found, tree.Let) and self.may_join(found):
                 waiting[found.variable] = found
             else:
                 done.append(found)
@@ -66,6 +78,14 @@ class _Joining:
                 done.append(let)
             del waiting[variable]
         return found
+
+    def is_alias(self, value: tree.Expression) -> bool:
+        """Whether a record is one that never changes, or a field of it."""
+        if not isinstance(value.kind, Record):
+            return False
+        while isinstance(value, tree.Field):
+            value = value.record
+        return isinstance(value, tree.Read) and value.variable not in self.again
 
     def may_join(self, statement: tree.Let) -> bool:
         """Whether a step may become part of another: what has a name is kept, unless it is a variable's next value."""
@@ -94,7 +114,7 @@ class _Joining:
     def expression(self, value: tree.Expression, values: dict[tree.Variable, tree.Expression]) -> tree.Expression:
         """An expression with values in place of variables."""
         if isinstance(value, tree.Read):
-            return values.get(value.variable, value)
+            return values.get(value.variable) or self.aliases.get(value.variable, value)
         changes: dict[str, Any] = {}
         for name in OPERANDS[type(value)]:
             inner = getattr(value, name)

@@ -150,7 +150,7 @@ def _handed_over(value: tree.Expression, known: dict[str, set[tree.Variable]]) -
     if isinstance(value, tree.Call):
         pairs = zip(value.arguments, value.function.parameters, strict=True)
         return [argument for argument, parameter in pairs if parameter in known[value.function.name]]
-    if isinstance(value, tree.CallAddress):
+    if isinstance(value, tree.CallAddress | tree.Library):
         return [argument for argument in value.arguments if isinstance(argument.kind, Row)]
     if isinstance(value, tree.Make):
         return [part for part in value.parts if part is not None and isinstance(part.kind, Row)]

@@ -18,6 +18,7 @@ from functools import lru_cache
 
 from vvdp.generator.c_arithmetic import GUARD, HELPERS, ROOM
 from vvdp.generator.c_joining import join_steps
+from vvdp.generator.c_room import room_of
 from vvdp.generator.c_scopes import expressions_in
 from vvdp.generator.c_statements import result_record, write_block
 from vvdp.generator.c_text import Shared, Text, identifier, length_names, wrap
@@ -82,7 +83,7 @@ def write_c(module: Module, prefix: str, supplied: Mapping[str, str] | None = No
             visible = len(shared.types)
     uses_room = any(shared.needs[name].room for name in module.entries)
     return CModule(
-        header=_header(shared, visible, heads, module.reasons),
+        header=_header(shared, visible, heads, module),
         source=_source(shared, visible, functions, [supplied[name] for name in module.intrinsics]),
         functions=dict(shared.names),
         flags=flags_for(module, supplied),
@@ -195,21 +196,38 @@ def _summaries(file: str, lines: tuple[str, ...]) -> dict[int, str]:
     return found
 
 
-def _header(shared: Shared, visible: int, heads: list[str], reasons: tuple[str, ...]) -> str:
-    guard = f"{shared.prefix.upper()}_H"
-    room = ""
+WORKSPACE = """\
+/* Room for arrays whose lengths are known only when the code runs: free numbers, and how many.
+{amounts} */
+typedef struct {{
+    double *reals;
+    int64_t reals_left;
+    int64_t *wholes;
+    int64_t wholes_left;
+}} {prefix}_workspace;
+"""
+
+
+def _header(shared: Shared, visible: int, heads: list[str], module: Module) -> str:
+    guard, room, reasons = f"{shared.prefix.upper()}_H", "", module.reasons
     if any(needs.room for needs in shared.needs.values()):
-        room = (
-            "/* Room for arrays whose lengths are known only when the code runs: free numbers, and how many. */\n"
-            "typedef struct {\n    double *reals;\n    int64_t reals_left;\n    int64_t *wholes;\n"
-            f"    int64_t wholes_left;\n}} {shared.prefix}_workspace;\n"
-        )
+        room = WORKSPACE.format(prefix=shared.prefix, amounts=_amounts(shared, module))
     failures = [f" * {number}: {_shown_reason(reason)}\n" for number, reason in enumerate(reasons, 1)]
     if room:
         failures.append(f" * {len(reasons) + 1}: the workspace is too small\n")
     said = f"/* Numbers of failures:\n{''.join(failures)} */\n" if failures else ""
     parts = [f"#ifndef {guard}\n#define {guard}\n\n#include <stdbool.h>\n#include <stdint.h>\n", said, room]
     return "\n".join([*filter(None, parts), *shared.types[:visible], *heads, "#endif\n"])
+
+
+def _amounts(shared: Shared, module: Module) -> str:
+    """How much room each entry takes, in the lines of a comment."""
+    lines, found = [], room_of(module)
+    for name in module.entries:
+        amount = found[name]
+        words = "depends on the arguments" if amount is None else f"{amount[0]} reals, {amount[1]} wholes at most"
+        lines += [f" * {shared.names[name]}: {words}\n"] if shared.needs[name].room else []
+    return "".join(lines)
 
 
 def _shown_reason(reason: str) -> str:
