@@ -18,7 +18,6 @@ from vvdp.generator.c_text import Shared, length_names
 from vvdp.generator.c_writer import CModule, write_c
 from vvdp.generator.kinds import BOOL, FLOAT, INT, Address, Kind, Known, Record, Row, Scalar
 from vvdp.generator.library import Failure
-from vvdp.generator.llvm_statements import needs_of
 from vvdp.generator.tree import Function, Module
 from vvdp.generator.values import tuple_of
 
@@ -72,12 +71,7 @@ def c_entries(
     """The entries of a module as functions of Python values."""
     made = write_c(module, "m", supplied)
     library = compile_c(made, compiler, extra)
-    known: dict[str, Any] = {}
-    for function in module.functions:
-        known[function.name] = needs_of(function, known)
-    return {
-        f.name: _callable(f, library, made, module, known[f.name]) for f in module.functions if f.name in module.entries
-    }
+    return {f.name: _callable(f, library, made, module) for f in module.functions if f.name in module.entries}
 
 
 @cache
@@ -97,9 +91,9 @@ def _c_type(kind: Kind) -> Any:
     return ctypes.c_void_p if isinstance(kind, Row | Address) else NUMBERS[kind]
 
 
-def _callable(function: Function, library: ctypes.CDLL, made: CModule, module: Module, needs: Any) -> Any:
+def _callable(function: Function, library: ctypes.CDLL, made: CModule, module: Module) -> Any:
     run = getattr(library, made.functions[function.name])
-    result = function.result
+    result, needs = function.result, made.needs[function.name]
     run.restype = NUMBERS[result] if isinstance(result, Scalar) else None
 
     def call(*values: Any) -> Any:
@@ -109,7 +103,7 @@ def _callable(function: Function, library: ctypes.CDLL, made: CModule, module: M
         failure, found = ctypes.c_int64(0), structure(result)() if isinstance(result, Record) else None
         if found is not None:
             handed.append(ctypes.byref(found))
-        if needs.trouble or needs.room:
+        if needs.trouble:
             handed.append(ctypes.byref(failure))
         if needs.room:
             reals, wholes = np.zeros(ROOM), np.zeros(ROOM, np.int64)

@@ -30,7 +30,6 @@ from vvdp.generator.c_room import Amount, room_of
 from vvdp.generator.c_text import identifier, wrap
 from vvdp.generator.c_writer import CModule, shown_file, write_c
 from vvdp.generator.calls import callables
-from vvdp.generator.llvm_statements import needs_of
 from vvdp.generator.llvm_writer import write_llvm
 from vvdp.generator.tree import Module
 from vvdp.simulation.model import Program
@@ -187,23 +186,19 @@ def _head(part: CPart, entry: Entry) -> str:
 
 
 def _facade(part: CPart, entry: Entry) -> str:
-    needs: dict[str, object] = {}
-    for function in part.module.functions:
-        needs[function.name] = needs_of(function, needs)  # type: ignore[arg-type]
-    own = needs[entry.name]
-    room, fails = own.room, own.trouble or own.room  # type: ignore[attr-defined]
+    needs = part.core.needs[entry.name]
     handed = ["t", *(f"(double *){block.name}" for block in entry.arguments)]
     lines = [_head(part, entry), "{"]
-    if room:
+    if needs.room:
         reals, wholes = part.rooms[entry.name]
         lines += [f"    double reals[{max(reals, 1)}];", f"    int64_t wholes[{max(wholes, 1)}];"]
         lines += [f"    {part.name}_core_workspace workspace = {{reals, {reals}, wholes, {wholes}}};"]
-    if fails:
+    if needs.trouble:
         lines.append("    int64_t failure = 0;")
         handed.append("&failure")
-    handed += ["&workspace"] if room else []
+    handed += ["&workspace"] if needs.room else []
     lines += [wrap(f"    {part.core.functions[entry.name]}({', '.join(handed)});")]
-    return "\n".join([*lines, f"    return {'(int)failure' if fails else '0'};", "}\n"])
+    return "\n".join([*lines, f"    return {'(int)failure' if needs.trouble else '0'};", "}\n"])
 
 
 def expected_values(part: CPart, times: Sequence[float], drawn: Sequence[Array]) -> dict[str, list[dict[str, Array]]]:

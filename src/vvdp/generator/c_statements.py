@@ -277,7 +277,7 @@ def _round(text: Text, head: str, block: tree.Block, left: str) -> None:
     before, carried = text.hoisted, carries_rows(block)
     text.hoisted = before and not carried
     free = ""
-    if not carried and _takes_room(text, block):
+    if not carried and takes_room(text, block):
         free = text.new_name("before")
         text.put(f"const {text.shared.prefix}_workspace {free} = *workspace;")
     text.put(head)
@@ -290,17 +290,6 @@ def _round(text: Text, head: str, block: tree.Block, left: str) -> None:
     text.put("}")
 
 
-def _takes_room(text: Text, block: tree.Block) -> bool:
-    return text.needs.room and takes_room(_Rooms(text), block)  # type: ignore[arg-type]
-
-
-class _Rooms:
-    """What `takes_room` asks of the text of a function."""
-
-    def __init__(self, text: Text) -> None:
-        self.needs, self.hoisted, self.function = text.shared.needs, text.hoisted, text.function
-
-
 def _break(text: Text, statement: tree.Break) -> None:
     if text.loops[-1]:
         text.put(f"{text.loops[-1]} = true;")
@@ -309,7 +298,7 @@ def _break(text: Text, statement: tree.Break) -> None:
 
 def _return(text: Text, statement: tree.Return) -> None:
     result, value = text.function.result, statement.value
-    frees = text.needs.room and not has_rows(result)
+    frees = text.own.room and not has_rows(result)
     if value is None or isinstance(result, Known):
         lines = ["return;"]
     elif isinstance(result, Scalar):

@@ -151,7 +151,8 @@ class Text:
         self.function, self.shared = function, shared
         self.scopes: Scopes = scopes_of(function)
         self.changed = shared.changed.setdefault(function.name, changed_rows(function, shared.changed))
-        self.needs = shared.needs[function.name]
+        self.needs = shared.needs
+        self.own = shared.needs[function.name]
         self.lines: list[str] = []
         self.rooms: list[str] = []  # arrays of known size, which live as long as the function
         self.optional: set[str] = set()  # names that are not declared if nothing reads them

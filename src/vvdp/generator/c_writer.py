@@ -45,14 +45,14 @@ class CModule:
     source      the functions; it includes `<prefix>.h`
     functions   by name, the C name of each function
     flags       what the compiler has to be told
-    uses_room   whether an entry takes a workspace
+    needs       by name, whether a function takes `failure` and `workspace`
     """
 
     header: str
     source: str
     functions: Mapping[str, str]
     flags: tuple[str, ...]
-    uses_room: bool
+    needs: Mapping[str, Needs]
 
 
 def write_c(module: Module, prefix: str, supplied: Mapping[str, str] | None = None) -> CModule:
@@ -81,13 +81,12 @@ def write_c(module: Module, prefix: str, supplied: Mapping[str, str] | None = No
         if function.name in module.entries:
             heads.append(f"{_comment(function)}{head};\n")
             visible = len(shared.types)
-    uses_room = any(shared.needs[name].room for name in module.entries)
     return CModule(
         header=_header(shared, visible, heads, module),
         source=_source(shared, visible, functions, [supplied[name] for name in module.intrinsics]),
         functions=dict(shared.names),
         flags=flags_for(module, supplied),
-        uses_room=uses_room,
+        needs=dict(shared.needs),
     )
 
 
