@@ -9,10 +9,10 @@ from statistics import median
 from typing import Any
 
 import numpy as np
-from numba import njit, types
 
 from benchmarks.bare import ROWS, bare_run
-from benchmarks.measure import HERE, interleaved, ratios, report, run_as_command, spread
+from benchmarks.measure import HERE, compiled, interleaved, ratios, report, run_as_command, spread
+from vvdp.generator.kinds import INT
 from vvdp.numerics.tableaus import TSIT5_A, TSIT5_C, TSIT5_E
 from vvdp.simulation import loop, places
 from vvdp.simulation.layout import command_parts, members, slots
@@ -42,14 +42,14 @@ def layout(system: System, ready: Prepared) -> str:
     return "\n".join(lines) + "\n"
 
 
-def compiled(folder: Path, header: str, *options: str) -> Any:
+def library(folder: Path, header: str, *options: str) -> Any:
     """The C program as a library."""
     (folder / "layout.h").write_text(header)
-    library = folder / f"bench{'-'.join(options)}.so"
+    place = folder / f"bench{'-'.join(options)}.so"
     source = str(HERE / "bench.c")
-    command = ["gcc", "-O3", *options, "-shared", "-fPIC", f"-I{folder}", source, "-o", str(library), "-lm"]
+    command = ["gcc", "-O3", *options, "-shared", "-fPIC", f"-I{folder}", source, "-o", str(place), "-lm"]
     subprocess.run(command, check=True)
-    c = ctypes.CDLL(str(library))
+    c = ctypes.CDLL(str(place))
     double, long = ctypes.c_double, ctypes.c_long
     c.rates.argtypes = [double, *[DOUBLES] * 4]
     c.rates.restype = None
@@ -91,15 +91,14 @@ def c_run(c: Any, ready: Prepared, until: float) -> tuple[np.ndarray, np.ndarray
     return y, counts
 
 
-@njit(
-    types.void(loop.RATES, loop.MATRIX, types.int64, loop.VECTOR, loop.VECTOR, loop.VECTOR),
-    error_model="numpy",
-)
 def evaluations(rates: Any, states: Any, rounds: Any, u: Any, p: Any, dy: Any) -> None:
     """As many evaluations as asked over the rows of a table of states."""
     for _ in range(rounds):
         for row in range(states.shape[0]):
             rates(0.1, states[row], u, p, dy)
+
+
+EVALUATIONS = (loop.RATES, loop.MATRIX, INT, loop.VECTOR, loop.VECTOR, loop.VECTOR)
 
 
 def main(short: bool) -> None:
@@ -112,7 +111,7 @@ def main(short: bool) -> None:
     command, params = ready.vectors.command, ready.vectors.params
     with tempfile.TemporaryDirectory() as folder:
         header = layout(system, ready)
-        c, native = compiled(Path(folder), header), compiled(Path(folder), header, "-march=native")
+        c, native = library(Path(folder), header), library(Path(folder), header, "-march=native")
         states = random_states(ready, 1000)
         theirs = np.zeros_like(states)
         found = np.zeros_like(command)
@@ -138,10 +137,10 @@ def main(short: bool) -> None:
             bare_run(ready, 0.05, np.arange(0.0, 0.05, 2e-5)),
             np.zeros(ready.vectors.state.size + len(system.case.command.modes)),
         )
-        arguments = (table, len(table), 10, command, params, dy)
+        arguments, evaluate = (table, len(table), 10, command, params, dy), compiled(evaluations, EVALUATIONS)
         times = interleaved(
             {
-                "vvdp": lambda: evaluations(ready.linked.rates, table, 10, command, params, dy),
+                "vvdp": lambda: evaluate(ready.linked.rates, table, 10, command, params, dy),
                 "C": lambda: c.evaluations(*arguments),
                 "C native": lambda: native.evaluations(*arguments),
             },

@@ -3,6 +3,7 @@
 import numpy as np
 
 from vvdp.simulation import loop, places
+from vvdp.simulation.loops import compiled_loop
 from vvdp.simulation.prepare import Prepared, start_run
 from vvdp.simulation.stepping import Method, Stepping
 
@@ -19,7 +20,7 @@ def bare_run(
     n, y, clock = reached.state.size, reached.state, reached.clock
     record = np.zeros((times.size, n))
     workbench = loop.workbench(ready.plan, n, ready.width.size, ready.pattern)
-    status = loop.run(
+    status = compiled_loop().run(
         *ready.linked[:4],
         *(*reached[:3], ready.vectors.params, ready.plan, *reached[3:]),
         *(ready.atol, ready.rtol, ready.scale, ready.floor, ready.width, ready.pattern, workbench),

@@ -3,8 +3,7 @@
 import os
 import time
 
-# Numba can be asked for less than this later, not for more.
-os.environ.setdefault("NUMBA_NUM_THREADS", "2")
+os.environ.setdefault("VVDP_THREADS", "2")
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace

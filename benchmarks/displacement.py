@@ -5,11 +5,11 @@ from collections.abc import Callable
 from statistics import median
 
 import numpy as np
-from numba import njit, types
 
-from benchmarks.against_c import evaluations
+from benchmarks.against_c import EVALUATIONS, evaluations
 from benchmarks.measure import (
     ROUNDS,
+    compiled,
     empty_caches,
     in_new_process,
     interleaved,
@@ -18,6 +18,7 @@ from benchmarks.measure import (
     run_as_command,
     spread,
 )
+from vvdp.generator.kinds import INT
 from vvdp.simulation import loop
 from vvdp.simulation.prepare import prepare
 from vvdp.simulation.run import Run, simulate
@@ -37,14 +38,13 @@ print('{{"seconds": ' + str(time.process_time() - began) + "}}")
 """
 
 
-@njit(
-    types.void(loop.SAMPLE, types.int64, types.int64, *[loop.VECTOR] * 5),
-    error_model="numpy",
-)
 def samples(sample, which, rounds, y, u, m, p, c):  # type: ignore[no-untyped-def]
     """As many samples of a program as asked, a millisecond apart, at one state."""
     for i in range(rounds):
         sample(which, 5.0 + 1e-3 * i, y, u, m, p, c)
+
+
+SAMPLES = (loop.SAMPLE, INT, INT, *[loop.VECTOR] * 5)
 
 
 def main(short: bool) -> None:
@@ -88,13 +88,14 @@ def against_prototype(systems: dict[str, System], rounds: int) -> dict[str, Run]
 def evaluating(machine: System, plain: System, done: dict[str, Run], rounds: int) -> None:
     """One right-hand side over the states of a run, of both."""
     variants: dict[str, Callable[[], object]] = {}
+    evaluate = compiled(evaluations, EVALUATIONS)
     for name, system in ((MACHINE, machine), (PLAIN, plain)):
         run, ready = done[name], prepare(system.model, system.case, system.stepping)
         rows = np.linspace(len(run.states) // 2, len(run.states) - 1, STATES).astype(int)
         states, rate = np.ascontiguousarray(run.states[rows]), np.zeros(run.initial.size + ready.width.size)
         rate = rate[: run.initial.size + int(ready.plan[0, 5] - ready.plan[0, 4])]
         given = (ready.linked.rates, states, CALLS // 100, run.commands[-1].copy(), ready.vectors.params, rate)
-        variants[name] = lambda given=given: evaluations(*given)  # type: ignore[misc]
+        variants[name] = lambda given=given: evaluate(*given)  # type: ignore[misc]
     times = interleaved(variants, rounds)
     for name, taken in times.items():
         report(f"{name}, one evaluation", spread(taken, "ns", 1e9 / (STATES * (CALLS // 100))), listed=True)
@@ -105,12 +106,12 @@ def evaluating(machine: System, plain: System, done: dict[str, Run], rounds: int
 
 def sampling(machine: System, run: Run, rounds: int) -> None:
     """A sample of each program of the machine, as the compiled loop calls it."""
-    ready = prepare(machine.model, machine.case, machine.stepping)
+    ready, sample = prepare(machine.model, machine.case, machine.stepping), compiled(samples, SAMPLES)
     state, params, variants = run.states[-1].copy(), ready.vectors.params, dict[str, Callable[[], object]]()
     for which, name in enumerate(machine.model.programs, 1):
         command, memory = run.commands[-1].copy(), run.memories[-1].copy()
         given = (ready.linked.sample, which, CALLS, state, command, memory, params, command.copy())
-        variants[name] = lambda given=given: samples(*given)  # type: ignore[misc]
+        variants[name] = lambda given=given: sample(*given)  # type: ignore[misc]
     for name, taken in interleaved(variants, rounds).items():
         report(f"a sample of the program {name}", spread(taken, "us", 1e6 / CALLS), listed=True)
 

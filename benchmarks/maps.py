@@ -9,8 +9,7 @@ from functools import partial
 from pathlib import Path
 from statistics import median
 
-# Numba can be asked for less than this later, not for more.
-os.environ.setdefault("NUMBA_NUM_THREADS", "2")
+os.environ.setdefault("VVDP_THREADS", "2")
 
 import numpy as np
 

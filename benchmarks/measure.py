@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 ROUNDS = 11
 HERE = Path(__file__).parent
@@ -91,12 +92,13 @@ def machine() -> str:
         cpu = next(line.split(":")[1].strip() for line in lines if line.startswith("model name"))
     except (OSError, StopIteration):
         pass
-    import numba
     import numpy
     import scipy
 
+    from vvdp.generator import binding
+
     cores = len(os.sched_getaffinity(0))
-    versions = f"numba {numba.__version__}, numpy {numpy.__version__}, scipy {scipy.__version__}"
+    versions = f"llvmlite {binding.version().split()[0]}, numpy {numpy.__version__}, scipy {scipy.__version__}"
     system = f"{platform.system()} {platform.machine()}"
     return f"{cpu}, {cores} cores, {system}; Python {platform.python_version()}, {versions}"
 
@@ -105,7 +107,16 @@ def machine() -> str:
 def empty_caches(environment: Mapping[str, str]) -> Iterator[dict[str, str]]:
     """`environment` with caches for compiled code that are empty yet."""
     with tempfile.TemporaryDirectory() as folder:
-        yield {**environment, "VVDP_CACHE": f"{folder}/circuits", "NUMBA_CACHE_DIR": f"{folder}/numba"}
+        yield {**environment, "VVDP_CACHE": f"{folder}/code"}
+
+
+def compiled(function: Callable[..., Any], kinds: tuple[Any, ...]) -> Any:
+    """A plain function for arguments of these types as machine code, which may call the functions of a model."""
+    from vvdp.simulation.assembly import Assembly
+    from vvdp.simulation.cache import default_cache
+    from vvdp.simulation.loops import plain_part
+
+    return Assembly([plain_part(function, kinds)]).load(default_cache())[function.__name__]
 
 
 def in_new_process(code: str, environment: Mapping[str, str] | None = None) -> dict[str, float]:

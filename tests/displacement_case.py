@@ -1,8 +1,5 @@
 """The cylinder, oil and gains of chapter 6 as far as the specification fills them in, and random states around them."""
 
-import dataclasses
-from collections import namedtuple
-
 import numpy as np
 
 from vvdp.control.adaptation import Adaptation
@@ -13,8 +10,6 @@ from vvdp.control.displacement import CylinderSeen, DisplacementSettings, Supply
 from vvdp.control.flow_split import FlowSplit
 from vvdp.control.pressure_modes import PressureBounds
 from vvdp.control.reference import Reference
-from vvdp.simulation.compiled import make_compilable
-from vvdp.simulation.reach import compiled_form, reachable
 
 ATMOSPHERE = 101325.0
 BAR = 1e5
@@ -81,23 +76,6 @@ def random_sample(rng: np.random.Generator) -> tuple[CylinderSeen, Reference]:
     )
     off = rng.normal(size=4) * (1e-3, 0.02, 0.1, 1.0)
     return seen, Reference(x + off[0], v + off[1], off[2], off[3])
-
-
-def record(value):
-    """A parameter set as compiled code sees it."""
-    if dataclasses.is_dataclass(value):
-        fields = [f.name for f in dataclasses.fields(value)]
-        return namedtuple(type(value).__name__, fields)(*(record(getattr(value, name)) for name in fields))
-    return value
-
-
-def compiled(function):
-    """`function` as the compiled loop would run it."""
-    from numba import njit
-
-    for reached, _ in reachable(function, {}).values():
-        make_compilable(reached, compiled_form(reached))
-    return njit(error_model="numpy")(function)
 
 
 def numbers(result) -> list[float]:

@@ -16,6 +16,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from vvdp.generator.source import known_text
+
 FOLDER = Path(__file__).parents[1] / "notebooks"
 Cell = dict[str, Any]
 Output = dict[str, Any]
@@ -72,12 +74,12 @@ def run(cells: list[Cell]) -> list[list[Output]]:
 
 def _outputs(source: str, names: dict[str, Any]) -> list[Output]:
     """What a cell prints, what it draws, and the value of its last line."""
-    tree = ast.parse(source)
+    tree, file = ast.parse(source), known_text(source, "cell")
     last = ast.Expression(tree.body.pop().value) if tree.body and isinstance(tree.body[-1], ast.Expr) else None  # type: ignore[attr-defined]
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed):
-        exec(compile(tree, "cell", "exec"), names)
-        value = eval(compile(last, "cell", "eval"), names) if last else None
+        exec(compile(tree, file, "exec"), names)
+        value = eval(compile(last, file, "eval"), names) if last else None
     outputs: list[Output] = []
     if printed.getvalue():
         outputs.append(

@@ -1,50 +1,39 @@
-"""Ctrl-C is not lost within a call of C, and does not come twice."""
+"""Ctrl-C ends a wait for work in C at once, and work that is done elsewhere keeps its result or its error."""
 
-import ctypes
 import signal
 import threading
+import time
 
 import pytest
 
-from vvdp.base.interrupts import interrupts_afterwards
+from vvdp.base.errors import RunError
+from vvdp.base.interrupts import interruptible
 
 
-def interrupted_within_a_callback():
-    """What Numba does while it compiles: C calls Python, where Ctrl-C arrives."""
-    callback = ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGINT))
-    callback()
+def test_what_work_returns_or_raises_comes_back():
+    assert interruptible(lambda: 6 * 7) == 42
+
+    def fails():
+        raise RunError("no step is short enough")
+
+    with pytest.raises(RunError, match="no step is short enough"):
+        interruptible(fails)
 
 
-def test_an_interrupt_within_a_callback_comes_afterwards():
-    interrupted_within_a_callback()  # without the block it is lost
-    with pytest.raises(KeyboardInterrupt), interrupts_afterwards():
-        interrupted_within_a_callback()
-        reached = True
-    assert reached
+def test_an_interrupt_does_not_wait_for_the_work():
+    """The work takes 5 s here; the interrupt is raised within 0.3 s."""
+    let_go = threading.Event()
+    threading.Timer(0.1, lambda: signal.raise_signal(signal.SIGINT)).start()
+    began = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        interruptible(lambda: let_go.wait(5.0))
+    assert time.monotonic() - began < 2.0
+    let_go.set()
 
 
-def test_handlers_are_put_back_and_a_second_one_acts_at_once():
-    before = signal.getsignal(signal.SIGINT)
-    with interrupts_afterwards():
-        pass
-    assert signal.getsignal(signal.SIGINT) is before
-    reached = False
-    with pytest.raises(KeyboardInterrupt), interrupts_afterwards():
-        signal.raise_signal(signal.SIGINT)
-        signal.raise_signal(signal.SIGINT)
-        reached = True
-    assert not reached
-    assert signal.getsignal(signal.SIGINT) is before
-
-
-def test_other_threads_change_nothing():
-    seen = []
-
-    def work():
-        with interrupts_afterwards():
-            seen.append(signal.getsignal(signal.SIGINT))
-
-    thread = threading.Thread(target=work)
+def test_in_another_thread_the_work_is_done_there():
+    found = []
+    thread = threading.Thread(target=lambda: found.append(interruptible(threading.get_ident)))
     thread.start()
     thread.join()
-    assert seen == [signal.getsignal(signal.SIGINT)]
+    assert found == [thread.ident]

@@ -138,7 +138,7 @@ def test_check_tells_what_is_there(vvdp, tmp_path, monkeypatch):
     answer = vvdp("check")
     assert answer.code == 0, answer.err
     assert wording.show.writable.format(folder=tmp_path / "cache") in answer.out
-    for part in ("python", "numba", "casadi", "chromium", "openfoam", "slurm"):
+    for part in ("python", "llvmlite", "casadi", "chromium", "openfoam", "slurm"):
         assert f" {part} " in answer.out
 
 

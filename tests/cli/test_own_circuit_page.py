@@ -4,6 +4,8 @@ import re
 import shlex
 from pathlib import Path
 
+from vvdp.generator.source import known_text
+
 PAGE = (Path(__file__).parents[2] / "docs" / "own-circuit.md").read_text("utf-8")
 BLOCK = re.compile(r"(?:`([\w.]+)`:\n\n)?```(python|toml|sh)\n(.*?)```\n(?:\n```text\n(.*?)```\n)?", re.DOTALL)
 
@@ -20,7 +22,7 @@ def test_the_page_does_what_it_says(vvdp, here, is_shown, capsys):
             assert answer.code == 0, answer.err
             said = answer.out
         else:
-            exec(compile(block, "own-circuit.md", "exec"), left)
+            exec(compile(block, known_text(block, "own-circuit.md"), "exec"), left)
             said = capsys.readouterr().out
         assert is_shown(shown, said) if shown else not said, (block, said)
         ran.append(kind)

@@ -32,7 +32,7 @@ def test_help_loads_nothing_heavy():
     code = (
         "import sys\nfrom vvdp.cli.main import main\n"
         "try: main(['--help'])\nexcept SystemExit: pass\n"
-        "print([m for m in ('numpy', 'numba', 'scipy', 'h5py', 'matplotlib', 'pint', 'rich') if m in sys.modules])"
+        "print([m for m in ('numpy', 'llvmlite', 'scipy', 'h5py', 'matplotlib', 'pint', 'rich') if m in sys.modules])"
     )
     environment = {**os.environ, "PYTHONPATH": SOURCE}
     answer = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from vvdp.generator.source import known_text
+
 DOCS = Path(__file__).parents[2] / "docs"
 PAGES = sorted((DOCS / "subjects").glob("*.md"))
 BLOCK = re.compile(r"```(python|sh)\n(.*?)```\n(?:\n```text\n(.*?)```\n)?", re.DOTALL)
@@ -53,7 +55,7 @@ def test_the_page_does_what_it_says(path, vvdp, here, is_shown, capsys):
             assert answer.code == 0, answer.err
             said = answer.out
         else:
-            exec(compile(block, path.name, "exec"), left)
+            exec(compile(block, known_text(block, path.name), "exec"), left)
             said = capsys.readouterr().out
         assert is_shown(shown, said) if shown else not said, (block, said)
         ran += bool(shown)

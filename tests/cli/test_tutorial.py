@@ -7,6 +7,7 @@ from pathlib import Path
 
 from tests.words import wording
 
+from vvdp.generator.source import known_text
 from vvdp.results.store import read_result
 
 FOLDER = Path(__file__).parents[2] / "docs" / "tutorials"
@@ -28,7 +29,7 @@ def run_blocks(page, vvdp, capsys):
             said[command[-1]] = answer.out + answer.err
         else:
             capsys.readouterr()
-            exec(block, left)
+            exec(compile(block, known_text(block, "page"), "exec"), left)
             assert capsys.readouterr().out == shown, block
         ran.append(kind)
     return ran, said

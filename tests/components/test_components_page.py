@@ -6,6 +6,7 @@ from pathlib import Path
 from vvdp.base.display import value_text
 from vvdp.base.params import default_values, field_kinds
 from vvdp.components.library import COMPONENTS, PROGRAMS
+from vvdp.generator.source import known_text
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Component, Role
 from vvdp.simulation.values import names
@@ -78,5 +79,5 @@ def test_the_code_of_the_page_runs(capsys):
     left = {}
     for code, shown in re.findall(r"```python\n(.*?)```\n(?:\n```text\n(.*?)```\n)?", PAGE, re.DOTALL):
         capsys.readouterr()
-        exec(compile(code, "components.md", "exec"), left)
+        exec(compile(code, known_text(code, "components.md"), "exec"), left)
         assert capsys.readouterr().out == shown

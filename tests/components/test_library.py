@@ -1,19 +1,16 @@
 """What holds for every component of the library."""
 
-from collections import namedtuple
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from tests.compiled import compiled
 
 from vvdp.base.kinds import Flow, Power
 from vvdp.base.params import Params
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.flow import Passage, passage
 from vvdp.network.component import Component
-from vvdp.simulation.reach import compiled_form, reachable
-from vvdp.simulation.values import names
 
 ROUNDING = 1e-12
 
@@ -30,19 +27,6 @@ def joined(values: list[Any], join: Any) -> Any:
     if hasattr(first, "_fields"):
         return type(first)(*(joined(list(parts), join) for parts in zip(*values, strict=True)))
     return join(values)
-
-
-def record(value: Any) -> Any:
-    """A parameter set as compiled code sees it."""
-    if isinstance(value, Params):
-        fields = names(value)
-        return record_class(type(value), fields)(*(record(getattr(value, n)) for n in fields))
-    return value
-
-
-@cache
-def record_class(cls: type, fields: tuple[str, ...]) -> type:
-    return namedtuple(cls.__name__, fields)
 
 
 def test_power_and_oil_balance(component, power_balance):
@@ -89,17 +73,11 @@ def test_arrays_and_symbols_give_the_same(component, meetings, met_argument):
 
 @pytest.mark.thorough
 def test_compiled_code_gives_the_same(component, meetings, met_argument):
-    from numba import njit
-
-    from vvdp.simulation.compiled import make_compilable
-
-    for function, _ in reachable(component.law, {}).values():
-        make_compilable(function, compiled_form(function))
-    compiled = njit(error_model="numpy")(component.law)
     for group in meetings(component):
         cases = [[met_argument(a, met) for a in component.arguments] for met in group[:10]]
         plain = np.array([numbers(component.law(*case)) for case in cases], float)
-        values = np.array([numbers(compiled(*map(record, case))) for case in cases], float)
+        fast = compiled(component.law, *cases[0])
+        values = np.array([numbers(fast(*case)) for case in cases], float)
         scale = np.max(np.abs(plain), axis=0).clip(1e-300)
         assert np.max(np.abs(values - plain) / scale) < ROUNDING
 

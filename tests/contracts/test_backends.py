@@ -3,21 +3,18 @@
 import ctypes
 import dataclasses
 import inspect
-from collections import namedtuple
-from functools import cache
 from types import ModuleType
 from typing import Any, get_type_hints
 
 import numpy as np
 import pytest
+from tests.compiled import compiled
 
-from vvdp.base.params import Params
 from vvdp.base.signal import Signal, signal_value
 from vvdp.fluid import mixture
 from vvdp.simulation.lane_code import lane_rates
 from vvdp.simulation.layout import members, vectors
 from vvdp.simulation.link import link
-from vvdp.simulation.reach import compiled_form, reachable
 from vvdp.simulation.trace import dependencies, evaluate, trace
 from vvdp.simulation.values import as_series, flat, leaves, names, rebuild
 from vvdp.systems.system import load_system, shipped_systems
@@ -298,19 +295,6 @@ NOT_IN_THE_LOOP = {
 REFUSING = {"fit_friction_area"}
 
 
-def record(value: Any) -> Any:
-    """A parameter set as compiled code sees it."""
-    if isinstance(value, Params) or dataclasses.is_dataclass(value):
-        fields = names(value)
-        return _record_class(type(value), fields)(*(record(getattr(value, n)) for n in fields))
-    return value
-
-
-@cache
-def _record_class(cls: type, fields: tuple[str, ...]) -> type:
-    return namedtuple(cls.__name__, fields)
-
-
 def sampled(module: ModuleType, name: str, function, components, rng) -> list[Any] | None:
     """One random argument list; None when the formula has none to be varied."""
     hints, arguments = get_type_hints(function), []
@@ -563,21 +547,15 @@ def numbers_of_arguments(arguments: list[Any]) -> list[float]:
 
 @pytest.mark.thorough
 def test_every_formula_agrees_between_floats_and_compiled_code(formula_modules, functions_of, components):
-    from numba import njit
-
-    from vvdp.simulation.compiled import make_compilable
-
     count = 0
     for module, name, function in formulas(formula_modules, functions_of):
         if name in REFUSING:
             continue
-        for reached, _ in reachable(function, {}).values():
-            make_compilable(reached, compiled_form(reached))
-        compiled = njit(error_model="numpy")(function)
         rng = np.random.default_rng(5)
         cases = [sampled(module, name, function, components, rng) for _ in range(20)]
         plain = np.array([numbers(function(*case)) for case in cases], float)
-        values = np.array([numbers(compiled(*map(record, case))) for case in cases], float)
+        fast = compiled(function, *cases[0])
+        values = np.array([numbers(fast(*case)) for case in cases], float)
         scale = np.max(np.abs(plain), axis=0).clip(1e-300)
         assert np.max(np.abs(np.where(values == plain, 0.0, values - plain)) / scale) < ROUNDING, name
         count += 1

@@ -25,24 +25,17 @@ RUNGS = [
     {"cli"},
 ]
 RUNG = {package: i for i, packages in enumerate(RUNGS) for package in packages}
-HEAVY = {"numba", "h5py", "matplotlib", "scipy", "pint", "casadi", "rich", "typer"}
+HEAVY = {"llvmlite", "h5py", "matplotlib", "scipy", "pint", "casadi", "rich", "typer"}
 # Modules that exist only for a library, and are themselves imported only where it is needed.
 MADE_FOR = {
     ("fluid/modulus.py", "scipy"),
+    ("generator/binding.py", "llvmlite"),
     ("logs/hdf5.py", "h5py"),
     ("logs/mat.py", "h5py"),
-    ("simulation/compiled.py", "numba"),
-    ("simulation/landing.py", "numba"),
-    ("simulation/lane_loop.py", "numba"),
-    ("simulation/lane_vectors.py", "numba"),
-    ("simulation/queue.py", "numba"),
-    ("simulation/loop.py", "numba"),
-    ("simulation/marks.py", "numba"),
-    ("simulation/pace.py", "numba"),
-    ("simulation/schedule.py", "numba"),
-    ("simulation/steps.py", "numba"),
+    ("simulation/in_place.py", "llvmlite"),
+    ("simulation/lane_code.py", "llvmlite"),
+    ("simulation/lane_values.py", "llvmlite"),
     ("simulation/stored_record.py", "h5py"),
-    ("simulation/stiff.py", "numba"),
 }
 FIRST_RUNGS = {package for packages in RUNGS[:5] for package in packages}
 
@@ -103,13 +96,13 @@ def test_heavy_libraries_are_loaded_where_they_are_used(source):
 
 
 def test_formulas_know_no_compiler(source):
-    """Rungs 1 to 4 do not even mention Numba in code; `select` looks at CasADi's types by name."""
+    """Rungs 1 to 4 do not know what compiles them, but for the generator's own packages."""
     below_simulation = {package for packages in RUNGS[:4] for package in packages}
     found = [
         str(path)
         for package, path in files(source)
-        if package in below_simulation
-        if any(name.split(".")[0] == "numba" for name in imports(path, top_level_only=False))
+        if package in below_simulation - {"generator"}
+        if any(name.split(".")[0] in ("llvmlite", "numba") for name in imports(path, top_level_only=False))
     ]
     assert not found
 

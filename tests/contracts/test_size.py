@@ -210,7 +210,6 @@ ALLOWED = {
     "simulation.lane_loop.load": COMPILED,
     "simulation.lane_loop.run_lanes": COMPILED,
     "simulation.lane_vectors.call": COMPILED,
-    "simulation.lane_vectors.combine": COMPILED,
     "simulation.lane_vectors.stage": COMPILED,
     "simulation.lane_vectors.sweep": COMPILED,
     "simulation.lanes.run_lanes": ONE_PASS,

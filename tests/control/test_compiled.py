@@ -1,10 +1,8 @@
 """Steps and laws give the same numbers in plain Python and compiled."""
 
-import dataclasses
-from collections import namedtuple
-
 import numpy as np
 import pytest
+from tests.compiled import compiled
 
 from vvdp.control.backstepping import backstepping_law
 from vvdp.control.chamber import ChamberReading
@@ -13,24 +11,6 @@ from vvdp.control.orifice import valve_command, valve_flow
 from vvdp.control.passivity import passivity_law, printed_passivity_law
 from vvdp.control.reference import Reference, ReferenceFilter, reference_step
 from vvdp.control.storage import loop_balance
-from vvdp.simulation.compiled import make_compilable
-from vvdp.simulation.reach import compiled_form, reachable
-
-
-def record(value):
-    """A parameter set as compiled code sees it."""
-    if dataclasses.is_dataclass(value):
-        fields = [f.name for f in dataclasses.fields(value)]
-        return namedtuple(type(value).__name__, fields)(*(record(getattr(value, name)) for name in fields))
-    return value
-
-
-def compiled(function):
-    from numba import njit
-
-    for reached, _ in reachable(function, {}).values():
-        make_compilable(reached, compiled_form(reached))
-    return njit(error_model="numpy")(function)
 
 
 def numbers(result):
@@ -52,11 +32,11 @@ def draw():
 def test_laws_compile(draw, drive, passive, backstepping):
     pairs = [(passivity_law, passive), (printed_passivity_law, passive), (backstepping_law, backstepping)]
     for law, gains in pairs:
-        fast, settings = compiled(law), (record(gains), record(drive))
+        fast = compiled(law, *draw(), gains, drive)
         for _ in range(20):
             seen = draw()
             plain = numbers(law(*seen, gains, drive))
-            assert numbers(fast(*seen, *settings)) == pytest.approx(plain, rel=1e-11, abs=1e-16)
+            assert numbers(fast(*seen, gains, drive)) == pytest.approx(plain, rel=1e-11, abs=1e-16)
 
 
 def test_everything_else_compiles(draw, drive, passive):
@@ -71,5 +51,5 @@ def test_everything_else_compiles(draw, drive, passive):
     ]
     for function, inputs, settings in steps:
         plain = numbers(function(*inputs, *settings))
-        found = numbers(compiled(function)(*inputs, *map(record, settings)))
+        found = numbers(compiled(function, *inputs, *settings)(*inputs, *settings))
         assert found == pytest.approx(plain, rel=1e-11, abs=1e-16), function.__name__

@@ -31,6 +31,12 @@ def test_the_gallery_is_what_its_command_writes(tmp_path):
         assert (tmp_path / picture).read_text("utf-8") == (DOCS / picture).read_text("utf-8")
 
 
+def test_the_page_on_compilation_shows_what_the_generator_writes():
+    import how_vvdp_compiles
+
+    assert (DOCS / "how-vvdp-compiles.md").read_text("utf-8") == how_vvdp_compiles.page()
+
+
 def _page_and_generator():
     import keys
 

@@ -8,6 +8,7 @@ import typer.main
 
 import vvdp
 from vvdp.cli.main import app
+from vvdp.generator.source import known_text
 from vvdp.simulation.run import simulate
 from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system
@@ -90,7 +91,7 @@ def test_the_first_run_ends_as_the_readme_says():
 def test_the_script_of_the_readme_runs(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (script,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
-    exec(compile(script, "README.md", "exec"), {})
+    exec(compile(script, known_text(script, "README.md"), "exec"), {})
     said = re.search(r"It prints (\d+) W and `True`. A run of 0.5 s prints (\d+) W and `False`", README)
     power, settled = capsys.readouterr().out.split()
     assert round(float(power)) == int(said[1]) and settled == "True"

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.compiled import compiled
 
 from vvdp.base.errors import ParameterError
 from vvdp.estimation.observability import (
@@ -178,15 +179,8 @@ def test_noise_without_a_turn_is_refused(speed, harmonics, word):
 
 
 def test_margin_compiles():
-    from numba import njit
-
-    from vvdp.simulation.compiled import make_compilable
-    from vvdp.simulation.reach import compiled_form, reachable
-
-    for function, _ in reachable(observability_margin, {}).values():
-        make_compilable(function, compiled_form(function))
-    compiled = njit(error_model="numpy")(observability_margin)
+    fast = compiled(observability_margin, GAMMA, SPEEDS[0], 5)
     for gamma in (GAMMA, 0.0):
         for omega in (*SPEEDS, 0.0, gamma):
             plain = observability_margin(gamma, omega, 5)
-            assert compiled(gamma, omega, 5) == pytest.approx(plain, rel=1e-12, abs=1e-14)
+            assert fast(gamma, omega, 5) == pytest.approx(plain, rel=1e-12, abs=1e-14)

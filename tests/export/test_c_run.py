@@ -8,7 +8,7 @@ from tests.generator.c_way import c_entries, compilers
 
 from vvdp.export.c_parts import module_of, program_entry
 from vvdp.export.c_powers import C_INTRINSICS
-from vvdp.simulation.lane_code import is_fused
+from vvdp.generator.binding import is_fused
 from vvdp.simulation.layout import command_parts, memory_parts
 from vvdp.simulation.run import outputs, simulate
 from vvdp.simulation.values import as_series, flat, leaves

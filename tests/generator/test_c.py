@@ -25,10 +25,10 @@ from vvdp.generator import (
 )
 from vvdp.generator.c_joining import join_steps
 from vvdp.generator.c_writer import write_c
-from vvdp.generator.kinds import FLOAT, INT, kind_of
+from vvdp.generator.kinds import FLOAT, INT, Intrinsic, kind_of
 from vvdp.generator.library import Failure
 from vvdp.generator.python_writer import run_python
-from vvdp.generator.unit import Intrinsic, Options, Unit
+from vvdp.generator.unit import Options, Unit
 from vvdp.generator.verify import verify
 
 NAMED = [(f"{number}-{function.__name__}", function, cases) for number, (function, cases) in enumerate(programs.CASES)]
@@ -169,7 +169,7 @@ def raised(x):
 
 
 def test_an_intrinsic_without_c_text_is_refused():
-    options = Options(intrinsics={power: Intrinsic("own_power", 2, "", np.float_power)})
+    options = Options(intrinsics={power: Intrinsic("own_power", (FLOAT, FLOAT), "", np.float_power)})
     with pytest.raises(ValueError, match="no C text for own_power"):
         write_c(module_of(raised, (2.0,), options), "m")
     made = write_c(

@@ -3,16 +3,18 @@
 import numpy as np
 import pytest
 from tests.generator.c_way import CLEAN, c_entries, compilers
-from tests.generator.systems import options, unit_of
+from tests.generator.systems import unit_of
 from tests.generator.ways import machine_code
 
 from vvdp.base.powers import expm1, power
 from vvdp.export.c_powers import C_INTRINSICS
+from vvdp.generator.binding import is_fused
 from vvdp.generator.kinds import FLOAT
 from vvdp.generator.unit import Unit
 from vvdp.generator.verify import verify
-from vvdp.simulation.lane_code import is_fused
+from vvdp.simulation.dialect import model_options
 from vvdp.simulation.layout import blocks, vectors
+from vvdp.simulation.values import flat
 from vvdp.systems.system import load_system, shipped_systems
 
 pytestmark = [
@@ -32,7 +34,7 @@ def one(x):
 
 
 def test_powers_have_the_bits_of_the_machine_code():
-    unit = Unit(options())
+    unit = Unit(model_options())
     unit.add(two, [FLOAT, FLOAT], "two")
     unit.add(one, [FLOAT], "one")
     module = verify(unit.module())
@@ -63,7 +65,7 @@ SHORT = ["buck-converter", "linear-valves", "displacement-chapter6", "prototype"
                                             sorted(set(shipped_systems()) - set(SHORT)))])  # fmt: skip
 def test_every_function_of_a_system_has_the_bits_of_the_machine_code(name):
     system = load_system(name)
-    module = verify(unit_of(system.model, system.case, options()).module())
+    module = verify(unit_of(system.model, system.case, model_options()).module())
     native = machine_code(module, 2)
     for compiler in compilers():
         found = c_entries(module, compiler, ("-O2", *CLEAN), C_INTRINSICS)
@@ -71,13 +73,13 @@ def test_every_function_of_a_system_has_the_bits_of_the_machine_code(name):
         for _ in range(STATES):
             assert_same_circuit(found, native, vectors(system.case), draw)
         for number, program in enumerate(system.case.memory):
-            assert_same_samples(found, native, system.case, (number, program))
+            assert_same_samples(found, native, system, (number, program))
 
 
 def assert_same_circuit(found, native, numbers, draw):
     """Rates, events, stop and conditions at a random state."""
     t, y = draw.uniform(0.0, 0.5), shaken(numbers.state, draw)
-    for entry, handed in (("rates", (y, numbers.command)), ("events", (y, numbers.command)), ("held", ())):
+    for entry, handed in (("rates", (y, numbers.command)), ("events", (y, numbers.command)), ("hold", ())):
         results = []
         for entries in (found, native):
             room = np.zeros(numbers.state.size + numbers.command.size + 64)
@@ -87,16 +89,18 @@ def assert_same_circuit(found, native, numbers, draw):
     assert same(*(entries["stop"](t, numbers.command, numbers.params) for entries in (found, native)))
 
 
-def assert_same_samples(found, native, case, program):
+def assert_same_samples(found, native, system, program):
     """Samples of a program, each with the memory that the one before has left, of states that wander."""
-    number, name = program
+    (number, name), case = program, system.case
+    outputs = flat(system.model.circuit(0.0, case.state, case.command, case.params)[1])
     kept = []
     for entries in (found, native):
         draw, numbers = np.random.default_rng(5), vectors(case)
         memory, command = numbers.memory.copy(), numbers.command.copy()
         for sample in range(SAMPLES):
             y, reading = shaken(numbers.state, draw), np.zeros(400)
-            entries[f"measure_{number}"](sample * 1e-3, y, command, numbers.params, reading)
+            seen = shaken(outputs, draw)
+            entries[f"measure_{number}"](sample * 1e-3, y, command, numbers.params, seen, reading)
             entries[f"step_{number}"](
                 sample * 1e-3, memory, reading, numbers.params, command, blocks(case).programs[name]
             )

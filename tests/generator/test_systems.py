@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.generator.systems import options, unit_of
+from tests.generator.systems import unit_of
 from tests.generator.ways import machine_code
 
 from vvdp.base.powers import expm1, power
@@ -13,6 +13,7 @@ from vvdp.generator.llvm_writer import write_llvm
 from vvdp.generator.python_writer import run_python
 from vvdp.generator.unit import Unit
 from vvdp.generator.verify import verify
+from vvdp.simulation.dialect import model_options
 from vvdp.simulation.layout import vectors
 from vvdp.systems.system import load_system, shipped_systems
 
@@ -33,7 +34,7 @@ def one(x):
 @pytest.fixture(scope="module")
 def plain():
     """The functions worked out in place, as Python functions that call the very instructions."""
-    unit = Unit(options())
+    unit = Unit(model_options())
     unit.add(two, [FLOAT, FLOAT], "two")
     unit.add(one, [FLOAT], "one")
     entries = machine_code(verify(unit.module()), 2)
@@ -46,7 +47,7 @@ def plain():
 @pytest.mark.parametrize("name", ["buck-converter", "long-hose", "prototype-constant-load"])
 def test_rates_are_the_same_in_every_way(name, plain):
     model, case = model_of(name)
-    module = verify(unit_of(model, case, options(plain)).module())
+    module = verify(unit_of(model, case, model_options(plain)).module())
     ways = {"tree": run_python(module), "level 2": machine_code(module, 2)}
     numbers = vectors(case)
     draw = np.random.default_rng(7)
@@ -66,7 +67,7 @@ def rates_of(rates, y, numbers):
 
 def test_copied_functions_have_the_same_rates():
     model, case = model_of("buck-converter")
-    numbers, module = vectors(case), verify(unit_of(model, case, options()).module())
+    numbers, module = vectors(case), verify(unit_of(model, case, model_options()).module())
     found = set()
     for chosen in ({}, {"inline": True}, {"debug": True}):
         code = binding.compile_text(write_llvm(module, **chosen), 2)
@@ -80,7 +81,7 @@ def test_checked_code_has_the_same_rates():
     numbers = vectors(case)
     found = []
     for checked in (False, True):
-        module = verify(unit_of(model, case, options(checked=checked)).module())
+        module = verify(unit_of(model, case, model_options(checked=checked)).module())
         found.append(rates_of(machine_code(module, 1)["rates"], numbers.state, numbers))
     assert found[0].tobytes() == found[1].tobytes()
 
@@ -89,6 +90,6 @@ def test_checked_code_has_the_same_rates():
 @pytest.mark.parametrize("name", sorted(shipped_systems()))
 def test_every_shipped_system_is_written(name):
     model, case = model_of(name)
-    module = verify(unit_of(model, case, options()).module())
+    module = verify(unit_of(model, case, model_options()).module())
     assert machine_code(module, 1).keys() >= {"rates", "stop", "events"}
-    assert write_llvm(module) == write_llvm(verify(unit_of(model, case, options()).module()))
+    assert write_llvm(module) == write_llvm(verify(unit_of(model, case, model_options()).module()))

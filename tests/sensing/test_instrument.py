@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.compiled import compiled
 
 from vvdp.base.errors import ParameterError
 from vvdp.sensing.instrument import (
@@ -115,21 +116,10 @@ def test_contradictions_are_refused():
 
 
 def test_compiled_steps_are_the_same():
-    from collections import namedtuple
-
-    from numba import njit
-
-    from vvdp.simulation.compiled import make_compilable
-    from vvdp.simulation.reach import compiled_form, reachable
-
     settings = changed(noise=0.1, resolution=0.01, lag=0.5, offset=0.1, seed=3.0)
-    for function, _ in reachable(instrument_step, {}).values():
-        make_compilable(function, compiled_form(function))
-    compiled = njit(error_model="numpy")(instrument_step)
-    names = [f.name for f in dataclasses.fields(settings)]
-    record = namedtuple("Instrument", names)(*(getattr(settings, n) for n in names))
     one = two = instrument_start(settings)
+    fast = compiled(instrument_step, one, 0.0, 0.0, settings)
     for t in np.arange(0.0, 5.0, 0.25).tolist():
         one, a = instrument_step(one, t, np.sin(t), settings)
-        two, b = compiled(two, t, np.sin(t), record)
+        two, b = fast(two, t, np.sin(t), settings)
         assert b == pytest.approx(a, rel=1e-14, abs=1e-14)

@@ -1,4 +1,4 @@
-"""Powers and exponentials in place: against more digits, in what is special, and in the code that Numba makes."""
+"""Powers and exponentials in place: against more digits, in what is special, and in generated code."""
 
 import ctypes
 from functools import cache
@@ -6,10 +6,15 @@ from functools import cache
 import numpy as np
 import pytest
 from llvmlite import ir
+from tests.compiled import compiled
 
 from vvdp.base import powers
+from vvdp.generator.binding import compile_text, is_fused, load_code
+from vvdp.generator.kinds import FLOAT
+from vvdp.generator.llvm_writer import write_llvm
+from vvdp.generator.unit import Unit
 from vvdp.simulation import in_place
-from vvdp.simulation.lane_code import compile_text, is_fused, load_code
+from vvdp.simulation.dialect import model_options
 from vvdp.simulation.lane_values import DOUBLE, Code, Vector
 
 ULP = 2.0**-52
@@ -26,8 +31,8 @@ def in_code(name, count, fused):
     code = Code(ir.IRBuilder(function.append_basic_block()), 1, fused)
     result = getattr(in_place, name)(code, *(Vector(code, argument) for argument in function.args))
     code.builder.ret(result.value)
-    KEPT.append(load_code(compile_text(str(module))))
-    call = ctypes.CFUNCTYPE(ctypes.c_double, *[ctypes.c_double] * count)(KEPT[-1].get_function_address("in_place"))
+    KEPT.append(load_code(compile_text(str(module), 3), ["in_place"]))
+    call = ctypes.CFUNCTYPE(ctypes.c_double, *[ctypes.c_double] * count)(KEPT[-1].addresses["in_place"])
     return lambda *arrays: np.array([call(*values) for values in zip(*(a.tolist() for a in arrays), strict=True)])
 
 
@@ -89,20 +94,15 @@ def test_expm1_is_right_to_two_units_in_the_last_place(fused):
         np.testing.assert_array_equal(run(special), np.expm1(special))
 
 
-def test_compiled_code_takes_them_in_place_and_arrays_pass():
-    from numba import njit
+def both(x, k):
+    return powers.power(x, k), powers.expm1(x)
 
-    from vvdp.simulation import compiled as _registered  # noqa: F401  (tells Numba of the two)
 
-    power, expm1 = powers.power, powers.expm1
-
-    @njit
-    def both(x, k):
-        return power(x, k), expm1(x)
-
-    x = np.linspace(0.1, 3.0, 50)
-    for value in x.tolist():
-        assert both(value, -0.4) == pytest.approx((value**-0.4, np.expm1(value)), rel=4.0 * ULP)
-    assert both(2, 3) == (8.0, pytest.approx(np.expm1(2.0), rel=4.0 * ULP))
-    np.testing.assert_allclose(both(x, 2.5), (x**2.5, np.expm1(x)), rtol=4.0 * ULP)
-    assert "vvdp_reciprocals" in both.inspect_asm()[both.signatures[0]]
+def test_generated_code_takes_them_in_place():
+    run = compiled(both, 1.0, 1.0)
+    for value in np.linspace(0.1, 3.0, 50).tolist():
+        assert run(value, -0.4) == pytest.approx((value**-0.4, np.expm1(value)), rel=4.0 * ULP)
+    assert run(2, 3) == (8.0, pytest.approx(np.expm1(2.0), rel=4.0 * ULP))
+    unit = Unit(model_options())
+    unit.add(both, [FLOAT, FLOAT], "both")
+    assert "vvdp_reciprocals" in write_llvm(unit.module())

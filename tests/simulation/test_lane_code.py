@@ -1,13 +1,14 @@
-"""Code for many cases at once: its widths, its place in the cache, and how other compiled code calls it."""
+"""Code for many cases at once: its widths, its place in the cache, and how generated code calls it."""
 
 import ctypes
 
 import numpy as np
 import pytest
-from numba import njit, types
+from tests.compiled import compiled
 
-from vvdp.simulation import lane_code
-from vvdp.simulation.lane_code import by_urgency, compile_text, lane_rates, lane_text, load_code
+from vvdp.generator.binding import compile_text, is_fused, load_code
+from vvdp.simulation import lane_code, lane_vectors
+from vvdp.simulation.lane_code import by_urgency, lane_rates, lane_text
 from vvdp.simulation.symbols import Op, Recorder
 from vvdp.simulation.trace import Graph, evaluate
 
@@ -45,26 +46,25 @@ def expected(graph, inputs):
     return np.array([np.broadcast_to(value, t.size) for value in evaluate(graph, t[0], *vectors)])
 
 
-@pytest.mark.parametrize(("width", "fused"), [(4, False), (4, lane_code.is_fused()), (8, lane_code.is_fused())])
+@pytest.mark.parametrize(("width", "fused"), [(4, False), (4, is_fused()), (8, is_fused())])
 def test_every_width_gives_the_same(graph, width, fused):
-    engine = load_code(compile_text(lane_text(graph, width, fused)))
+    code = load_code(compile_text(lane_text(graph, width, fused), 3), [lane_code.NAME])
     rng = np.random.default_rng(6)
     for _ in range(20):
         inputs = values(width, rng)
-        found = called(engine.get_function_address(lane_code.NAME), inputs, 4)
+        found = called(code.addresses[lane_code.NAME], inputs, 4)
         assert found == pytest.approx(expected(graph, inputs), rel=1e-14, abs=1e-14)
 
 
-def test_compiled_code_calls_it_by_its_symbol(graph, tmp_path):
+def call_lanes(place, t, y, u, p, s, result):
+    lane_vectors.call(place, t, y, u, p, s, result)
+
+
+def test_generated_code_calls_it_by_its_address(graph, tmp_path):
     lanes = lane_rates(graph, tmp_path)
-    rates = types.ExternalFunction(lanes.symbol, types.void(*[types.intp] * 6))
-
-    @njit
-    def call(t, y, u, p, s, dy):
-        rates(t.ctypes.data, y.ctypes.data, u.ctypes.data, p.ctypes.data, s.ctypes.data, dy.ctypes.data)
-
     inputs, result = values(lanes.width, np.random.default_rng(7)), np.zeros((4, lanes.width))
-    call(*inputs, result)
+    given = (lanes.address, *(each.ravel() for each in inputs), result.reshape(-1))
+    compiled(call_lanes, *given)(*given)
     assert result == pytest.approx(expected(graph, inputs), rel=1e-14, abs=1e-14)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from llvmlite import ir
 
-from vvdp.simulation.lane_code import compile_text, is_fused, load_code
+from vvdp.generator.binding import compile_text, is_fused, load_code
 from vvdp.simulation.lane_math import FUNCTIONS, parts, shorten_series
 from vvdp.simulation.lane_values import DOUBLE, Code, Vector
 from vvdp.simulation.symbols import Op
@@ -33,8 +33,8 @@ def lane_function(op, width, fused):
     values = [Vector(code, code.builder.load(at, align=8)) for at in places[:-1]]
     code.builder.store(FUNCTIONS[op](code, *values).value, places[-1], align=8)
     code.builder.ret_void()
-    KEPT.append(load_code(compile_text(str(module))))
-    call = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * (count + 1))(KEPT[-1].get_function_address("lanes"))
+    KEPT.append(load_code(compile_text(str(module), 3), ["lanes"]))
+    call = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * (count + 1))(KEPT[-1].addresses["lanes"])
 
     def run(*arrays):
         size = -(-arrays[0].size // width) * width

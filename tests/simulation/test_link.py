@@ -6,6 +6,8 @@ import subprocess
 import sys
 import textwrap
 import types
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -18,14 +20,15 @@ from vvdp.base.errors import RunError
 from vvdp.base.kinds import Kind
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal, constant, signal_stop, signal_value, table
-from vvdp.simulation import installed
+from vvdp.generator.source import known_text
+from vvdp.simulation import assembly, cache
 from vvdp.simulation import link as linking
-from vvdp.simulation.cache import check_private
+from vvdp.simulation.assembly import Assembly
+from vvdp.simulation.cache import check_private, keep, kept_bytes, read_kept
 from vvdp.simulation.layout import as_memory, case_shape, command_parts, memory_parts, rows, vectors
-from vvdp.simulation.link import Hashed, link
+from vvdp.simulation.link import link
 from vvdp.simulation.model import Case, Model, Program
-from vvdp.simulation.parts import Part, measure_part, rates_part
-from vvdp.simulation.text import Classes
+from vvdp.simulation.parts import measure_part, rates_part
 
 pytestmark = pytest.mark.thorough
 
@@ -70,8 +73,8 @@ def rates_of(linked, case, t=0.0):
 
 def forget() -> None:
     """As a new process would find it: nothing is loaded yet."""
-    for name in [name for name in sys.modules if name.startswith("vvdp_linked_")]:
-        del sys.modules[name]
+    assembly._LOADED.clear()
+    linking._REMEMBERED._found.clear()
 
 
 @pytest.fixture
@@ -146,31 +149,26 @@ def helper_with_words(x):
     return float(f"{x:.3f}") + sorted([x, 1.0], key=str)[0]
 
 
-def test_what_cannot_be_compiled_is_told_in_one_readable_message_each_time(tmp_path):
+def test_what_the_language_does_not_have_is_refused_with_its_place_each_time(tmp_path):
     for _ in range(2):
-        with pytest.raises(RunError) as caught:
+        with pytest.raises(RunError, match=r"test_link.py:\d+: .* \(in helper_with_words\); ") as caught:
             link(Model(uncompilable), CASE, tmp_path)
-        message = str(caught.value)
-        assert "uncompilable" in message
-        assert wording.simulation.cannot_be_compiled in message
-        assert "test_link.py" in message  # where
-        assert "Traceback" not in message
-        assert len(message.splitlines()) <= 6
+        assert len(str(caught.value).splitlines()) == 1
     assert not any(tmp_path.iterdir())
 
 
 class Pair(NamedTuple):
     x: Plain
-    y: Plain = 0.0
+    y: Plain = 0.25
 
 
 def leaving_out(t, s, u, p):
     return Pair(s.x * p.gain), Nothing(0.0)
 
 
-def test_fields_left_to_their_defaults_are_named(tmp_path):
-    with pytest.raises(RunError, match=r"Pair is made without y; write every field out \(.*test_link.py, line \d+\)"):
-        link(Model(leaving_out), Case(Pair(1.0), Gain(gain=2.0)), tmp_path)
+def test_fields_left_out_have_their_defaults(tmp_path):
+    case = Case(Pair(1.0), Gain(gain=2.0))
+    assert rates_of(link(Model(leaving_out), case, tmp_path), case).tolist() == [2.0, 0.25]
 
 
 # Values in and out
@@ -301,7 +299,7 @@ def test_lengths_of_arrays_and_tables_take_no_part_in_the_text():
     assert case_shape(tank_case(3)) != case_shape(tank_case(40))  # memory: not one batch
     points = [table(range(n), np.sin(np.arange(n))) for n in (2, 300)]
     cases = [Case(Level(0.0), Driven(gain=1.0, drive=signal)) for signal in (constant(2.0), *points)]
-    assert len({Hashed(rates_part(Model(driven), case)).part.source for case in cases}) == 1
+    assert len({rates_part(Model(driven), case).source for case in cases}) == 1
     assert len({case_shape(case) for case in cases}) == 1
 
 
@@ -371,83 +369,15 @@ def test_a_signal_that_nobody_asks_for(tmp_path):
 # What is compiled again, and what is not
 
 
-def folders(cache: Path) -> set[str]:
+def files(cache: Path) -> set[str]:
     return {path.name for path in cache.iterdir()}
 
 
-class Bulky(NamedTuple):
-    """What stands for a part of a model that takes so long to compile."""
-
-    digest: str
-    seconds: float
-    part: Part
-
-
-def test_time_left_while_compiling_by_hand(tmp_path, monkeypatch):
-    """Parts of 2, 6 and 12 s, one of no title; the first takes 5 s, and the others are then expected to take 45."""
-    now = [100.0]
-    monkeypatch.setattr(linking.time, "monotonic", lambda: now[0])
-    monkeypatch.setattr(linking, "is_warm", lambda: True)
-    names = {"pending_a": (2.0, "the circuit"), "pending_b": (6.0, ""), "pending_c": (12.0, "the program p")}
-    parts = [Bulky(name, seconds, Part("", {}, Classes(), title)) for name, (seconds, title) in names.items()]
-    pending = linking.Pending(parts, tmp_path)
-    assert pending.words(parts[0]) == wording.simulation.compiling_part.format(
-        what="the circuit", part=1, parts=3, seconds=20
-    )
-    now[0] += 5.0
-    assert pending.words(parts[1]) == ""
-    now[0] += 15.0
-    assert pending.words(parts[2]) == wording.simulation.compiling_part.format(
-        what="the program p", part=3, parts=3, seconds=30
-    )
-    alone = linking.Pending(parts[:1], tmp_path)
-    assert alone.words(parts[0]) == wording.simulation.compiling_left.format(what="the circuit", seconds=2)
-
-
-def test_the_first_line_counts_all_that_is_compiled_afterwards(tmp_path, monkeypatch):
-    """Parts of 2 and 12 s, 2 s for Numba itself and 30 s for the loop: 46 s in all.
-
-    When the first part and Numba have taken 6 s, a pace of 1.5, 1.5 (12 + 30) = 63 s are left.
-    """
-    now = [100.0]
-    monkeypatch.setattr(linking.time, "monotonic", lambda: now[0])
-    monkeypatch.setattr(linking, "is_warm", lambda: False)
-    parts = [
-        Bulky(f"first_{title}", seconds, Part("", {}, Classes(), title)) for seconds, title in ((2.0, "a"), (12.0, "b"))
-    ]
-    pending = linking.Pending(parts, tmp_path, loop=installed.SECONDS)
-    assert pending.words(parts[0]) == wording.simulation.compiling_part.format(what="a", part=1, parts=3, seconds=46)
-    now[0] += 6.0
-    assert pending.words(parts[1]) == wording.simulation.compiling_part.format(what="b", part=2, parts=3, seconds=63)
-
-
-def test_each_loop_is_told_before_it_is_compiled_and_never_again(tmp_path, monkeypatch):
-    monkeypatch.setattr(installed, "FOLDER", tmp_path)
-    monkeypatch.setattr(installed, "_drop_stale_loops", lambda: None)
-    (tmp_path / "__pycache__").mkdir()
-    said: list[str] = []
-    for loop in (installed.ALONE, installed.SIDE_BY_SIDE):
-        installed.announce(loop, said.append)
-        (tmp_path / "__pycache__" / f"{loop}-12.py312.nbi").touch()
-        installed.announce(loop, said.append)
-    assert said == [
-        wording.simulation.loop,
-        wording.simulation.lane_loop,
-    ]
-
-
-def test_each_part_with_a_title_is_told_with_its_place_among_all(tmp_path, fresh, monkeypatch):
-    """Rates, jumps and events; then sensor and step of two programs, and what joins them: nine with the conditions."""
-    monkeypatch.setattr(linking, "is_loop_compiled", lambda: True)
+def test_one_line_names_all_that_is_compiled_and_the_time(tmp_path, fresh):
     said: list[str] = []
     link(TANK, tank_case(), tmp_path, said.append)
-    assert [text.partition(":")[0] for text in said] == [
-        wording.simulation.compiling.format(what="the circuit tank"),
-        wording.simulation.compiling.format(what="the program controller"),
-        wording.simulation.compiling.format(what="the program counter"),
-    ]
-    places = [text.partition(": ")[2].partition(",")[0] for text in said]
-    assert places == [wording.simulation.part_of.format(part=number, parts=9) for number in (1, 5, 7)]
+    what = "the circuit tank, the program controller, the program counter"
+    assert said == [wording.simulation.compiling.format(what=what, seconds=1)]
 
 
 def other_controller(t, memory, reading, settings):
@@ -458,32 +388,50 @@ def other_tank(t, s, u, p):
     return Level(u.controller.flow - s.x), Flow(2.0 * s.x)
 
 
-def test_another_gain_compiles_nothing_and_another_controller_only_itself(tmp_path, fresh, monkeypatch):
-    monkeypatch.setattr(linking, "is_loop_compiled", lambda: True)
+def test_another_gain_compiles_nothing_and_another_controller_only_itself(tmp_path, fresh):
     link(TANK, tank_case(), tmp_path)
-    before, said = folders(tmp_path), []
+    before, said = files(tmp_path), []
+    assert len(before) == 6  # the circuit, two sensors, two steps, and what calls them
     forget()
     link(TANK, Case(**{**vars(tank_case(5)), "params": Gain(gain=7.0)}), tmp_path, said.append)
-    assert folders(tmp_path) == before
+    assert files(tmp_path) == before
     assert said == []
 
     programs = {**PROGRAMS, "controller": Program(flow_sensor, other_controller, Flow(0.0))}
     link(Model(tank, conditions=tank_conditions, programs=programs, mark=tank_mark), tank_case(), tmp_path, said.append)
-    assert len(folders(tmp_path) - before) == 2  # the step, and what joins the programs
-    assert said == [wording.simulation.compiling_part.format(what="the program controller", part=1, parts=2, seconds=1)]
+    assert len(files(tmp_path) - before) == 2  # the step, and what calls sensors and steps
+    assert said == [wording.simulation.compiling.format(what="the program controller", seconds=1)]
 
-    before = folders(tmp_path)
+    before = files(tmp_path)
     link(Model(other_tank, conditions=tank_conditions, programs=PROGRAMS, mark=tank_mark), tank_case(), tmp_path)
-    assert len(folders(tmp_path) - before) == 3  # the circuit, the sensor that reads its flows, and what joins them
+    assert len(files(tmp_path) - before) == 2  # the circuit, and what calls sensors and steps
 
 
-def test_a_sensor_without_outputs_knows_nothing_of_the_circuit():
-    digests = {Hashed(measure_part(Model(c), PROGRAMS["counter"], tank_case())[0]).digest for c in (tank, other_tank)}
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_a_sensor_does_not_contain_the_circuit(name):
+    digests = {Assembly([measure_part(Model(c), PROGRAMS[name], tank_case())]).digest for c in (tank, other_tank)}
     assert len(digests) == 1
-    digests = {
-        Hashed(measure_part(Model(c), PROGRAMS["controller"], tank_case())[0]).digest for c in (tank, other_tank)
-    }
-    assert len(digests) == 2
+
+
+def test_checked_code_is_kept_apart_and_gives_the_same(tmp_path, fresh):
+    case = tank_case()
+    plain = rates_of(link(TANK, case, tmp_path), case)
+    before = files(tmp_path)
+    checked = rates_of(link(TANK, case, tmp_path, checked=True), case)
+    assert len(files(tmp_path) - before) == len(before)
+    assert checked.tobytes() == plain.tobytes()
+
+
+def beyond(t, memory, reading, settings):
+    return memory, Flow(settings.gains[int(reading.flow)])
+
+
+def test_an_index_out_of_bounds_is_reported_by_checked_code_alone(tmp_path, fresh):
+    programs = {**PROGRAMS, "controller": Program(flow_sensor, beyond, Flow(0.0))}
+    model, case = Model(tank, conditions=tank_conditions, programs=programs, mark=tank_mark), tank_case()
+    linked, (y, u, m, p) = link(model, case, tmp_path, checked=True), vectors(case)
+    with pytest.raises(Exception, match=r"test_link.py:\d+: .*\(in beyond\)"):
+        linked.sample(1, 0.0, y, u, m, p, u.copy())
 
 
 class Colour(enum.Enum):
@@ -537,16 +485,22 @@ def circuit_with(k: int, use: str) -> types.FunctionType:
 
 @pytest.mark.parametrize("use", USES.values(), ids=USES)
 def test_a_changed_constant_is_another_hash(use):
-    one, again, other = (Hashed(rates_part(Model(circuit_with(k, use)), CASE)).digest for k in (1, 1, 2))
+    one, again, other = (Assembly([rates_part(Model(circuit_with(k, use)), CASE)]).digest for k in (1, 1, 2))
     assert one == again
     assert one != other
 
 
-def run_python(text: str, folder: Path, cache: Path) -> str:
-    """What a fresh interpreter prints."""
+def run_python(text: str, folder: Path, cache: Path, more: Mapping[str, str] | None = None) -> str:
+    """What a fresh interpreter prints; `more` is added to its environment."""
     source = Path(__file__).parents[2] / "src"
     path = os.pathsep.join([str(folder), *(p for p in (os.environ.get("PYTHONPATH"), str(source)) if p)])
-    environment = {**os.environ, "PYTHONPATH": path, "VVDP_CACHE": str(cache), "PYTHONDONTWRITEBYTECODE": "1"}
+    environment = {
+        **os.environ,
+        "PYTHONPATH": path,
+        "VVDP_CACHE": str(cache),
+        "PYTHONDONTWRITEBYTECODE": "1",
+        **(more or {}),
+    }
     done = subprocess.run(
         [sys.executable, "-c", textwrap.dedent(text)], env=environment, capture_output=True, text=True, check=True
     )
@@ -647,10 +601,6 @@ def test_classes_of_the_same_name():
 # The cache
 
 
-def one_file(cache: Path, ending: str) -> Path:
-    return next(path for path in cache.rglob(f"*{ending}") if "rates" in path.name or ending == ".py")
-
-
 def truncate(path: Path) -> None:
     path.write_bytes(path.read_bytes()[:-20])
 
@@ -661,29 +611,75 @@ def garble(path: Path) -> None:
     path.write_bytes(content)
 
 
-@pytest.mark.parametrize(
-    ("ending", "damage"),
-    [(".nbi", truncate), (".nbc", truncate), (".nbc", garble), (".nbc", Path.unlink), (".py", truncate)],
-)
-def test_damaged_compiled_code_is_compiled_anew_and_told(ending, damage, tmp_path, fresh):
+def empty(path: Path) -> None:
+    path.write_bytes(b"")
+
+
+@pytest.mark.parametrize("damage", [truncate, garble, empty])
+def test_damaged_code_is_reported_and_compiled_again(damage, tmp_path, fresh):
     link(Model(sound), CASE, tmp_path)
-    before, said = folders(tmp_path), []
-    damage(one_file(tmp_path, ending))
+    kept, said = {path: path.read_bytes() for path in tmp_path.iterdir()}, []
+    for path in kept:
+        damage(path)
     forget()
     assert rates_of(link(Model(sound), CASE, tmp_path, said.append), CASE).tolist() == [-2.0]
-    assert [line for line in said if wording.simulation.damaged_anew in line] == said != []
-    assert folders(tmp_path) == before
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == kept
+    assert any(wording.simulation.damaged_again in line for line in said)
     forget()
+    said.clear()
     link(Model(sound), CASE, tmp_path, said.append)
-    assert len(said) == 1
+    assert said == []
 
 
-def test_text_that_somebody_has_changed_is_not_executed(tmp_path, fresh):
+def test_code_that_somebody_has_replaced_is_not_executed(tmp_path, fresh):
+    """The code of another circuit in the place of this one, without its sum."""
     link(Model(sound), CASE, tmp_path)
-    for path in tmp_path.rglob("linked.py"):
-        path.write_text("raise SystemExit('executed')\n")
+    (mine,) = [
+        path for path in tmp_path.iterdir() if path.stat().st_size == max(p.stat().st_size for p in tmp_path.iterdir())
+    ]
+    mine.write_bytes(mine.read_bytes().partition(b"\n")[0] + b"\n[]\nother code")
     forget()
     assert rates_of(link(Model(sound), CASE, tmp_path), CASE).tolist() == [-2.0]
+
+
+def test_what_was_not_used_for_longest_makes_room(tmp_path, monkeypatch):
+    for number, name in enumerate(("old", "used", "new")):
+        keep(name, b"x" * 1000, tmp_path)
+        for path in tmp_path.glob(f"{name}-*"):
+            os.utime(path, (number, number))
+    assert read_kept("used", tmp_path) == b"x" * 1000  # which counts as a use
+    monkeypatch.setattr(cache, "MOST_BYTES", 3 * 1065)
+    keep("newest", b"x" * 1000, tmp_path)
+    assert {path.name.partition("-")[0] for path in tmp_path.iterdir()} == {"used", "new", "newest"}
+    assert kept_bytes(tmp_path) == 3 * 1065
+
+
+def test_a_processor_level_is_part_of_the_key(tmp_path):
+    text = """
+        from test_link import CASE, Model, link, rates_of, sound
+        print(rates_of(link(Model(sound), CASE), CASE)[0])
+    """
+    found = [run_python(text, Path(__file__).parent, tmp_path, {"VVDP_PROCESSOR": v}) for v in ("", "x86-64-v2")]
+    assert found == ["-2.0\n"] * 2
+    names = [path.name.partition("-")[0] for path in tmp_path.iterdir()]
+    assert len(names) == 2 * len(set(names))
+    with pytest.raises(subprocess.CalledProcessError) as caught:
+        run_python(text, Path(__file__).parent, tmp_path, {"VVDP_PROCESSOR": "fast"})
+    assert wording.simulation.no_level in caught.value.stderr
+
+
+def test_two_threads_and_two_processes_at_once_on_an_empty_cache(tmp_path):
+    text = """
+        from concurrent.futures import ThreadPoolExecutor
+        from test_link import CASE, Model, link, rates_of, sound
+        with ThreadPoolExecutor(2) as pool:
+            linked = pool.map(lambda _: link(Model(sound), CASE), range(4))
+            print([float(rates_of(each, CASE)[0]) for each in linked])
+    """
+    with ThreadPoolExecutor(2) as pool:
+        found = list(pool.map(lambda _: run_python(text, Path(__file__).parent, tmp_path), range(2)))
+    assert found == ["[-2.0, -2.0, -2.0, -2.0]\n"] * 2
+    assert not [path for path in tmp_path.iterdir() if path.name.startswith(".")]
 
 
 def test_cache_that_cannot_be_written_is_told(tmp_path, fresh):
@@ -703,11 +699,6 @@ def test_cache_that_others_may_write_to_is_not_executed(tmp_path, fresh):
         RunError, match=rf"{wording.simulation.others_may_write_to} {cache}; chmod go-w .* or set VVDP_CACHE"
     ):
         link(Model(sound), CASE, cache)
-    cache.chmod(0o700)
-    next(cache.iterdir()).chmod(0o777)
-    with pytest.raises(RunError, match=wording.simulation.others_may_write_to):
-        for folder in cache.iterdir():
-            check_private(folder)
 
 
 @pytest.mark.skipif(not hasattr(os, "getuid"), reason="files have no owner")
@@ -734,7 +725,7 @@ def many() -> tuple[Model, Any]:
     fields = "".join(f"    {name}: Plain\n" for name in names)
     rates = ", ".join(f"p.gain * (s.{names[i - 1]} - s.{name}) * abs(s.{name}) ** 0.5" for i, name in enumerate(names))
     text = f"class Chain(NamedTuple):\n{fields}\ndef chain(t, s, u, p):\n    return Chain({rates}), Nothing(0.0)\n"
-    exec(text, home.__dict__)
+    exec(compile(text, known_text(text, "chain"), "exec"), home.__dict__)
     return Model(home.chain), home.Chain(*(float(i) for i in range(32)))
 
 

@@ -4,12 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from tests.dense_filter import update_n
 from tests.words import wording
 
 from vvdp.base.errors import RunError
 from vvdp.base.kinds import Ratio, Time
 from vvdp.base.params import Params
+from vvdp.numerics.kalman import observe
 from vvdp.numerics.random import Random, normal, random_start
 from vvdp.simulation.replay import Replay
 
@@ -41,13 +41,19 @@ def averaged(memory, sample, settings):
     last = np.empty(3)
     last[1:] = memory.last[:2]
     last[0] = sample.value
-    mean, _ = update_n(np.zeros(2), np.eye(2), np.array([1.0, 0.0]), sample.value + noise, settings.share)
-    total = memory.sum + mean[0]
+    factors, gain = np.zeros((2, 2)), np.empty(2)
+    factors[0, 0] = factors[1, 1] = 1.0
+    observe(factors, np.array([1.0, 0.0]), settings.share, gain)
+    total = memory.sum + gain[0] * (sample.value + noise)
     return Memory(total, random, last), Shown(total / sample.time, noise, last[2])
 
 
 def forgetful(memory, sample, settings):
     return memory.sum, Shown(0.0, 0.0, 0.0)
+
+
+def whole_row(memory, sample, settings):
+    return memory, memory.last
 
 
 START = Memory(0.0, random_start(7.0), np.zeros(3))
@@ -97,6 +103,8 @@ def test_what_does_not_fit_is_refused(replay):
         replay(START, np.zeros((5, 3)))
     with pytest.raises(RunError, match=wording.simulation.memory_differs):
         Replay(forgetful, START, Sample(1.0, 0.0), SETTINGS)
+    with pytest.raises(RunError, match=wording.simulation.shows_an_array):
+        Replay(whole_row, START, Sample(1.0, 0.0), SETTINGS)
 
 
 class Weights(NamedTuple):

@@ -17,8 +17,9 @@ from vvdp.simulation import places
 from vvdp.simulation import run as runs
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.link import link, quiet
+from vvdp.simulation.loops import compiled_loop
 from vvdp.simulation.model import Case, Model
-from vvdp.simulation.prepare import compiled_loop, prepare, start_run
+from vvdp.simulation.prepare import prepare, start_run
 from vvdp.simulation.run import PROMPT, UNHURRIED, Stepping, simulate
 
 Plain = Annotated[float, Kind("plain number", "1", -1e9, 1e9, "1")]

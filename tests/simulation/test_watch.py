@@ -11,10 +11,11 @@ from tests.words import wording
 from vvdp.base.kinds import Pressure
 from vvdp.base.params import Params
 from vvdp.simulation import link as linking
-from vvdp.simulation.link import Hashed, link
+from vvdp.simulation.link import link
 from vvdp.simulation.model import Case, Model, Program
 from vvdp.simulation.reach import reachable
 from vvdp.simulation.run import Stepping, simulate
+from vvdp.simulation.text import told_size
 from vvdp.simulation.watch import Watch, model_key
 
 TEXT = """
@@ -129,6 +130,14 @@ def model_and_case():
     return Model(rising), Case(State(1e5), Values())
 
 
+def slow():
+    return 3e5
+
+
+def lost():
+    return np.nan
+
+
 def reached(model, case):
     return simulate(model, case, Stepping(until=1.0)).final[0]
 
@@ -136,7 +145,7 @@ def reached(model, case):
 def test_a_second_run_links_nothing(monkeypatch):
     model, case = model_and_case()
     first = link(model, case)
-    monkeypatch.setattr(linking, "Hashed", lambda part: pytest.fail("linked again"))
+    monkeypatch.setattr(linking, "ModelAssemblies", lambda *given, **more: pytest.fail("linked again"))
     assert link(model, Case(State(2e5), Values(start=3e5))) is first
     assert link(Model(rising), case) is first
     with pytest.raises(pytest.fail.Exception):
@@ -148,7 +157,7 @@ def test_never_runs_what_was(monkeypatch):
     assert reached(model, case) == pytest.approx(2e5)
     monkeypatch.setitem(globals(), "SPEED", 2e5)
     assert reached(model, case) == pytest.approx(3e5)
-    monkeypatch.setitem(globals(), "speed", lambda: 3e5)
+    monkeypatch.setitem(globals(), "speed", slow)
     assert reached(model, case) == pytest.approx(4e5)
     monkeypatch.undo()
     assert reached(model, case) == pytest.approx(2e5)
@@ -158,7 +167,7 @@ def test_what_is_wrong_is_said_each_time(monkeypatch):
     """A change between two runs is tried in plain Python again, not only compiled."""
     model, case = model_and_case()
     reached(model, case)
-    monkeypatch.setitem(globals(), "speed", lambda: np.nan)
+    monkeypatch.setitem(globals(), "speed", lost)
     with pytest.raises(Exception, match=wording.simulation.no_finite_rate):
         reached(model, case)
     monkeypatch.undo()
@@ -198,18 +207,18 @@ def test_readings_whose_length_is_a_value_are_linked_anew():
         for count in (1.0, 9.0)
     )
     assert linking.example_reading(model, model.programs["reader"], long).many.size == 9
-    parts = [linking.measure_part(model, model.programs["reader"], case)[1] for case in (short, long)]
-    assert parts[0] != parts[1]
+    sizes = [told_size(linking.example_reading(model, model.programs["reader"], case)) for case in (short, long)]
+    assert sizes == [2, 10]  # behind the length
     assert model_key(model, short) == model_key(model, long)
     assert link(model, short).digest != link(model, long).digest
 
 
 def test_hash_and_watch_agree_on_the_network_functions():
-    """Whatever `Hashed` reaches can be watched, so that the shipped systems are remembered."""
+    """Whatever an assembly reaches can be watched, so that the shipped systems are remembered."""
     from vvdp.systems.system import load_system
 
     system = load_system("prototype")
     link(system.model, system.case)
-    key = (linking.default_cache(), model_key(system.model, system.case))
+    key = (linking.default_cache(), False, model_key(system.model, system.case))
     assert linking._REMEMBERED.get(key) is not None
-    assert Hashed(linking.rates_part(system.model, system.case)).functions
+    assert linking.ModelAssemblies(system.model, system.case).circuit.functions

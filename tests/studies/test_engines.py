@@ -56,12 +56,6 @@ def deadly(item: int, cores: int) -> None:
     os.kill(os.getpid(), signal.SIGKILL)
 
 
-def place_of_compiled_code(item: int, cores: int) -> str:
-    import numba
-
-    return numba.config.CACHE_DIR
-
-
 def test_every_item_comes_once_with_its_result(engine: Engine) -> None:
     found = list(engine.run_all(squared, range(20)))
     assert sorted(item for item, _ in found) == list(range(20))
@@ -129,7 +123,7 @@ def test_senseless_numbers_are_refused() -> None:
 
 
 def test_fewer_cores_can_be_set_from_outside(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("NUMBA_NUM_THREADS", "1")
+    monkeypatch.setenv("VVDP_THREADS", "1")
     assert all_cores() == 1
     assert list(ThisProcess().run_all(squared, [2])) == [(2, (4, 1, os.getpid()))]
 
@@ -177,17 +171,6 @@ def test_an_engine_without_workers_gives_up_here(monkeypatch: pytest.MonkeyPatch
         engine._client.retire_workers()
         with pytest.raises(RunError, match=wording.engine.no_worker_left):
             list(engine.run_all(squared, [1]))
-
-
-def test_a_worker_with_another_processor_keeps_its_compiled_code_apart(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("VVDP_CACHE", str(tmp_path / "cache"))
-    mine = dask_engines.processor()
-    assert [place for _, place in LocalDask(1).run_all(place_of_compiled_code, [0])] == [""]
-    monkeypatch.setattr(dask_engines, "processor", lambda: "another")
-    ((_, place),) = LocalDask(1).run_all(place_of_compiled_code, [0])
-    assert place == str(tmp_path / "cache" / f"compiled-{mine}")
 
 
 @pytest.fixture

@@ -7,11 +7,11 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq, curve_fit
+from tests.compiled import compiled
 
 from vvdp.components.library import UsualOil
 from vvdp.components.lines import COLUMN, LineState
@@ -19,6 +19,7 @@ from vvdp.components.resistances import ORIFICE
 from vvdp.components.self_acting_valves import CHECK_VALVE
 from vvdp.components.switching_valves import PULSED_TWO_WAY_VALVE, PulsedTwoWayValve
 from vvdp.fluid.mixture import fluid_state, specific_volume_ratio
+from vvdp.generator.source import known_text
 from vvdp.hydraulics.check_valve import CheckValve
 from vvdp.hydraulics.line import Line, inertance, line_friction_drop
 from vvdp.hydraulics.orifice import Orifice
@@ -128,7 +129,6 @@ DUTY_RATIOS = (0.1, 0.2, 0.3, 0.5)
 VALVE = "components.valve."
 
 
-@numba.njit
 def hand_oil(P):
     """Volume ratio, bulk modulus and enthalpy of the usual oil, written down again."""
     phi, n, b, ref = 0.01, 1.4, 1.4e9, 101325.0
@@ -139,12 +139,10 @@ def hand_oil(P):
     return nu, nu / (a / (n * x * ref) + liquid / b), phi * ref * (x**k - 1.0) / k + b * ((1.0 - phi) - liquid)
 
 
-@numba.njit
 def hand_root(drop, eps):
     return drop / (drop * drop + eps * eps) ** 0.25
 
 
-@numba.njit
 def hand_rates(y, on, mu):
     """Pressure of the node, flow of the tube, spool's position and velocity; oil to the load, energies from and to."""
     P, z, x, v = y[0], y[1], y[2], y[3]
@@ -179,20 +177,19 @@ def hand_rates(y, on, mu):
     )
 
 
-@numba.njit
 def hand_buck(duty, mu, per_period):
     """Mean flow to the load [m^3/s] and efficiency from 0.2 to 0.4 s, by the classical method of fourth order."""
     y, middle, step = np.zeros(7), np.zeros(7), 0.01 / per_period
     y[0] = 101325.0
     for k in range(40 * per_period):
         if k == 20 * per_period:
-            middle = y.copy()
-        on = 1.0 if k % per_period < round(duty * per_period) else 0.0
+            middle[:] = y
+        on = 1.0 if k % per_period < int(duty * per_period + 0.5) else 0.0
         k1 = hand_rates(y, on, mu)
         k2 = hand_rates(y + 0.5 * step * k1, on, mu)
         k3 = hand_rates(y + 0.5 * step * k2, on, mu)
         k4 = hand_rates(y + step * k3, on, mu)
-        y = y + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+        y[:] = y + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
     mean = (y - middle) / 0.2
     return mean[4], mean[6] / mean[5]
 
@@ -201,7 +198,8 @@ def hand_buck(duty, mu, per_period):
 def hand_converter(duty: float) -> tuple[float, float]:
     """Flow to the load [lpm] and efficiency of the buck converter without anything of ours."""
     # viscosity at 40 degC is that of the table: 44.1780822 cSt of 876 kg/m^3
-    flow, efficiency = hand_buck(duty, 44.1780822e-6 * 876.0, 20000)
+    values = duty, 44.1780822e-6 * 876.0, 20000
+    flow, efficiency = compiled(hand_buck, *values)(*values)
     return flow / LPM, efficiency
 
 
@@ -234,7 +232,7 @@ def test_minimal_buck_converter_is_the_shipped_one(tmp_path):
     same = [key for key in shipped if key != "wall_time_s"]
     assert [from_file[key] for key in same] == pytest.approx([shipped[key] for key in same], rel=1e-9, abs=1e-12)
     made: dict[str, Any] = {}
-    exec(code, made)
+    exec(compile(code, known_text(code, "page"), "exec"), made)
     circuit = build(made["net"])
     run = simulate(circuit.model, circuit.case, load_system("buck-converter").stepping)
     # The numbers are typed in another unit, so they differ by rounding, and the steps by a little more.

@@ -86,9 +86,10 @@ def check(json: AsJson = False) -> None:
 
 def _installed_version() -> dict[str, Any]:
     import vvdp
+    from vvdp.generator.binding import processor_level
+    from vvdp.simulation.cache import kept_bytes
+    from vvdp.simulation.crew import all_cores
     from vvdp.simulation.link import default_cache
-    from vvdp.simulation.run import is_loop_compiled
-    from vvdp.studies.engine import all_cores
 
     cache, asked = default_cache(), list(requirements())
     return {
@@ -97,7 +98,8 @@ def _installed_version() -> dict[str, Any]:
         "cores": all_cores(),
         "cache_folder": str(cache),
         "cache_problem": _write_problem(cache),
-        "loop_compiled": is_loop_compiled(),
+        "cache_bytes": kept_bytes(cache),
+        "processor_level": processor_level()[0],
         "libraries": {each.package: each.version for each in asked if each.extra is None},
         "extras": {
             extra: {"opens": opens, "packages": {each.package: each.version for each in asked if each.extra == extra}}
@@ -112,6 +114,7 @@ def _installed_version() -> dict[str, Any]:
 
 def _print(found: dict[str, Any]) -> None:
     from vvdp.cli.screen import console, grid
+    from vvdp.simulation.cache import MOST_BYTES
 
     out, table = console(), grid("part", "found")
     for name in ("vvdp", "python"):
@@ -119,8 +122,8 @@ def _print(found: dict[str, Any]) -> None:
     for package, version in found["libraries"].items():
         table.add_row(package, version or "missing")
     table.add_row("cache folder", f"{found['cache_folder']} ({found['cache_problem'] or 'writable'})")
-    compiled = "compiled" if found["loop_compiled"] else "not compiled yet; the first run does it"
-    table.add_row("simulation loop", compiled)
+    size = f"{found['cache_bytes'] / 1e6:.1f} MB of at most {MOST_BYTES / 1e6:.0f}"
+    table.add_row("compiled code", f"{size}, for {found['processor_level']} processors")
     table.add_row("cores", str(found["cores"]))
     out.print(table)
     out.print(_optional(found))

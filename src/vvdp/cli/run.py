@@ -43,11 +43,26 @@ def run(
             show_default=False,
         ),
     ] = None,
+    checked: Annotated[
+        bool,
+        typer.Option("--checked", help="Check indexes, divisions, assertions in compiled code (slower)."),
+    ] = False,
+    watched: Annotated[
+        bool,
+        typer.Option("--watch", help="Run again whenever the file is saved; print what changed."),
+    ] = False,
 ) -> None:
     """Simulate a system and write its results and a report.
 
     Ctrl-C stops the simulation early and keeps the results so far.
     """
+    if watched:
+        from vvdp.cli.watch import refuse_together, watch
+        from vvdp.systems.system import load_system
+
+        refuse_together(out=out is not None, force=force, json=json, check=check, cycle=cycle is not None)
+        watch(system, lambda: load_system(system, settings or (), until), lambda done: _print(done, ()))
+        return
     from vvdp.base.files import result_directory
     from vvdp.cli.progress import report_reach
     from vvdp.cli.report import RUN, add_report
@@ -65,7 +80,7 @@ def run(
     directory = out if out is not None else default_directory(loaded.name)
     with result_directory(directory, force=force) as folder:
         with report_reach(end, lambda now: f"t = {now:.4g} s of {end:.4g} s") as progress:
-            done = run_system(loaded, progress=progress, say=say, command=typed_command())
+            done = run_system(loaded, progress=progress, say=say, command=typed_command(), checked=checked)
         if not done.has("finished"):
             say(f"interrupted at t = {done.number('duration_s'):.6g} s; writing what was reached")
         changes: tuple[Move, ...] = ()
@@ -76,10 +91,10 @@ def run(
         save_run(folder, done)
         reported = not no_report and add_report(RUN, folder, done)
     if json:
-        checked = {"check": {move.key: move.change for move in changes}} if changes else {}
+        accuracy = {"check": {move.key: move.change for move in changes}} if changes else {}
         spans = {"ranges": done.meta["ranges"]} if "ranges" in done.meta else {}
         told = {"warnings": list(warnings(loaded, done.summary))}
-        print_json({"system": loaded.name, **_with_counts(done), **told, **checked, **spans, "out": str(directory)})
+        print_json({"system": loaded.name, **_with_counts(done), **told, **accuracy, **spans, "out": str(directory)})
     else:
         _print(done, changes)
         typer.echo(f"results: {directory}" + (f"\nreport: {directory / 'report.html'}" if reported else ""))

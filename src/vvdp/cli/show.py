@@ -19,6 +19,7 @@ def show(
     settings: Settings = None,
     json: AsJson = False,
     text: Annotated[bool, typer.Option("--text", help="Print the generated Python text of the circuit.")] = False,
+    llvm: Annotated[bool, typer.Option("--llvm", help="Print the LLVM text of the circuit and its programs.")] = False,
 ) -> None:
     """Show nodes, components and values of a system.
 
@@ -30,6 +31,10 @@ def show(
     loaded = load_system(system, settings or ())
     if text:
         typer.echo(loaded.circuit.text, nl=False)
+    elif llvm:
+        from vvdp.simulation.link import llvm_text
+
+        typer.echo(llvm_text(loaded.model, loaded.case), nl=False)
     elif json:
         print_json(_content(loaded))
     else:

@@ -255,7 +255,9 @@ def _begin_wave(mean: Array, covariance: Array, settings: Fusion) -> None:
     """Forget the wave, in place."""
     x, P = mean, covariance
     x[2], x[3], x[4] = settings.phase, settings.duty_ratio, settings.lag
-    P[2:, :], P[:, 2:] = 0.0, 0.0
+    for i in range(2, 5):
+        for j in range(5):
+            P[i, j] = P[j, i] = 0.0
     P[2, 2], P[3, 3], P[4, 4] = settings.phase_variance, settings.duty_ratio_variance, settings.lag_variance
 
 

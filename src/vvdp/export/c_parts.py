@@ -3,26 +3,20 @@
 import itertools
 import linecache
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, is_dataclass
+from dataclasses import dataclass, is_dataclass, replace
 from types import FunctionType
 from typing import Any, NamedTuple
 
 import numpy as np
-from llvmlite import ir
 
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import Time
-from vvdp.base.powers import expm1, power
-from vvdp.base.select import select
 from vvdp.export.c_structs import Classes, store_lines, value_text
-from vvdp.generator.body import Body
 from vvdp.generator.kinds import FLOAT, Kind, Row, stand_in
-from vvdp.generator.operations import choose, truth
 from vvdp.generator.tree import Module
-from vvdp.generator.unit import Intrinsic, Options, Unit
+from vvdp.generator.unit import Options, Unit
 from vvdp.generator.verify import verify
-from vvdp.simulation import in_place
-from vvdp.simulation.lane_values import Code, Vector
+from vvdp.simulation import dialect
 from vvdp.simulation.layout import arrays
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.reach import compiled_form
@@ -201,29 +195,8 @@ class _Forms(dict[Any, Any]):
 
 
 def model_options() -> Options:
-    """How the functions of models are read."""
-
-    def select_word(body: Body, condition: Any, a: Any, b: Any) -> Any:
-        return choose(body, truth(body, condition), body.bind(a), body.bind(b))
-
-    return Options(
-        replaced=_Forms(),
-        intrinsics={
-            power: Intrinsic("vvdp_power", 2, _llvm_text("vvdp_power", 2, in_place.power), np.float_power),
-            expm1: Intrinsic("vvdp_expm1", 1, _llvm_text("vvdp_expm1", 1, in_place.expm1), np.expm1),
-        },
-        words={select: select_word},
-    )
-
-
-def _llvm_text(name: str, count: int, write: Callable[..., Vector]) -> str:
-    """The LLVM text of a function that compiled code works out in place, with fused operations on any processor."""
-    module, double = ir.Module(), ir.DoubleType()
-    function = ir.Function(module, ir.FunctionType(double, [double] * count), name)
-    function.linkage = "internal"
-    code = Code(ir.IRBuilder(function.append_basic_block()), 1, True)
-    code.builder.ret(write(code, *(Vector(code, argument) for argument in function.args)).value)
-    return str(module)
+    """How the functions of models are read: as in a simulation, but for signals, which are plain records here."""
+    return replace(dialect.model_options(), replaced=_Forms())
 
 
 SPREAD = 0.2

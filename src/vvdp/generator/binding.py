@@ -1,13 +1,21 @@
 """All that is used of llvmlite: LLVM text becomes object code, and object code functions in this process."""
 
 import itertools
+import os
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 import llvmlite.binding as llvm
 
+from vvdp.base.errors import RunError
+
 _numbers = itertools.count()
+LEVEL = "VVDP_PROCESSOR"
+"""The variable of the environment that names a processor level, for a cache that different processors share."""
+LEVELS = {"x86-64-v2": (), "x86-64-v3": ("fma", "avx2"), "x86-64-v4": ("fma", "avx2", "avx512f")}
+"""The levels, and which of the features asked for by name they have."""
 
 
 @dataclass(frozen=True)
@@ -18,13 +26,25 @@ class Loaded:
     keeper: Any
 
 
+def processor_level() -> tuple[str, str]:
+    """The processor that code is made for and its features: this one, unless the environment names a level.
+
+    Raises RunError where it names none of `LEVELS`.
+    """
+    if level := os.environ.get(LEVEL):
+        if level not in LEVELS:
+            raise RunError(f"{LEVEL} is {level}; expected one of {', '.join(LEVELS)}")
+        return level, ""
+    return llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+
+
 @cache
 def _machine(level: int) -> Any:
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     target = llvm.Target.from_triple(llvm.get_process_triple())
-    features = llvm.get_host_cpu_features().flatten()
-    return target.create_target_machine(cpu=llvm.get_host_cpu_name(), features=features, opt=level, jit=True)
+    cpu, features = processor_level()
+    return target.create_target_machine(cpu=cpu, features=features, opt=level, jit=True)
 
 
 @cache
@@ -34,7 +54,18 @@ def _jit() -> Any:
 
 def processor() -> str:
     """The processor that code is made for, with its features."""
-    return f"{llvm.get_process_triple()} {llvm.get_host_cpu_name()} {llvm.get_host_cpu_features().flatten()}"
+    return " ".join([llvm.get_process_triple(), *processor_level()])
+
+
+def has_feature(name: str) -> bool:
+    """Whether the processor that code is made for has a feature, such as "avx512f"."""
+    level, _ = processor_level()
+    return name in LEVELS[level] if level in LEVELS else bool(llvm.get_host_cpu_features().get(name))
+
+
+def is_fused() -> bool:
+    """Whether the processor that code is made for multiplies and adds in one."""
+    return has_feature("fma") or not llvm.get_process_triple().startswith("x86")
 
 
 def version() -> str:
@@ -51,7 +82,8 @@ def optimise(text: str, level: int = 2) -> Any:
     machine = _machine(level)
     module.triple, module.data_layout = llvm.get_process_triple(), str(machine.target_data)
     tuning = llvm.create_pipeline_tuning_options(speed_level=level)
-    tuning.loop_vectorization = tuning.slp_vectorization = False
+    tuning.loop_vectorization = False  # it takes as long again as all else; sums in order gain nothing by it
+    tuning.slp_vectorization = level > 0
     tuning.loop_unrolling = level > 2
     builder = llvm.create_pass_builder(machine, tuning)
     builder.getModulePassManager().run(module, builder)
@@ -64,10 +96,15 @@ def compile_text(text: str, level: int = 2) -> bytes:
     return code
 
 
-def load_code(code: bytes, names: tuple[str, ...]) -> Loaded:
-    """The functions of these names in object code, which may call those of the C library of this process."""
+def load_code(code: bytes, names: Sequence[str], symbols: Mapping[str, int] | None = None) -> Loaded:
+    """The functions of these names in object code, which may call those of the C library of this process.
+
+    symbols  the addresses of functions of other modules, by the names under which the code calls them
+    """
     library = llvm.JITLibraryBuilder().add_object_img(code).add_current_process()
     for name in names:
         library.export_symbol(name)
+    for name, address in (symbols or {}).items():
+        library.import_symbol(name, address)
     tracker = library.link(_jit(), f"generated_{next(_numbers)}")
     return Loaded({name: tracker[name] for name in names}, tracker)

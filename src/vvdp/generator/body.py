@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vvdp.generator import tree
-from vvdp.generator.kinds import BOOL, FLOAT, INT, Kind, Known, Record, Row, Scalar
+from vvdp.generator.kinds import BOOL, FLOAT, INT, Kind, Known, Record, Row, Scalar, tuple_of
 from vvdp.generator.source import Source
-from vvdp.generator.values import EXPRESSIONS, describe, is_array, part, refusal, tuple_of
+from vvdp.generator.values import EXPRESSIONS, describe, is_array, part, refusal
 
 if TYPE_CHECKING:
     from vvdp.generator.unit import Unit

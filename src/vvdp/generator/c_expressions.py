@@ -223,6 +223,23 @@ def _call_address(text: Text, value: tree.CallAddress) -> Held:
     return (f"{one(text, value.address, NAME)}({', '.join([*found, 'failure'])})",)
 
 
+def _symbol(text: Text, value: tree.Symbol) -> Held:
+    """The name of a function of another module, which the text declares."""
+    kind = text.shared.type_of(value.kind)
+    text.shared.symbols.setdefault(value.name, f"extern const {kind} {value.name};\n")
+    return (value.name,)
+
+
+def call_intrinsic(text: Text, value: tree.CallIntrinsic) -> str:
+    """A call of a function that the caller has supplied: of an array its address and all of its lengths."""
+    found: list[str] = []
+    for each in value.arguments:
+        kind = each.kind
+        opened = Row(kind.element, (None,) * len(kind.shape)) if isinstance(kind, Row) else kind
+        found += argument(text, each, opened, changes=True)
+    return f"{value.name}({', '.join(found)})"
+
+
 WRITTEN: dict[type[Any], Callable[[Text, Any], Held]] = {
     tree.Constant: lambda text, value: (constant(value.kind, value.value),),
     tree.Table: lambda text, value: (text.shared.table(value),),
@@ -240,4 +257,6 @@ WRITTEN: dict[type[Any], Callable[[Text, Any], Held]] = {
     tree.Make: _make,
     tree.Call: _call,
     tree.CallAddress: _call_address,
+    tree.Symbol: _symbol,
+    tree.CallIntrinsic: lambda text, value: (call_intrinsic(text, value),),
 }

@@ -45,7 +45,7 @@ def reads_in(values: tuple[tree.Expression, ...]) -> Iterator[tree.Variable]:
 
 def has_effect(value: tree.Expression) -> bool:
     """Whether an expression calls a function, which may write to arrays or fail."""
-    return any(isinstance(each, tree.Call | tree.CallAddress) for each in expressions_in(value))
+    return any(isinstance(each, tree.Call | tree.CallAddress | tree.CallIntrinsic) for each in expressions_in(value))
 
 
 def assignments(statement: tree.Statement) -> list[tuple[tree.Variable, tree.Expression]]:
@@ -150,7 +150,7 @@ def _handed_over(value: tree.Expression, known: dict[str, set[tree.Variable]]) -
     if isinstance(value, tree.Call):
         pairs = zip(value.arguments, value.function.parameters, strict=True)
         return [argument for argument, parameter in pairs if parameter in known[value.function.name]]
-    if isinstance(value, tree.CallAddress | tree.Library):
+    if isinstance(value, tree.CallAddress | tree.CallIntrinsic | tree.Library):
         return [argument for argument in value.arguments if isinstance(argument.kind, Row)]
     if isinstance(value, tree.Make):
         return [part for part in value.parts if part is not None and isinstance(part.kind, Row)]

@@ -68,7 +68,7 @@ def value_as(text: Text, value: tree.Expression, variable: tree.Variable) -> tup
 
 def _let(text: Text, statement: tree.Let) -> None:
     variable, value = statement.variable, statement.value
-    if isinstance(value, tree.Call | tree.CallAddress):
+    if isinstance(value, tree.Call | tree.CallAddress | tree.CallIntrinsic):
         _write_call(text, statement)
         leave_on_failure(text, value)
     elif variable in text.scopes.live:
@@ -112,8 +112,10 @@ def result_record(kind: Kind) -> Kind:
     return Record(RowResult, (kind,)) if isinstance(kind, Row) else kind
 
 
-def leave_on_failure(text: Text, value: tree.Call | tree.CallAddress) -> None:
+def leave_on_failure(text: Text, value: tree.Call | tree.CallAddress | tree.CallIntrinsic) -> None:
     """Leaves the function where the one that it has called has failed."""
+    if isinstance(value, tree.CallIntrinsic):
+        return
     if isinstance(value, tree.CallAddress) or text.shared.needs[value.function.name].trouble:
         text.put("if (*failure != 0) {")
         text.put(f"    {nothing(text)}")
@@ -193,7 +195,7 @@ def _store(text: Text, statement: tree.Store) -> None:
 
 def _do(text: Text, statement: tree.Do) -> None:
     value = statement.call
-    if isinstance(value, tree.CallAddress):
+    if isinstance(value, tree.CallAddress | tree.CallIntrinsic):
         text.put(f"{c_form(text, value)[0]};")
     elif isinstance(value.kind, Known):
         text.put(f"{call(text, value)};")

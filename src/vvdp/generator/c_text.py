@@ -79,6 +79,7 @@ class Shared:
     structs: dict[Kind, str] = field(default_factory=dict)
     types: list[str] = field(default_factory=list)  # definitions in order
     tables: dict[str, str] = field(default_factory=dict)
+    symbols: dict[str, str] = field(default_factory=dict)  # addresses of functions of other modules
     needs: dict[str, Needs] = field(default_factory=dict)
     changed: dict[str, set[Variable]] = field(default_factory=dict)
     names: dict[str, str] = field(default_factory=dict)  # of functions

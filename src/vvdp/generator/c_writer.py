@@ -245,4 +245,14 @@ def _source(shared: Shared, visible: int, functions: list[str], supplied: list[s
             said = {"words": "floats" if kind == "double" else "whole numbers", "number": shared.failures + 1}
             own = f"{shared.prefix}_workspace"
             helpers.append(ROOM.format(kind=kind, name=name, workspace=own, free=free, left=f"{free}_left", **said))
-    return "\n".join([*heads, *helpers, *supplied, *shared.types[visible:], *shared.tables.values(), *functions])
+    return "\n".join(
+        [
+            *heads,
+            *helpers,
+            *supplied,
+            *shared.types[visible:],
+            *shared.symbols.values(),
+            *shared.tables.values(),
+            *functions,
+        ]
+    )

@@ -2,72 +2,113 @@
 
 import ctypes
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vvdp.generator.binding import Loaded
-from vvdp.generator.kinds import BOOL, FLOAT, INT, Kind, Known, Record, Row, Scalar, size
+from vvdp.generator.kinds import (
+    BOOL,
+    FLOAT,
+    INT,
+    POINTER,
+    Kind,
+    Known,
+    Record,
+    Row,
+    Scalar,
+    registers_of,
+    size,
+    tuple_of,
+)
 from vvdp.generator.library import Failure
-from vvdp.generator.tree import Function, Module
-from vvdp.generator.values import tuple_of
 
-C_TYPES: dict[Kind, Any] = {FLOAT: ctypes.c_double, INT: ctypes.c_int64, BOOL: ctypes.c_bool}
+if TYPE_CHECKING:
+    from vvdp.generator.binding import Loaded
+    from vvdp.generator.tree import Module
+
+C_TYPES: dict[Any, Any] = {
+    FLOAT: ctypes.c_double, INT: ctypes.c_int64, BOOL: ctypes.c_bool, POINTER: ctypes.c_void_p,
+}  # fmt: skip
 
 READ: dict[Kind, Callable[[Any], Any]] = {FLOAT: lambda slot: float(slot.view(np.float64)), INT: int, BOOL: bool}
 
 
-def callables(module: Module, loaded: Loaded) -> dict[str, Callable[..., Any]]:
-    """The entries of a module as functions of Python values, which keep its code in memory."""
-    return {f.name: _callable(f, loaded, module) for f in module.functions if f.name in module.entries}
+class Entry:
+    """A generated function that takes and gives Python values; as a whole number it is its address.
 
+    A call releases the interpreter's lock. It raises Failure with file, line and reason where the function fails, and
+    TypeError for values of other types than `kinds`.
+    """
 
-def _callable(function: Function, loaded: Loaded, module: Module) -> Callable[..., Any]:
-    kinds = [parameter.kind for parameter in function.parameters]
-    result = function.result
-
-    def call(*values: Any) -> Any:
-        """Raises Failure with file, line and reason where the function fails, TypeError for other arguments."""
-        found = np.zeros(max(1, size(result)), np.int64)
-        trouble, kept = ctypes.c_int64(0), [found]
-        handed = [ctypes.c_void_p(found.ctypes.data)] if isinstance(result, Record) else []
-        for value, kind in zip(values, kinds, strict=True):
-            handed += _c_arguments(value, kind, kept)
+    def __init__(self, address: int, kinds: Sequence[Kind], result: Kind, reason: Callable[[int], str], keeper: Any):
+        self.address, self.kinds, self.result = address, tuple(kinds), result
+        self._reason, self._keeper = reason, keeper
+        types = [C_TYPES[leaf] for kind in self.kinds for leaf in registers_of(kind)]
+        if isinstance(result, Record):
+            types.insert(0, ctypes.c_void_p)
         returned = C_TYPES[result] if isinstance(result, Scalar) else None
-        types: list[Any] = [type(each) for each in handed]
-        run = ctypes.CFUNCTYPE(returned, *types, ctypes.c_void_p)(loaded.addresses[function.name])
-        answer = run(*handed, ctypes.addressof(trouble))
+        self._run = ctypes.CFUNCTYPE(returned, *types, ctypes.c_void_p)(address)
+
+    def __int__(self) -> int:
+        return self.address
+
+    def __call__(self, *values: Any) -> Any:
+        trouble = ctypes.c_int64(0)
+        result, kept, handed = self.result, list[Any](), list[Any]()
+        if isinstance(result, Record):
+            kept.append(np.zeros(max(1, size(result)), np.int64))
+            handed.append(kept[0].ctypes.data)
+        for value, kind in zip(values, self.kinds, strict=True):
+            handed += _c_arguments(value, kind, kept)
+        answer = self._run(*handed, ctypes.addressof(trouble))
         if trouble.value:
-            raise Failure(module.reasons[trouble.value - 1])
+            raise Failure(self._reason(trouble.value))
         if isinstance(result, Known):
             return result.value
-        return _read(result, iter(found)) if isinstance(result, Record) else answer
+        return _read(result, iter(kept[0])) if isinstance(result, Record) else answer
 
-    return call
+
+def callables(module: "Module", loaded: "Loaded") -> dict[str, Entry]:
+    """The entries of a module as functions of Python values, which keep its code in memory."""
+    entries = (function for function in module.functions if function.name in module.entries)
+    return {
+        f.name: Entry(
+            address=loaded.addresses[f.name],
+            kinds=[parameter.kind for parameter in f.parameters],
+            result=f.result,
+            reason=lambda number: module.reasons[number - 1],
+            keeper=loaded,
+        )
+        for f in entries
+    }
 
 
 def _c_arguments(value: Any, kind: Kind, kept: list[Any]) -> list[Any]:
     """The arguments in C for a value; what they point to is added to `kept`."""
+    if kind is FLOAT:
+        return [float(value)]
     if isinstance(kind, Scalar):
-        return [C_TYPES[kind](value)]
+        return [int(value)]
     if isinstance(kind, Record):
         block = np.array(list(_slots(value, kind, kept)), np.int64)
         kept.append(block)
-        return [ctypes.c_void_p(block.ctypes.data)]
+        return [block.ctypes.data]
     if isinstance(kind, Row):
-        address, *lengths = _row_slots(value, kind, kept)
-        return [ctypes.c_void_p(address), *map(ctypes.c_int64, lengths)]
-    return [ctypes.c_void_p(int(value))]
+        return _row_slots(value, kind, kept)
+    return [int(value)]
 
 
 def _row_slots(array: Any, kind: Row, kept: list[Any]) -> list[int]:
     if not (isinstance(array, np.ndarray) and array.dtype == kind.element.value and array.flags.c_contiguous):
         raise TypeError(f"expected an array of {kind.element.value} in C order")
+    if len(array.shape) != len(kind.shape):
+        raise TypeError(f"an array of shape {array.shape}; expected {kind!r}")
+    lengths = [n for n, wanted in zip(array.shape, kind.shape, strict=True) if wanted is None]
     known = zip(array.shape, kind.shape, strict=True)
-    if any(wanted not in (None, length) for length, wanted in known):
+    if len(lengths) < len(array.shape) and any(wanted not in (None, n) for n, wanted in known):
         raise TypeError(f"an array of shape {array.shape}; expected {kind!r}")
     kept.append(array)
-    return [array.ctypes.data, *(n for n, wanted in zip(array.shape, kind.shape, strict=True) if wanted is None)]
+    return [array.__array_interface__["data"][0], *lengths]
 
 
 def _slots(value: Any, kind: Record, kept: list[Any]) -> Iterator[int]:

@@ -13,9 +13,9 @@ import numpy as np
 from vvdp.generator.arrays import entry, item
 from vvdp.generator.body import Body, End, Names
 from vvdp.generator.joining import merge
-from vvdp.generator.kinds import BOOL, Address, Known, Record, Scalar, number_kind
+from vvdp.generator.kinds import BOOL, Address, Known, Record, Scalar, number_kind, tuple_of
 from vvdp.generator.operations import binary, choose, compare, is_cheap, negate, truth, unary
-from vvdp.generator.tree import Binary, CallAddress, Do, If
+from vvdp.generator.tree import Binary, CallAddress, Do, If, Symbol
 from vvdp.generator.values import (
     Undefined,
     describe,
@@ -27,7 +27,6 @@ from vvdp.generator.values import (
     part,
     parts,
     refusal,
-    tuple_of,
     type_of,
 )
 from vvdp.generator.words import FOLDED, WORDS, Written, array_attribute
@@ -304,8 +303,9 @@ def _call(body: Body, node: ast.Call, names: Names) -> Any:
 
 def call(body: Body, function: Any, values: list[Any], given: dict[str, Any]) -> Any:
     """`function(*values, **given)`."""
-    if isinstance(type_of(function), Address):
-        return _call_address(body, function, values)
+    if isinstance(getattr(function, "kind", None), Address):
+        address = function if is_symbol(function) else Symbol(function.name, function.kind)
+        return _call_address(body, address, values)
     if isinstance(function, Written):
         return _write_in_place(body, function.word, values, given)
     function = body.unit.replacement(function)

@@ -4,8 +4,8 @@ from typing import Any
 
 from vvdp.generator import tree
 from vvdp.generator.body import Body, End, Names
-from vvdp.generator.kinds import Kind, Known, Record, has_rows
-from vvdp.generator.values import Undefined, are_same, carried_type, joined_type, part, parts, refusal, tuple_of
+from vvdp.generator.kinds import Kind, Known, Record, has_rows, tuple_of
+from vvdp.generator.values import Undefined, are_same, carried_type, joined_type, part, parts, refusal
 
 
 def set_all(body: Body, target: Any, value: Any) -> None:

@@ -2,7 +2,7 @@
 
 import enum
 import struct
-from collections.abc import Hashable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 from typing import Any, TypeAlias, cast
@@ -60,6 +60,33 @@ class Address:
         return f"({', '.join(map(repr, self.arguments))}) -> {self.result!r}"
 
 
+@dataclass(frozen=True)
+class External:
+    """A function of another module, which code calls by its name; what stands for it is said when code is loaded."""
+
+    name: str
+    kind: Address
+
+
+@dataclass(frozen=True)
+class Intrinsic:
+    """A function that the caller supplies as LLVM text and as Python: both must give the same bits.
+
+    arguments  their types: an array is handed over as its address and all of its lengths
+    text       definitions; among them that of `@<name>`
+    plain      the same in Python
+    result     a number, or None
+    is_pure    whether it takes only floats, gives one, and has no effects
+    """
+
+    name: str
+    arguments: tuple["Kind", ...]
+    text: str
+    plain: Callable[..., Any]
+    result: Scalar | None = FLOAT
+    is_pure: bool = True
+
+
 @dataclass(frozen=True, eq=False)
 class Known:
     """A value that is known before the code runs, and takes no room in it."""
@@ -102,6 +129,11 @@ def leaves(kind: Kind) -> Iterator[Scalar | str]:
             yield from leaves(field)
     elif isinstance(kind, Address):
         yield POINTER
+
+
+def registers_of(kind: Kind) -> list[Scalar | str]:
+    """What is handed over for a value: of a record its address."""
+    return [POINTER] if isinstance(kind, Record) else list(leaves(kind))
 
 
 @cache
@@ -183,3 +215,8 @@ def stand_in(cls: type) -> type:
     from collections import namedtuple
 
     return namedtuple(cls.__name__, [f.name for f in fields(cls)])
+
+
+def tuple_of(cls: type, parts: Iterator[Any] | list[Any] | tuple[Any, ...]) -> Any:
+    """A tuple or NamedTuple of these parts."""
+    return tuple(parts) if cls is tuple else cls(*parts)

@@ -4,7 +4,20 @@ from collections.abc import Callable
 from typing import Any
 
 from vvdp.generator import tree
-from vvdp.generator.kinds import BOOL, FLOAT, INT, Known, Record, Row, Scalar, has_rows, leaves, place, size
+from vvdp.generator.kinds import (
+    BOOL,
+    FLOAT,
+    INT,
+    Known,
+    Record,
+    Row,
+    Scalar,
+    has_rows,
+    leaves,
+    place,
+    registers_of,
+    size,
+)
 from vvdp.generator.library import C_LIBRARY, EXACT, FITS
 from vvdp.generator.llvm_text import (
     SELDOM,
@@ -279,6 +292,23 @@ def _call_address(text: Text, value: tree.CallAddress) -> Registers:
     return found
 
 
+def _symbol(text: Text, value: tree.Symbol) -> Registers:
+    kinds = value.kind
+    types = ", ".join([*(TYPES[t] for kind in kinds.arguments for t in registers_of(kind)), "ptr"])
+    result = "void" if kinds.result is None else TYPES[kinds.result]
+    text.shared.declared.setdefault(value.name, f"declare {result} @{value.name}({types})")
+    return (f"@{value.name}",)
+
+
+def _call_intrinsic(text: Text, value: tree.CallIntrinsic) -> Registers:
+    kinds = [each.kind for each in value.arguments]
+    values = [registers(text, each) for each in value.arguments]
+    opened = [Row(k.element, (None,) * len(k.shape)) if isinstance(k, Row) else k for k in kinds]
+    values = [open_lengths(v, k, o) for v, k, o in zip(values, kinds, opened, strict=True)]
+    instruction = f"call {result_type(value.kind)} @{value.name}({arguments_text(opened, values)})"
+    return write_call(text, instruction, value.kind)
+
+
 WRITTEN: dict[type[Any], Callable[[Text, Any], Registers]] = {
     tree.Constant: lambda text, value: (constant(value.kind, value.value),),
     tree.Table: lambda text, value: text.table(value),
@@ -297,4 +327,6 @@ WRITTEN: dict[type[Any], Callable[[Text, Any], Registers]] = {
     tree.Make: _make,
     tree.Call: _call,
     tree.CallAddress: _call_address,
+    tree.Symbol: _symbol,
+    tree.CallIntrinsic: _call_intrinsic,
 }

@@ -4,9 +4,9 @@ from collections.abc import Callable, Iterator
 from typing import Any, Protocol
 
 from vvdp.generator import tree
-from vvdp.generator.kinds import Known, Record, Row, has_rows, leaves, size
+from vvdp.generator.kinds import Known, Record, Row, has_rows, leaves, registers_of, size
 from vvdp.generator.llvm_expressions import is_own_room, item_address, one, registers, return_nothing, trouble_address
-from vvdp.generator.llvm_text import TYPES, Needs, Registers, Text, is_held_in_memory, open_lengths, registers_of
+from vvdp.generator.llvm_text import TYPES, Needs, Registers, Text, is_held_in_memory, open_lengths
 
 
 def statements_in(block: tree.Block) -> Iterator[tree.Statement]:
@@ -279,7 +279,7 @@ def _return(text: Text, statement: tree.Return) -> None:
 
 
 def _fail(text: Text, statement: tree.Fail) -> None:
-    text.put(f"store i64 {statement.number}, ptr {trouble_address(text)}, align 8")
+    text.put(f"store i64 {text.shared.base + statement.number}, ptr {trouble_address(text)}, align 8")
     return_nothing(text)
 
 

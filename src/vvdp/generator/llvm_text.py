@@ -5,7 +5,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from vvdp.generator.kinds import BOOL, FLOAT, INT, POINTER, Address, Kind, Known, Record, Row, Scalar, leaves, size
+from vvdp.generator.kinds import (
+    BOOL,
+    FLOAT,
+    INT,
+    POINTER,
+    Address,
+    Kind,
+    Known,
+    Record,
+    Row,
+    Scalar,
+    leaves,
+    registers_of,
+    size,
+)
 from vvdp.generator.tree import Function, Table, Variable
 
 TYPES = {FLOAT: "double", INT: "i64", BOOL: "i1", POINTER: "ptr"}
@@ -24,6 +38,7 @@ class Shared:
     located: dict[str, int] = field(default_factory=dict)  # metadata by its text, for debug locations
     debug: bool = False
     inline: bool = False
+    base: int = 0  # of the numbers of failures
 
     def metadata(self, text: str) -> int:
         """The number of a piece of metadata."""
@@ -156,11 +171,6 @@ def constant(kind: Scalar | str, value: Any) -> str:
     if kind is BOOL:
         return "true" if value else "false"
     return "null" if kind == POINTER else str(int(value))
-
-
-def registers_of(kind: Kind) -> list[Scalar | str]:
-    """What is handed over for a value: of a record its address."""
-    return [POINTER] if isinstance(kind, Record) else list(leaves(kind))
 
 
 def open_lengths(registers: Registers, kind: Kind, target: Kind) -> Registers:

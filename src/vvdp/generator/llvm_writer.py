@@ -9,7 +9,7 @@ from the C library, place of a failure.
 
 import re
 
-from vvdp.generator.kinds import Record
+from vvdp.generator.kinds import Record, registers_of
 from vvdp.generator.library import C_LIBRARY
 from vvdp.generator.llvm_expressions import declare_library
 from vvdp.generator.llvm_statements import locate, needs_of, scope_of, write_block
@@ -20,7 +20,6 @@ from vvdp.generator.llvm_text import (
     Shared,
     Text,
     is_held_in_memory,
-    registers_of,
     result_type,
 )
 from vvdp.generator.tree import Function, Module
@@ -76,14 +75,15 @@ declare void @free(ptr) nounwind
 """
 
 
-def write_llvm(module: Module, *, debug: bool = False, inline: bool = False) -> str:
+def write_llvm(module: Module, *, debug: bool = False, inline: bool = False, base: int = 0) -> str:
     """The LLVM text of a module.
 
     debug   gives each instruction the file and line of its Python text
     inline  copies every function to where it is called: formulas without loops run a sixth faster and compile in half
             the time; what has many calls in branches and loops grows
+    base    added to the number of each failure, so that those of modules that call each other differ
     """
-    shared, needs = Shared(debug=debug, inline=inline), dict[str, Needs]()
+    shared, needs = Shared(debug=debug, inline=inline, base=base), dict[str, Needs]()
     shared.metadata('!{!"branch_weights", i32 1, i32 1000000}')  # the first, which is `SELDOM`
     functions = []
     for function in module.functions:

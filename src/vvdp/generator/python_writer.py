@@ -4,7 +4,7 @@ Run on NumPy's floats it gives the bits of the machine code, which tells faults 
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -27,9 +27,12 @@ def write_python(module: tree.Module) -> str:
     return "\n\n\n".join(["\n".join(lines), *(_function(each) for each in module.functions)]).lstrip() + "\n"
 
 
-def run_python(module: tree.Module) -> dict[str, Callable[..., Any]]:
-    """The entries of a module, written as Python and run by CPython. They take NumPy's floats."""
-    known = names_of(module)
+def run_python(module: tree.Module, symbols: Mapping[str, Any] | None = None) -> dict[str, Callable[..., Any]]:
+    """The entries of a module, written as Python and run by CPython. They take NumPy's floats.
+
+    symbols  functions of other modules by their names
+    """
+    known = names_of(module) | dict(symbols or {})
     exec(compile(write_python(module), "<generated>", "exec"), known)
     return {name: known[name] for name in module.entries}
 
@@ -192,4 +195,6 @@ EXPRESSED: dict[type[Any], Callable[[Any], str]] = {
     tree.Make: lambda v: f"({', '.join('None' if p is None else whole(p) for p in v.parts)},)",
     tree.Call: lambda v: f"{v.function.name}({', '.join(map(whole, v.arguments))})",
     tree.CallAddress: lambda v: f"{text(v.address)}({', '.join(map(whole, v.arguments))})",
+    tree.Symbol: lambda v: v.name,
+    tree.CallIntrinsic: lambda v: f"_{v.name}({', '.join(map(whole, v.arguments))})",
 }

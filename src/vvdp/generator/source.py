@@ -1,12 +1,15 @@
 """Plain Python functions read from their source text, and the refusal of what the language does not have."""
 
 import ast
+import hashlib
 import inspect
 import linecache
+import time
 import types
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 from vvdp.base.errors import VvdpError
@@ -31,6 +34,13 @@ class LanguageError(VvdpError):
         return f"{where}{self.construct}{within}; {self.advice}"
 
 
+def known_text(text: str, name: str) -> str:
+    """A name for `text` that is in no file, such as a cell of a notebook; functions compiled under it can be read."""
+    file = f"<{name} {hashlib.sha256(text.encode()).hexdigest()[:16]}>"
+    linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
+    return file
+
+
 @dataclass(frozen=True)
 class Source:
     """The text of a function and the names that it can see."""
@@ -51,7 +61,10 @@ def read_source(function: Any) -> Source:
     name = plain.__qualname__
     if code.co_freevars:
         raise LanguageError(f"{name} closes over {', '.join(code.co_freevars)}", "hand the values over as arguments")
-    node = _functions(code.co_filename, tuple(linecache.getlines(code.co_filename))).get(code.co_firstlineno)
+    lines = tuple(linecache.getlines(code.co_filename))
+    node = _functions(code.co_filename, lines).get(code.co_firstlineno)
+    if node is not None and not _is_current(code, lines):
+        raise LanguageError(f"{code.co_filename} has changed since it was imported", "start again")
     if node is None or node.name != code.co_name:
         what = "a lambda" if code.co_name == "<lambda>" else f"no source text for {name}"
         error = LanguageError(what, "define the function with `def` in a file")
@@ -68,6 +81,36 @@ def _functions(file: str, lines: tuple[str, ...]) -> dict[int, ast.FunctionDef]:
         if isinstance(node, ast.FunctionDef):
             found[min([node.lineno, *(each.lineno for each in node.decorator_list)])] = node
     return found
+
+
+_STARTED = time.time()
+MARGIN = 60.0
+"""Files older by so much than this module in memory have not changed since they were imported [s]."""
+
+
+def _is_current(code: types.CodeType, lines: tuple[str, ...]) -> bool:
+    """Whether the text of a function is that of its code; it is not where a file has changed under a process."""
+    try:
+        changed = Path(code.co_filename).stat().st_mtime
+    except OSError:  # text that no file holds
+        return True
+    if changed < _STARTED - MARGIN:
+        return True
+    return any(_is_same(code, other) for other in _codes(code.co_filename, lines))
+
+
+@lru_cache(maxsize=64)
+def _codes(file: str, lines: tuple[str, ...]) -> list[types.CodeType]:
+    """The code of every function of a file as it is now."""
+    found = [compile("".join(lines), file, "exec")]
+    for each in found:
+        found += [constant for constant in each.co_consts if isinstance(constant, types.CodeType)]
+    return found
+
+
+def _is_same(one: types.CodeType, other: types.CodeType) -> bool:
+    parts = ("co_name", "co_firstlineno", "co_code", "co_names", "co_varnames", "co_consts")
+    return all(getattr(one, part) == getattr(other, part) for part in parts)
 
 
 def stored_names(statements: list[ast.stmt]) -> set[str]:

@@ -7,7 +7,7 @@ record. Variables of a `Let` are assigned once; those of a `Set` may be assigned
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
-from vvdp.generator.kinds import BOOL, INT, Kind, Record, Row, Scalar
+from vvdp.generator.kinds import BOOL, INT, Address, Kind, Record, Row, Scalar
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -190,9 +190,26 @@ class CallAddress:
     kind: Kind
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Symbol:
+    """The address of a function of another module, known when the code is loaded."""
+
+    name: str
+    kind: Address
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class CallIntrinsic:
+    """A call of an intrinsic of the caller that has effects, or takes other arguments than floats."""
+
+    name: str
+    arguments: tuple["Expression", ...]
+    kind: Kind
+
+
 Expression: TypeAlias = (
     Constant | Read | Table | Unary | Binary | Compare | Convert | Choose | Library | Field | Length
-    | Item | View | Room | Make | Call | CallAddress
+    | Item | View | Room | Make | Call | CallAddress | Symbol | CallIntrinsic
 )  # fmt: skip
 
 
@@ -228,7 +245,7 @@ class Store:
 class Do:
     """A call for its effects only."""
 
-    call: Call | CallAddress
+    call: Call | CallAddress | CallIntrinsic
     line: int
 
 

@@ -10,24 +10,10 @@ import numpy as np
 from vvdp.generator import tree
 from vvdp.generator.body import Body, End, Word
 from vvdp.generator.joining import finish
-from vvdp.generator.kinds import FLOAT, INT, Kind, Known, Row, element_of, scalar_of
+from vvdp.generator.kinds import FLOAT, INT, Intrinsic, Kind, Known, Row, element_of, scalar_of
 from vvdp.generator.source import LanguageError, read_source
 from vvdp.generator.statements import read_block
 from vvdp.generator.values import Undefined, argument_type, refusal
-
-
-@dataclass(frozen=True)
-class Intrinsic:
-    """A function of floats that the caller supplies as LLVM text and as Python: both must give the same bits.
-
-    text   definitions; among them `define ... double @<name>(double, ...)`
-    plain  the same in Python
-    """
-
-    name: str
-    arguments: int
-    text: str
-    plain: Callable[..., float]
 
 
 @dataclass(frozen=True)
@@ -65,7 +51,7 @@ class Unit:
         self.checked = self.options.checked
         self.words = dict(self.options.words)
         for function, intrinsic in self.options.intrinsics.items():
-            self.words[function] = _intrinsic_word(self, intrinsic)
+            self.words[function] = intrinsic_word(self, intrinsic)
 
     def add(self, function: Callable[..., Any], kinds: Sequence[Kind], name: str) -> tree.Function:
         """Reads `function` for arguments of these types, to be called from outside by `name`.
@@ -164,12 +150,22 @@ def _read(unit: Unit, given: Any, kinds: tuple[Kind, ...], name: str, *, is_entr
     return function
 
 
-def _intrinsic_word(unit: Unit, intrinsic: Intrinsic) -> Word:
+def intrinsic_word(unit: Unit, intrinsic: Intrinsic) -> Word:
+    """What writes a call of an intrinsic."""
+
     def word(body: Body, *values: Any) -> Any:
         unit.intrinsics[intrinsic.name] = intrinsic
-        if len(values) != intrinsic.arguments:
-            raise refusal(f"{len(values)} arguments", f"hand over {intrinsic.arguments}")
-        return tree.Library(intrinsic.name, tuple(body.number(value, FLOAT) for value in values), FLOAT)
+        if len(values) != len(intrinsic.arguments):
+            raise refusal(f"{len(values)} arguments", f"hand over {len(intrinsic.arguments)}")
+        made = [body.as_kind(value, kind) for value, kind in zip(values, intrinsic.arguments, strict=True)]
+        arguments = tuple(each for each in made if each is not None)
+        if intrinsic.is_pure:
+            return tree.Library(intrinsic.name, arguments, FLOAT)
+        call = tree.CallIntrinsic(intrinsic.name, arguments, intrinsic.result or Known(None))
+        if intrinsic.result is None:
+            body.add(tree.Do(call, body.line))
+            return None
+        return body.bind(call)
 
     return word
 

@@ -1,12 +1,23 @@
 """Values while a function is read: expressions of the tree, plain Python values that are known, and tuples of both."""
 
-from collections.abc import Iterator
 from typing import Any, get_args
 
 import numpy as np
 
 from vvdp.generator import tree
-from vvdp.generator.kinds import INT, Address, Kind, Known, Record, Row, Scalar, common_kind, kind_of, scalar_of
+from vvdp.generator.kinds import (
+    INT,
+    Address,
+    Kind,
+    Known,
+    Record,
+    Row,
+    Scalar,
+    common_kind,
+    kind_of,
+    scalar_of,
+    tuple_of,
+)
 from vvdp.generator.source import LanguageError
 
 EXPRESSIONS = get_args(tree.Expression)
@@ -97,11 +108,6 @@ def are_same(one: Any, other: Any) -> bool:
     if isinstance(one, tuple) and isinstance(other, tuple):
         return type(one) is type(other) and len(one) == len(other) and all(map(are_same, one, other))
     return type(one) is type(other) and Known(one) == Known(other)
-
-
-def tuple_of(cls: type, parts: Iterator[Any] | list[Any] | tuple[Any, ...]) -> Any:
-    """A tuple or NamedTuple of these parts."""
-    return tuple(parts) if cls is tuple else cls(*parts)
 
 
 def part(value: Any, number: int) -> Any:

@@ -187,6 +187,8 @@ OPERANDS: dict[type[Any], tuple[str, ...]] = {
     tree.Make: ("parts",),
     tree.Call: ("arguments",),
     tree.CallAddress: ("address", "arguments"),
+    tree.Symbol: (),
+    tree.CallIntrinsic: ("arguments",),
 }
 
 
@@ -231,6 +233,7 @@ def wrong(value: tree.Expression, module: tree.Module) -> str:
         tree.Make: lambda v: _is_whole(v),
         tree.Call: lambda v: _all_fit(v.arguments, [p.kind for p in v.function.parameters]),
         tree.CallAddress: lambda v: isinstance(kinds[0], Address) and _all_fit(v.arguments, kinds[0].arguments),
+        tree.CallIntrinsic: lambda v: _is_supplied(v, module),
         tree.Library: lambda v: _is_permitted(v, kinds, module),
     }
     check = checks.get(type(value))
@@ -243,9 +246,15 @@ def _is_whole(value: tree.Make) -> bool:
     return all(isinstance(k, Known) if p is None else fits(p.kind, k) for p, k in pairs)
 
 
+def _is_supplied(value: tree.CallIntrinsic, module: tree.Module) -> bool:
+    intrinsic = module.intrinsics.get(value.name)
+    result = Known(None) if intrinsic is None or intrinsic.result is None else intrinsic.result
+    return intrinsic is not None and value.kind == result and _all_fit(value.arguments, intrinsic.arguments)
+
+
 def _is_permitted(value: tree.Library, kinds: list[Kind], module: tree.Module) -> bool:
     if value.name in FITS:
         return kinds == [INT, INT] and value.kind is BOOL
     counts = {name: count for name, (count, _) in EXACT.items()} | C_LIBRARY
-    counts |= {name: intrinsic.arguments for name, intrinsic in module.intrinsics.items()}
+    counts |= {name: len(intrinsic.arguments) for name, intrinsic in module.intrinsics.items() if intrinsic.is_pure}
     return kinds == [FLOAT] * counts.get(value.name, -1) and value.kind is FLOAT

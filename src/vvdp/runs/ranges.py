@@ -8,7 +8,6 @@ from vvdp.base.errors import RunError
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.batch import case_shape, simulate_batch
 from vvdp.simulation.crew import never
-from vvdp.simulation.installed import SIDE_BY_SIDE, is_loop_compiled
 from vvdp.simulation.link import quiet
 from vvdp.simulation.outcome import Outcome, outcome
 from vvdp.simulation.run import simulate
@@ -77,9 +76,8 @@ def _outcomes(
     cases = [variant.case for variant, together in zip(variants, alike, strict=True) if together]
     if not cases:
         return [_alone(variant, stop) for variant in variants]
-    # Compiling the loop for lanes takes a minute; the ends of a few values take seconds without it.
-    lanes = is_loop_compiled(SIDE_BY_SIDE)
-    batch = simulate_batch(system.model, cases, system.stepping, lanes=lanes, stop=stop, say=say)
+    # Compiling the loop for lanes takes longer than the ends of a few values without it.
+    batch = simulate_batch(system.model, cases, system.stepping, lanes=False, stop=stop, say=say)
     if batch.stopped:
         raise KeyboardInterrupt
     rows = iter(range(len(cases)))

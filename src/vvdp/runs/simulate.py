@@ -31,12 +31,14 @@ def run_system(
     stop: Callable[[], bool] | None = None,
     say: Callable[[str], None] = quiet,
     command: Sequence[str] = (),
+    checked: bool = False,
 ) -> RecordedRun:
     """Simulates a system to its end, or to where `stop` or Ctrl-C ends it, which is kept.
 
-    `progress` hears the time reached [s]; `command` is what was typed. Raises RunError where the simulation fails.
+    `progress` hears the time reached [s]; `command` is what was typed; `checked` as of `simulate`. Raises RunError
+    where the simulation fails.
     """
-    done = simulate(system.model, system.case, system.stepping, progress=progress, stop=stop, say=say)
+    done = simulate(system.model, system.case, system.stepping, progress=progress, stop=stop, say=say, checked=checked)
     return recorded_run(system, done, command)
 
 

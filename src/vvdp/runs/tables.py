@@ -114,7 +114,7 @@ def computation(run: RecordedRun) -> Listing:
     n, meta = run.number, run.meta
     limit = f"limit {plain(LIMIT)}"
     ends = "stiff" if run.has("stiff_method") else "explicit"
-    packages = ", ".join(f"{meta.get(name, '–')}" for name in ("python", "numpy", "numba"))
+    packages = ", ".join(f"{meta.get(name, '–')}" for name in ("python", "numpy", "llvm"))
     rows = [
         Row("energy residual, of the throughput", NUMBER, (n("energy_residual"),), note=limit),
         Row("oil residual, of the throughput", NUMBER, (n("mass_residual"),), note=limit),
@@ -127,7 +127,7 @@ def computation(run: RecordedRun) -> Listing:
         Row("simulated time", DURATION, (n("duration_s"),), note=f"of {float(meta['until_s']):g} s"),
         Row("wall time", DURATION, (n("wall_time_s"),)),
         Row("equations, hash", None, (str(meta["equations"]),)),
-        Row("Python, NumPy, Numba", None, (packages,)),
+        Row("Python, NumPy, LLVM", None, (packages,)),
     ]
     return Listing(title="", heads=("",), rows=tuple(rows))
 

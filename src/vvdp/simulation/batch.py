@@ -12,15 +12,17 @@ import numpy.typing as npt
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError, RunError
 from vvdp.simulation import places
-from vvdp.simulation.crew import Crew, never
+from vvdp.simulation.crew import Crew, all_cores, never
 from vvdp.simulation.lanes import SideBySide, run_lanes, side_by_side
 from vvdp.simulation.layout import as_memory, case_form
 from vvdp.simulation.layout import case_shape as case_shape
 from vvdp.simulation.layout import rows as rows_of
 from vvdp.simulation.link import quiet
+from vvdp.simulation.loop import workbench
+from vvdp.simulation.loops import Loop, compiled_loop
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.outcome import Outcome, Window, kept_marks, marked_window, plain_window
-from vvdp.simulation.prepare import Prepared, Reached, compiled_loop, prepare, start_run
+from vvdp.simulation.prepare import Prepared, Reached, prepare, start_run
 from vvdp.simulation.run import failure, remarks
 from vvdp.simulation.start import check_start, start_bounds
 from vvdp.simulation.stepping import Method, Stepping
@@ -122,7 +124,7 @@ def simulate_batch(
     crew = Crew(_threads(cores), stop)
     began = time.perf_counter()
     ready = prepare(model, cases[0], stepping, cache, say)
-    loop = compiled_loop(say)
+    loop = compiled_loop(say, cache)
     code: SideBySide | str = "lanes were not asked for"
     if lanes and stepping.method is Method.STIFF:
         code = "the stiff method carries each case alone"
@@ -227,7 +229,7 @@ class _Carried(NamedTuple):
 
 
 def _carry_out(
-    loop: Any,
+    loop: Loop,
     ready: Prepared,
     code: SideBySide | str,
     cases: Sequence[Case],
@@ -276,7 +278,7 @@ def _carry_out(
 
 
 def _run_alone(
-    loop: Any,
+    loop: Loop,
     ready: Prepared,
     stepping: Stepping,
     begun: Reached,
@@ -289,7 +291,7 @@ def _run_alone(
     nothing = [np.zeros((0, part.shape[1])) for part in begun[:3]]
 
     def work(queue: npt.NDArray[np.int64]) -> None:
-        bench = loop.workbench(ready.plan, begun.state.shape[1], ready.width.size, ready.pattern)
+        bench = workbench(ready.plan, begun.state.shape[1], ready.width.size, ready.pattern)
         loop.batch(
             *ready.linked[:4],
             *(*begun[:3], params, ready.plan, *begun[3:]),
@@ -319,10 +321,8 @@ def _form(found: object) -> str:
 
 
 def _threads(cores: int | None) -> int:
-    """How many threads carry out a batch: `cores`, or as many as Numba is allowed to use."""
-    import numba
-
-    most = int(vars(numba.config)["NUMBA_NUM_THREADS"])
+    """How many threads carry out a batch: `cores`, or all that this process may use."""
+    most = all_cores()
     if cores is not None and not 1 <= cores <= most:
         raise ParameterError(f"{cores} cores; expected 1 to {most}")
     return cores or most

@@ -1,6 +1,6 @@
 """The threads that carry out the compiled work of a batch, and who may stop them."""
 
-import threading
+import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
@@ -15,9 +15,12 @@ LOOK = 5e-3
 
 Queue = npt.NDArray[np.int64]  # (2,), see `vvdp.simulation.places`
 
-first_call = threading.Lock()
-"""Held at the first call of a compiled function that takes others: Numba then looks for the version of it that fits, as
-two threads must not do at once."""
+
+def all_cores() -> int:
+    """How many cores this process may use; `VVDP_THREADS` can make them fewer."""
+    affinity = getattr(os, "sched_getaffinity", None)
+    cores = len(affinity(0)) if affinity else os.cpu_count() or 1
+    return max(1, min(cores, int(os.environ.get("VVDP_THREADS") or cores)))
 
 
 def never() -> bool:
@@ -43,8 +46,6 @@ class Crew:
 
         Ctrl-C, or whatever else `stop` raises, halts the threads and is raised again when they have ended.
         """
-        with first_call:
-            work(np.array([np.iinfo(np.int64).max // 2, 0]))
         self.queue[places.NEXT] = 0
         with ThreadPoolExecutor(self.threads) as pool:
             try:

@@ -6,9 +6,8 @@ these are known.
 """
 
 import numpy as np
-from numba import njit
 
-from vvdp.simulation.places import BARE, FIRST, HAIR, LAST, LEVEL, TRIGGER
+from vvdp.simulation.places import FIRST, HAIR, LAST, LEVEL, TRIGGER
 
 SETTLINGS = 32
 """How often modes may change at one instant."""
@@ -16,7 +15,6 @@ GRAIN = 1e-10
 """How far behind its boundary a mode or kink has to be before it counts: what rests on a boundary does not chatter."""
 
 
-@njit(**BARE, inline="always")
 def positions(events, t, y, u, p, rate, x):
     """Fills `x` from the events and from what stands behind the rates, `rate`."""
     events(t, y, u, p, x)
@@ -25,7 +23,6 @@ def positions(events, t, y, u, p, rate, x):
         x[x.size - behind + i] = rate[y.size + i]
 
 
-@njit(**BARE)
 def settle(rates, t, y, u, p, plan, rate):
     """Rates at an instant with the modes that hold there; the place of one that finds no rest, else -1."""
     first, n, restless = int(plan[0, FIRST]), y.size, -1
@@ -41,7 +38,6 @@ def settle(rates, t, y, u, p, plan, rate):
     return restless
 
 
-@njit(**BARE)
 def hold(plan, agenda, u, held):
     """Fills `held` with the floors that hold."""
     for k in range(1, plan.shape[0]):
@@ -52,7 +48,6 @@ def hold(plan, agenda, u, held):
         held[held.size - modes + i] = u[first + i]
 
 
-@njit(**BARE)
 def forget(course, held, before):
     """Forgets the course of all whose floor is no longer what it was `before`."""
     for i in range(held.size):
@@ -60,13 +55,11 @@ def forget(course, held, before):
             course[2, i] = 0.0
 
 
-@njit(**BARE, inline="always")
 def has_left(x, floor, grain):
     """Whether `x` is no longer between a floor and the next."""
     return x < floor - grain or x >= floor + 1.0 + grain
 
 
-@njit(**BARE, inline="always")
 def is_left(x, held, grain):
     """Whether any floor has changed."""
     found = False
@@ -75,13 +68,11 @@ def is_left(x, held, grain):
     return found
 
 
-@njit(**BARE, inline="always")
 def edge(x, floor, grain):
     """The boundary on the side of `x`."""
     return floor + 1.0 + grain if x > floor + 0.5 else floor - grain
 
 
-@njit(**BARE, inline="always")
 def follow(course, before, x, step, step_before):
     """Brings the course up to the end of a step."""
     per_step, per_mean = 1.0 / step, 2.0 / (step + step_before)
@@ -92,7 +83,6 @@ def follow(course, before, x, step, step_before):
         course[2, i] = 1.0
 
 
-@njit(**BARE, inline="always")
 def time_left(course, x, held, grain, step_before, soon):
     """The time [s] after which the first floor is expected to change; infinite where none is.
 
@@ -112,7 +102,6 @@ def time_left(course, x, held, grain, step_before, soon):
     return least
 
 
-@njit(**BARE)
 def guess(lo, hi, before, after, held, grain):
     """The earliest place between `lo` and `hi` at which a line from `before` to `after` says that a floor changes."""
     found = hi
@@ -123,22 +112,19 @@ def guess(lo, hi, before, after, held, grain):
     return found
 
 
-@njit(**BARE)
-def arc(course, before, x, floor, grain, step, step_before):
-    """Where a position passes its boundary, as a share of the step, by its course before the step and its end."""
+def arc(course, i, before, x, floor, grain, step, step_before):
+    """Where position `i` passes its boundary, as a share of the step, by its course before the step and its end."""
     way, goal = x - before, edge(x, floor, grain) - before
-    speed = step * (course[0] + 0.5 * course[2] * course[1] * step_before) if course[2] > 0.0 else way
+    speed = step * (course[0, i] + 0.5 * course[2, i] * course[1, i] * step_before) if course[2, i] > 0.0 else way
     root = np.sqrt(max(0.0, speed * speed + 4.0 * (way - speed) * goal))
     return 2.0 * goal / (speed + (root if goal > 0.0 else -root))
 
 
-@njit(**BARE)
 def secant(x_longer, x, floor, grain, longer):
     """The same by the end of the step and that of one `longer` times as long, both behind the boundary."""
     return 1.0 - (x - edge(x, floor, grain)) * (longer - 1.0) / (x_longer - x)
 
 
-@njit(**BARE)
 def lateness(before, x, held, grain, width, t, step, usual):
     """How far a step has gone behind its events, over what is allowed, and what is, as a share of the step.
 
@@ -155,7 +141,6 @@ def lateness(before, x, held, grain, width, t, step, usual):
     return worst, near
 
 
-@njit(**BARE)
 def last_change(x, held, grain):
     """The number of the last mode or kink whose floor has changed, counted from the end."""
     found = 1

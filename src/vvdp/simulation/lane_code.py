@@ -1,8 +1,7 @@
 """A traced graph as machine code that works out the rates of many cases side by side, without a compiler around.
 
-The graph is written as LLVM's text for vectors as wide as the processor's, and compiled by the library that comes with
-Numba. The compiled object is kept in the cache under the hash of the graph and of what writes its text, so that the
-next process only loads it.
+The graph is written as LLVM's text for vectors as wide as the processor's. The compiled object is kept in the cache
+under the hash of the graph and of what writes its text, so that the next process only loads it.
 """
 
 import hashlib
@@ -11,12 +10,11 @@ from functools import cache as remembered
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import llvmlite
-import llvmlite.binding as llvm
 from llvmlite import ir
 
+from vvdp.generator import binding
 from vvdp.simulation import lane_math, lane_values
-from vvdp.simulation.cache import cached_bytes, default_cache, one_at_a_time, quiet
+from vvdp.simulation.cache import default_cache, keep, one_at_a_time, quiet, read_kept
 from vvdp.simulation.lane_math import FUNCTIONS
 from vvdp.simulation.lane_values import DOUBLE, Code, Mask, Vector
 from vvdp.simulation.symbols import Node, Op
@@ -51,19 +49,21 @@ def lane_rates(graph: Graph, cache: Path | None = None, say: Callable[[str], Non
     told = f"{_versions()} {graph!r}"
     symbol = f"{NAME}_{hashlib.sha256(told.encode()).hexdigest()[:16]}"
 
-    def make() -> bytes:
-        say("compiling rates for many cases at once")
-        return compile_text(lane_text(graph, host_width(), is_fused()).replace(NAME, symbol))
-
     with one_at_a_time:
         if symbol not in _loaded:
-            _loaded[symbol] = load_code(cached_bytes(symbol, make, cache or default_cache()))
-            llvm.add_symbol(symbol, _loaded[symbol].get_function_address(symbol))
-    return LaneRates(host_width(), _loaded[symbol].get_function_address(symbol), symbol)
+            place = cache or default_cache()
+            code = read_kept(symbol, place)
+            if code is None:
+                say("compiling rates for many cases at once")
+                text = lane_text(graph, host_width(), binding.is_fused()).replace(NAME, symbol)
+                code = binding.compile_text(text, level=3)
+                keep(symbol, code, place)
+            _loaded[symbol] = binding.load_code(code, [symbol])
+    return LaneRates(host_width(), _loaded[symbol].addresses[symbol], symbol)
 
 
 NAME = "vvdp_lanes"
-_loaded: dict[str, Any] = {}
+_loaded: dict[str, binding.Loaded] = {}
 """What holds the code of each function; it would be freed without."""
 
 
@@ -71,18 +71,12 @@ _loaded: dict[str, Any] = {}
 def _versions() -> str:
     """What compiled code depends on besides the graph; the processor is part of its file's name."""
     own = (__file__, lane_math.__file__, lane_values.__file__)
-    texts = hashlib.sha256(b"".join(Path(path).read_bytes() for path in own)).hexdigest()
-    return f"{llvmlite.__version__} {llvm.llvm_version_info} {texts}"
+    return hashlib.sha256(b"".join(Path(path).read_bytes() for path in own)).hexdigest()
 
 
 def host_width() -> int:
-    """Lanes of a vector on this processor."""
-    return WIDE if llvm.get_host_cpu_features().get("avx512f") else NARROW
-
-
-def is_fused() -> bool:
-    """Whether this processor multiplies and adds in one."""
-    return bool(llvm.get_host_cpu_features().get("fma")) or not llvm.get_process_triple().startswith("x86")
+    """Lanes of a vector on the processor that code is made for."""
+    return WIDE if binding.has_feature("avx512f") else NARROW
 
 
 def lane_text(graph: Graph, width: int, fused: bool) -> str:
@@ -163,36 +157,3 @@ def _prefer_whole_vectors(text: str, width: int) -> str:
     head, name, rest = text.partition(f'@"{NAME}"')
     signature, brace, body = rest.partition("{")
     return f"{head}{name}{signature.rstrip()} {wish}\n{brace}{body}"
-
-
-def compile_text(text: str) -> bytes:
-    """The machine code of LLVM's `text` for this processor."""
-    module = llvm.parse_assembly(text)
-    module.triple = llvm.get_process_triple()
-    machine = _machine()
-    module.data_layout = str(machine.target_data)
-    tuning = llvm.create_pipeline_tuning_options(speed_level=3)
-    builder = llvm.create_pass_builder(machine, tuning)
-    builder.getModulePassManager().run(module, builder)
-    code: bytes = machine.emit_object(module)
-    return code
-
-
-def load_code(code: bytes) -> Any:
-    """An engine that holds the functions of compiled `code`."""
-    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
-    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
-    engine.finalize_object()
-    return engine
-
-
-@remembered
-def _ready() -> Any:
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    return llvm.Target.from_triple(llvm.get_process_triple())
-
-
-def _machine() -> Any:
-    features = llvm.get_host_cpu_features().flatten()
-    return _ready().create_target_machine(cpu=llvm.get_host_cpu_name(), features=features, opt=3, jit=True)

@@ -7,8 +7,8 @@ ends with the same bits in any company.
 """
 
 import numpy as np
-from numba import float64, int64, njit, types
 
+from vvdp.generator.kinds import FLOAT, INT, Address, Record
 from vvdp.simulation.landing import arc, follow, forget, has_left, hold, is_left, lateness, positions, secant, settle
 from vvdp.simulation.lane_vectors import (
     AGAIN,
@@ -49,6 +49,7 @@ from vvdp.simulation.loop import (
     RATES,
     SAMPLE,
     STOP,
+    TESSERACT,
     TRIES,
     VECTOR,
     first_change,
@@ -57,7 +58,6 @@ from vvdp.simulation.marks import begin_spans, pass_marks
 from vvdp.simulation.pace import STIFF_FROM, grow, next_step, note_event, note_jump, refuse
 from vvdp.simulation.places import (
     AIMED,
-    BARE,
     BEGUN,
     DONE,
     EVALUATIONS,
@@ -87,15 +87,12 @@ STIFF_FOR_GOOD = 2000.0
 QUICK = 6.0
 
 
-CASES = types.NamedTuple(
-    [MATRIX] * 4 + [CUBE, float64[:, :, :, ::1], MATRIX, CUBE, MATRIX, CUBE, CUBE, MATRIX, MATRIX, INTS, INTS], Cases
-)
-RULES = types.NamedTuple([MATRIX] + [VECTOR] * 5 + [float64] * 3 + [VECTOR, INTS, float64], Rules)
-LANES = types.NamedTuple([VECTOR] * 8 + [MATRIX] + [VECTOR] * 10 + [MATRIX] * 5 + [INTS], Lanes)
-SIGNALS = types.FunctionType(types.void(float64, VECTOR, VECTOR))
+CASES = Record(Cases, (*[MATRIX] * 4, CUBE, TESSERACT, MATRIX, CUBE, MATRIX, CUBE, CUBE, MATRIX, MATRIX, INTS, INTS))
+RULES = Record(Rules, (MATRIX, *[VECTOR] * 5, *[FLOAT] * 3, VECTOR, INTS, FLOAT))
+LANES = Record(Lanes, (*[VECTOR] * 8, MATRIX, *[VECTOR] * 10, *[MATRIX] * 5, INTS))
+SIGNALS = Address((FLOAT, VECTOR, VECTOR), None)
 
 
-@njit(**BARE, inline="always")
 def aim(cases, rules, lanes):
     """Chooses the step of each lane."""
     for lane in range(WIDTH):
@@ -118,7 +115,6 @@ def aim(cases, rules, lanes):
         own[T_NEW] = t_next if last else t + step
 
 
-@njit(**BARE, inline="always")
 def is_late(rates, events, cases, rules, lanes, bench, y, trial, first, last, lane):
     """Whether a step over an event must be taken again to end nearer behind it; then with which step."""
     case, own, before, x, held = lanes.case[lane], lanes.own[lane], bench.before, bench.x, bench.held
@@ -133,9 +129,7 @@ def is_late(rates, events, cases, rules, lanes, bench, y, trial, first, last, la
     for i in range(1, x.size):
         if own[TRIED] < QUICK and has_left(x[i], held[i], rules.grain[i]):
             if own[TRIED] == 0.0:
-                found = arc(
-                    cases.course[case, :, i], before[i], x[i], held[i], rules.grain[i], step, clock[STEP_BEFORE]
-                )
+                found = arc(cases.course[case], i, before[i], x[i], held[i], rules.grain[i], step, clock[STEP_BEFORE])
             else:
                 found = secant(lanes.tried[lane, i], x[i], held[i], rules.grain[i], own[STEP_TRIED] / step)
             s = min(s, found)
@@ -155,7 +149,6 @@ def is_late(rates, events, cases, rules, lanes, bench, y, trial, first, last, la
     return True
 
 
-@njit(**BARE, inline="always")
 def cube(cases, lanes, bench, y, trial, first, last, lane):
     """Gathers what the cubic of a lane's step takes."""
     gather(cases.y[lanes.case[lane]], y, lane)
@@ -164,7 +157,6 @@ def cube(cases, lanes, bench, y, trial, first, last, lane):
     gather(bench.k[6], lanes.k[last], lane)
 
 
-@njit(**BARE, inline="always")
 def judge(rates, events, cases, rules, lanes, bench, y, trial, first, last, lane):
     """What becomes of a lane's step; stores the marks that it passes."""
     case, own = lanes.case[lane], lanes.own[lane]
@@ -202,7 +194,6 @@ def judge(rates, events, cases, rules, lanes, bench, y, trial, first, last, lane
     return TAKEN
 
 
-@njit(**BARE, inline="always")
 def widen_all(lanes, y_before, y, k_before, k):
     """Takes the steps into the extremes; a lane that repeats its step has the same state and rates before and after."""
     low, high, product = lanes.low, lanes.high, lanes.error
@@ -218,7 +209,6 @@ def widen_all(lanes, y_before, y, k_before, k):
             high[i] = max(high[i], turn)
 
 
-@njit(**BARE, inline="always")
 def go_on(cases, rules, lanes, lane):
     """Brings clock and course of a lane to the end of its step; whether something is due there."""
     case, own = lanes.case[lane], lanes.own[lane]
@@ -242,7 +232,6 @@ def go_on(cases, rules, lanes, lane):
     return landed
 
 
-@njit(**BARE, inline="always")
 def land(rates, sample, events, stop, cases, rules, lanes, bench, lane):
     """All that happens at the instant that a lane has reached, its state in its row.
 
@@ -285,7 +274,6 @@ def land(rates, sample, events, stop, cases, rules, lanes, bench, lane):
     return LOST if not own[T_STOP] > t else IDLE if same else TAKEN
 
 
-@njit(**BARE)
 def load(rates, sample, events, stop, signals, cases, rules, lanes, bench, queue, y, first, lane):
     """Puts the next case that can begin into a lane; False where none is left, and the lane then rests."""
     n, active, own, held = cases.y.shape[1], lanes.low.size // WIDTH, lanes.own[lane], lanes.held[lane]
@@ -317,7 +305,6 @@ def load(rates, sample, events, stop, signals, cases, rules, lanes, bench, queue
     return True
 
 
-@njit(**BARE, inline="always")
 def unload(cases, rules, lanes, status, lane):
     """Keeps what a case has come to, its state in its row already; one that fell below a floor is handed over."""
     case, active = lanes.case[lane], lanes.low.size // WIDTH
@@ -327,7 +314,6 @@ def unload(cases, rules, lanes, status, lane):
     cases.status[case] = HANDED if fell and status == DONE else status
 
 
-@njit(**BARE)
 def put_down(cases, rules, lanes, y):
     """Keeps what all lanes have reached by now."""
     for lane in range(WIDTH):
@@ -336,7 +322,6 @@ def put_down(cases, rules, lanes, y):
             unload(cases, rules, lanes, PAUSED, lane)
 
 
-@njit(**BARE, inline="always")
 def put_back(lanes, y, y_before, k, k_before, lane):
     """Leaves a lane where it was before its step."""
     for i in range(lane, y.size, WIDTH):
@@ -345,12 +330,9 @@ def put_back(lanes, y, y_before, k, k_before, lane):
         k[i] = k_before[i]
 
 
-RUN_LANES = types.void(
-    int64, int64, SIGNALS, RATES, SAMPLE, EVENT_LIST, STOP, CASES, RULES, LANES, BENCH, INTS
-)  # fmt: skip
+RUN_LANES = (INT, INT, SIGNALS, RATES, SAMPLE, EVENT_LIST, STOP, CASES, RULES, LANES, BENCH, INTS)
 
 
-@njit(RUN_LANES, **BARE, nogil=True)
 def run_lanes(all_rates, all_events, signals, rates, sample, events, stop, cases, rules, lanes, bench, queue):
     """Carries cases from the queue to `t_end`, each in a lane; `status` says which are to be run by themselves.
 

@@ -3,20 +3,19 @@
 Vectors are flat: number m of lane l is at m * WIDTH + l.
 """
 
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from llvmlite import ir
-from numba import extending, njit, types
-from numba.core import cgutils
-from numba.np.arrayobj import make_array
 
+from vvdp.generator.body import Body
+from vvdp.generator.kinds import FLOAT, INT, Intrinsic, Row
+from vvdp.generator.unit import intrinsic_word
 from vvdp.numerics.tableaus import TSIT5_C
 from vvdp.simulation.lane_code import host_width
-from vvdp.simulation.places import BARE
 from vvdp.simulation.steps import TSIT5_ERROR, TSIT5_ROWS
 
-intrinsic: Any = extending.intrinsic
+VECTOR = Row(FLOAT, (None,))
 WIDTH = host_width()
 W1, W2, W3, W4, W5, W6 = (TSIT5_ROWS[i][:i] for i in range(1, 7))
 
@@ -96,71 +95,89 @@ class Lanes(NamedTuple):
     case: Any  # (WIDTH,), -1 where there is none
 
 
-@intrinsic
-def call(typing, place, t, y, u, p, s, result):
-    """Calls the code for all lanes (`lane_code`) that lies at `place`."""
-
-    def generate(context, builder, signature, arguments):
-        given = zip(signature.args[1:], arguments[1:], strict=True)
-        pointers = [make_array(kind)(context, builder, value).data for kind, value in given]
-        kind = ir.FunctionType(ir.VoidType(), [pointer.type for pointer in pointers])
-        builder.call(builder.inttoptr(arguments[0], ir.PointerType(kind)), pointers)
-        return context.get_dummy_value()
-
-    return types.void(types.int64, t, y, u, p, s, result), generate
+def call(place, t, y, u, p, s, result):
+    """Calls the code for all lanes (`lane_code`) at the address `place`."""
+    raise NotImplementedError("only compiled code can call an address")
 
 
-@intrinsic
-def combine(typing, result, place, y, h, weights, stages):
+CALL = Intrinsic(
+    name="vvdp_call_lanes",
+    arguments=(INT, *[VECTOR] * 6),
+    text="""\
+define internal void @vvdp_call_lanes(i64 %place, ptr %t, i64 %0, ptr %y, i64 %1, ptr %u, i64 %2, ptr %p, i64 %3,
+                                      ptr %s, i64 %4, ptr %result, i64 %5) alwaysinline nounwind {
+  %code = inttoptr i64 %place to ptr
+  call void %code(ptr %t, ptr %y, ptr %u, ptr %p, ptr %s, ptr %result)
+  ret void
+}""",
+    plain=call,
+    result=None,
+    is_pure=False,
+)
+
+
+def combine(result, place, y, h, weights, stages):
     """Writes y + h * (weights[0] * stages[0] + ...) for all lanes of the number that begins at `place`.
 
     As a loop it would not become vector code: the compiler cannot know that no two of so many arrays overlap.
     """
-
-    def generate(context, builder, signature, arguments):
-        vector, kinds = ir.VectorType(ir.DoubleType(), WIDTH), signature.args
-
-        def pointer(kind, array, place):
-            first = builder.gep(make_array(kind)(context, builder, array).data, [place])
-            return builder.bitcast(first, ir.PointerType(vector))
-
-        def numbers(kind, array, place):
-            return builder.load(pointer(kind, array, place), align=8)
-
-        def everywhere(number):
-            one = builder.insert_element(ir.Constant(vector, ir.Undefined), number, ir.Constant(ir.IntType(32), 0))
-            mask = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH)
-            return builder.shuffle_vector(one, ir.Constant(vector, ir.Undefined), mask)
-
-        target, place, y, h = arguments[:4]
-        weights, stages = (cgutils.unpack_tuple(builder, given) for given in arguments[4:])
-        total = None
-        for kind, weight, array in zip(kinds[5], weights, stages, strict=True):
-            part = builder.fmul(everywhere(weight), numbers(kind, array, place))
-            total = part if total is None else builder.fadd(total, part)
-        nothing = ir.Constant(place.type, 0)
-        moved = builder.fadd(numbers(kinds[2], y, place), builder.fmul(numbers(kinds[3], h, nothing), total))
-        builder.store(moved, pointer(kinds[0], target, place), align=8)
-        return context.get_dummy_value()
-
-    return types.void(result, place, y, h, weights, stages), generate
+    lanes = slice(place, place + WIDTH)
+    total = weights[0] * stages[0][lanes]
+    for weight, stage in zip(weights[1:], stages[1:], strict=True):
+        total = total + weight * stage[lanes]
+    result[lanes] = y[lanes] + h * total
 
 
-@njit(**BARE, inline="always")
+def combine_word(body: Body, *values: Any) -> Any:
+    """`combine` of these arguments, written in place."""
+    *arrays, weights, stages = values
+    return intrinsic_word(body.unit, _combination(len(weights)))(body, *arrays, *weights, *stages)
+
+
+@cache
+def _combination(count: int) -> Intrinsic:
+    """The sum over so many stages as vector instructions."""
+    vector = f"<{WIDTH} x double>"
+    name = f"vvdp_combine_{count}"
+    rows = ["result", "y", "h", *(f"k{i}" for i in range(count))]
+    arguments = ["ptr %result, i64 %n.result", "i64 %place", "ptr %y, i64 %n.y", "ptr %h, i64 %n.h"]
+    arguments += [f"double %w{i}" for i in range(count)] + [f"ptr %k{i}, i64 %n.k{i}" for i in range(count)]
+    lines = [f"  %at.{row} = getelementptr double, ptr %{row}, i64 %place" for row in rows if row != "h"]
+    lines += [f"  %v.{row} = load {vector}, ptr %at.{row}, align 8" for row in rows if row not in ("result", "h")]
+    lines += [f"  %v.h = load {vector}, ptr %h, align 8"]
+    for i in range(count):
+        lines += [f"  %one.{i} = insertelement {vector} poison, double %w{i}, i32 0"]
+        lines += [f"  %all.{i} = shufflevector {vector} %one.{i}, {vector} poison, <{WIDTH} x i32> zeroinitializer"]
+        lines += [f"  %part.{i} = fmul {vector} %all.{i}, %v.k{i}"]
+    for i in range(1, count):
+        before = "%part.0" if i == 1 else f"%sum.{i - 1}"
+        lines += [f"  %sum.{i} = fadd {vector} {before}, %part.{i}"]
+    total = "%part.0" if count == 1 else f"%sum.{count - 1}"
+    lines += [f"  %way = fmul {vector} %v.h, {total}", f"  %moved = fadd {vector} %v.y, %way"]
+    lines += [f"  store {vector} %moved, ptr %at.result, align 8", "  ret void"]
+    head = f"define internal void @{name}({', '.join(arguments)}) alwaysinline nounwind {{"
+    return Intrinsic(
+        name=name,
+        arguments=(VECTOR, INT, VECTOR, VECTOR, *[FLOAT] * count, *[VECTOR] * count),
+        text="\n".join([head, *lines, "}"]),
+        plain=lambda result, place, y, h, *rest: combine(result, place, y, h, rest[:count], rest[count:]),
+        result=None,
+        is_pure=False,
+    )
+
+
 def gather(row, vectors, lane):
     """The numbers of one lane."""
     for m in range(row.size):
         row[m] = vectors[m * WIDTH + lane]
 
 
-@njit(**BARE, inline="always")
 def scatter(vectors, lane, row):
     """Writes the numbers of one lane."""
     for m in range(row.size):
         vectors[m * WIDTH + lane] = row[m]
 
 
-@njit(**BARE, inline="always")
 def tell(signals, cases, lanes):
     """Works out the signals that move, each lane's at the time of its stage."""
     for lane in range(WIDTH):
@@ -170,7 +187,6 @@ def tell(signals, cases, lanes):
             scatter(lanes.s, lane, lanes.values)
 
 
-@njit(**BARE, inline="always")
 def stage(rates, signals, cases, lanes, c, trial, k):
     """Rates of all lanes at the share `c` of their steps; at their ends just before the next instant."""
     if c < 1.0:
@@ -184,7 +200,6 @@ def stage(rates, signals, cases, lanes, c, trial, k):
     call(rates, lanes.stage, trial, lanes.u, lanes.p, lanes.s, k)
 
 
-@njit(**BARE, inline="always")
 def sweep(rates, signals, cases, lanes, y, trial, first, last):
     """An explicit step of each lane as in `steps.explicit_step`; leaves the error, and what tells of stiffness."""
     C = TSIT5_C
@@ -216,7 +231,6 @@ def sweep(rates, signals, cases, lanes, y, trial, first, last):
         combine(lanes.lean, i, lanes.lean, lanes.one, (1.0,), (trial,))
 
 
-@njit(**BARE, inline="always")
 def norms(rules, lanes, y, trial):
     """Leaves the sums of squares of each lane in the last places of `error`, `lean` and `turned`."""
     error, lean, turned = lanes.error, lanes.lean, lanes.turned

@@ -10,12 +10,11 @@ import numpy.typing as npt
 from vvdp.base.arrays import Array
 from vvdp.base.signal import Signal
 from vvdp.simulation import places
+from vvdp.simulation.assembly import Assembly
 from vvdp.simulation.crew import Crew
-from vvdp.simulation.installed import SIDE_BY_SIDE, announce
-from vvdp.simulation.lane_code import lane_rates
 from vvdp.simulation.layout import SIGNAL_SLOTS, blocks, members
-from vvdp.simulation.link import Hashed, default_cache, quiet
-from vvdp.simulation.loading import registries_left_out
+from vvdp.simulation.link import default_cache, quiet
+from vvdp.simulation.loops import compiled_lane_loop
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.parts import events_part, signals_part
 from vvdp.simulation.prepare import Prepared, Reached
@@ -42,7 +41,6 @@ def side_by_side(
     if digest not in _known:
         try:
             _known[digest] = _compile(model, case, cache, say)
-            announce(SIDE_BY_SIDE, say)
         except Untraceable as problem:
             _known[digest] = str(problem)
     return _known[digest]
@@ -52,6 +50,8 @@ _known: dict[str, SideBySide | str] = {}
 
 
 def _compile(model: Model, case: Case, cache: Path | None, say: Callable[[str], None]) -> SideBySide:
+    from vvdp.simulation.lane_code import lane_rates
+
     rates, events = trace(model, case), trace(model, case, events_part)
     if events.signals > rates.signals:
         raise Untraceable("the settings of a program with a trigger have signals")
@@ -65,7 +65,7 @@ def _compile(model: Model, case: Case, cache: Path | None, say: Callable[[str], 
     return SideBySide(
         rates=lane_rates(rates, cache).address,
         events=lane_rates(events, cache).address,
-        signals=Hashed(signals_part(case)).module(cache or default_cache(), say).signals,
+        signals=Assembly([signals_part(case)]).load(cache or default_cache(), say)["signals"],
         places=tuple(found),
         commands=tuple(sorted({int(n.number) for g in (rates, events) for n in g.nodes if n.op is Op.COMMAND})),
         reads=blocks(case).tail,
@@ -87,10 +87,9 @@ def run_lanes(
     states, and what has become of each case, all but the spans' times to be filled in; HANDED where it is to be run by
     itself.
     """
-    with registries_left_out():
-        from vvdp.simulation import lane_loop, loop
-        from vvdp.simulation.landing import GRAIN
-        from vvdp.simulation.lane_vectors import WIDTH, Cases, Rules
+    from vvdp.simulation import lane_loop, loop
+    from vvdp.simulation.landing import GRAIN
+    from vvdp.simulation.lane_vectors import WIDTH, Cases, Rules
 
     moving = (params[:, [place + 1 for place in code.places]] > 0.0).any(axis=1).astype(np.int64)
     mark_times, mark_states, span_times, span_states, low, high, status = kept
@@ -131,10 +130,12 @@ def run_lanes(
         stiff_from=lane_loop.STIFF_FOR_GOOD if stepping.method is Method.AUTOMATIC else np.inf,
     )
 
+    run = compiled_lane_loop()
+
     def work(queue: npt.NDArray[np.int64]) -> None:
         room = _room(n, modes, positions, active, ready.vectors.command.size, code)
         bench = loop.workbench(ready.plan, n, positions, ready.pattern)
-        lane_loop.run_lanes(code.rates, code.events, code.signals, *ready.linked[:4], cases, rules, room, bench, queue)
+        run(code.rates, code.events, code.signals, *ready.linked[:4], cases, rules, room, bench, queue)
 
     crew.carry_out(work)
 

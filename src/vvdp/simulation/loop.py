@@ -8,8 +8,9 @@ the last bit.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import float64, int64, njit, types
 
+from vvdp.base.arrays import Array
+from vvdp.generator.kinds import FLOAT, INT, Address, Record, Row
 from vvdp.numerics.sparse import Pattern
 from vvdp.simulation.landing import (
     GRAIN,
@@ -28,7 +29,6 @@ from vvdp.simulation.pace import EXPLICIT_BELOW, TINY, choose_method, grow, next
 from vvdp.simulation.places import (
     AIMED,
     AUTOMATIC,
-    BARE,
     BEGUN,
     BELOW_ZERO,
     CULPRIT,
@@ -65,15 +65,13 @@ from vvdp.simulation.schedule import begin, instant, landing_time, next_due
 from vvdp.simulation.steps import below, between, copy, explicit_step, fill, widen
 from vvdp.simulation.stiff import stiff_step
 
-VECTOR = float64[::1]
-MATRIX = float64[:, ::1]
-CUBE = float64[:, :, ::1]
-INTS, TABLE = int64[::1], int64[:, ::1]
-RATES = types.FunctionType(types.void(float64, VECTOR, VECTOR, VECTOR, VECTOR))
-SAMPLE = types.FunctionType(types.void(int64, float64, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR))
-EVENT_LIST = types.FunctionType(types.void(float64, VECTOR, VECTOR, VECTOR, VECTOR))
-STOP = types.FunctionType(float64(float64, VECTOR, VECTOR))
-PATTERN = types.NamedTuple([INTS] * 5 + [TABLE] + [INTS] * 2 + [TABLE] * 3 + [INTS], Pattern)
+VECTOR, MATRIX, CUBE, TESSERACT = (Row(FLOAT, (None,) * axes) for axes in range(1, 5))
+INTS, TABLE = Row(INT, (None,)), Row(INT, (None, None))
+RATES = Address((FLOAT, *[VECTOR] * 4), None)
+SAMPLE = Address((INT, FLOAT, *[VECTOR] * 5), None)
+EVENT_LIST = Address((FLOAT, *[VECTOR] * 4), None)
+STOP = Address((FLOAT, VECTOR, VECTOR), FLOAT)
+PATTERN = Record(Pattern, (*[INTS] * 5, TABLE, *[INTS] * 2, *[TABLE] * 3, INTS))
 
 
 class Workbench(NamedTuple):
@@ -99,7 +97,7 @@ class Workbench(NamedTuple):
     stages: Any  # (6, n)
 
 
-BENCH = types.NamedTuple([VECTOR] * 16 + [MATRIX] * 2, Workbench)
+BENCH = Record(Workbench, (*[VECTOR] * 16, *[MATRIX] * 2))
 
 # After so many refusals in a row a step is tried with the explicit method: at a jump of the rates the stiff one's
 # Jacobian by differences is the jump over a hair's breadth, and no step is short enough for it.
@@ -112,7 +110,6 @@ TRIES = 60
 MANY = 200.0
 
 
-@njit(**BARE)
 def first_change(rates, events, t, step, y, u, p, near, bench):
     """Where on its cubic the first floor changes, as a fraction of the step, how far it surely has not, and the cost.
 
@@ -143,15 +140,14 @@ def first_change(rates, events, t, step, y, u, p, near, bench):
     return guess(lo, hi, low, high, held, grain), lo, cost
 
 
-RUN = int64(
+RUN = (
     RATES, SAMPLE, EVENT_LIST, STOP,
     VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX, CUBE, VECTOR, MATRIX, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR,
-    PATTERN, BENCH, float64, float64, float64, int64, float64, int64,
+    PATTERN, BENCH, FLOAT, FLOAT, FLOAT, INT, FLOAT, INT,
     VECTOR, MATRIX, MATRIX, MATRIX, VECTOR, MATRIX, VECTOR, MATRIX, VECTOR, VECTOR,
 )  # fmt: skip
 
 
-@njit(RUN, **BARE, nogil=True)
 def run(
     rates, sample, events, stop,
     y, command, memory, params, plan, agenda, waiting, clock, course, atol, rtol, scale, floor, width,
@@ -312,8 +308,7 @@ def run(
     return DONE
 
 
-@njit(BENCH(MATRIX, int64, int64, PATTERN), cache=True)
-def workbench(plan, n, positions, pattern):
+def workbench(plan: Array, n: int, positions: int, pattern: Pattern) -> Workbench:
     """A workbench for n states and so many positions."""
     zeros, behind = np.zeros, n + int(plan[0, LAST]) - int(plan[0, FIRST])
     return Workbench(
@@ -341,16 +336,15 @@ def workbench(plan, n, positions, pattern):
 PORTION = 2000.0
 """Evaluations of a case in a batch between two looks at whether all are to stop: at most some milliseconds."""
 
-BATCH = types.void(
+BATCH = (
     RATES, SAMPLE, EVENT_LIST, STOP,
-    MATRIX, MATRIX, MATRIX, MATRIX, MATRIX, CUBE, float64[:, :, :, ::1], MATRIX, CUBE,
-    VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, PATTERN, BENCH, float64, float64, float64, int64,
+    MATRIX, MATRIX, MATRIX, MATRIX, MATRIX, CUBE, TESSERACT, MATRIX, CUBE,
+    VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, PATTERN, BENCH, FLOAT, FLOAT, FLOAT, INT,
     VECTOR, MATRIX, MATRIX, MATRIX,
     MATRIX, CUBE, VECTOR, CUBE, MATRIX, MATRIX, INTS, INTS, INTS,
 )  # fmt: skip
 
 
-@njit(BATCH, **BARE, nogil=True)
 def batch(
     rates, sample, events, stop,
     y, command, memory, params, plan, agenda, waiting, clocks, course, atol, rtol, scale, floor, width,

@@ -1,13 +1,11 @@
 """States that a run keeps, compiled: at its marks and records, on the cubic of a step, and where its spans begin."""
 
 import numpy as np
-from numba import njit
 
-from vvdp.simulation.places import BARE, HAIR, MARK_BEFORE, MARKS, RECORDS, SPANS, STORED
+from vvdp.simulation.places import HAIR, MARK_BEFORE, MARKS, RECORDS, SPANS, STORED
 from vvdp.simulation.steps import between, copy
 
 
-@njit(**BARE)
 def mark_fraction(events, t, step, y, u, p, trial, k, middle, g, goal, upward):
     """Where on the cubic the mark passes `goal`, as a fraction of the step."""
     lo, hi = 0.0, 1.0
@@ -22,7 +20,6 @@ def mark_fraction(events, t, step, y, u, p, trial, k, middle, g, goal, upward):
     return hi
 
 
-@njit(**BARE)
 def pass_marks(events, clock, t, step, y, u, p, trial, k, middle, g, mark, marks_from, mark_times, mark_states):
     """Stores the states at the marks from `clock` to `mark`, the value at the end; when full, over the last row."""
     before = clock[MARK_BEFORE]
@@ -39,7 +36,6 @@ def pass_marks(events, clock, t, step, y, u, p, trial, k, middle, g, mark, marks
     clock[MARK_BEFORE] = mark
 
 
-@njit(**BARE)
 def store_records(
     clock, t, t_new, step, ended, y, trial, k, command, memory, record_times, record, record_command, record_memory
 ):
@@ -53,7 +49,6 @@ def store_records(
     clock[RECORDS] = row
 
 
-@njit(**BARE)
 def begin_spans(clock, t, y, span_times, span_states):
     """Stores the state at the spans that begin at `t`; when the next one begins [s], infinite after the last."""
     row = int(clock[SPANS])

@@ -1,12 +1,10 @@
 """How long a step is, compiled: aimed at events, shorter after a refusal, by PI control after an accepted one."""
 
 import numpy as np
-from numba import njit
 
 from vvdp.simulation.landing import time_left
 from vvdp.simulation.places import (
     AIMED,
-    BARE,
     ERROR_BEFORE,
     EVENT_TIME,
     EVENTS,
@@ -44,7 +42,6 @@ STIFF_FROM, EXPLICIT_BELOW = 2.2, 1.3
 TINY = 1e-300  # a square that may stand below a fraction
 
 
-@njit(**BARE, inline="always")
 def next_step(clock, course, before, held, grain):
     """The length of the next step, shorter where an event is near, and whether it is aimed at one."""
     h = clock[STEP]
@@ -56,7 +53,6 @@ def next_step(clock, course, before, held, grain):
     return step, aimed
 
 
-@njit(**BARE, inline="always")
 def refuse(clock, step, size, finite, exponent):
     """Counts a refusal; the step to try next."""
     clock[REJECTED] += 1.0
@@ -66,7 +62,6 @@ def refuse(clock, step, size, finite, exponent):
     return clock[STEP]
 
 
-@njit(**BARE, inline="always")
 def grow(clock, size, step, h, exponent, cut, longest):
     """The step after an accepted one; `cut` says that something else than its error made that one short."""
     if clock[REFUSED] == 0.0:
@@ -81,7 +76,6 @@ def grow(clock, size, step, h, exponent, cut, longest):
     return min(max(h, grown) if cut else grown, longest)
 
 
-@njit(**BARE, inline="always")
 def note_jump(clock, t):
     """Counts a series of refusals that ends at `t`, where nothing says why."""
     if clock[REFUSED] >= SERIES and clock[LANDED] == 0.0:
@@ -90,7 +84,6 @@ def note_jump(clock, t):
             clock[JUMP_TIME] = t
 
 
-@njit(**BARE, inline="always")
 def note_event(clock, t):
     """Counts an event, and those that follow in haste."""
     clock[EVENTS] += 1.0
@@ -98,7 +91,6 @@ def note_event(clock, t):
     clock[EVENT_TIME] = t
 
 
-@njit(**BARE, inline="always")
 def choose_method(clock, step, cut, heaviness, stiffness):
     """Hands over to the stiff method, or back, after an accepted step; `cut` as in `grow`.
 

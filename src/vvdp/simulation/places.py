@@ -1,9 +1,4 @@
-"""Where what lies in the flat arrays that Python and the compiled loop hand to each other, and how it is compiled."""
-
-from typing import Any
-
-BARE: Any = {"cache": True, "error_model": "numpy", "_nrt": False}
-"""How the loop is compiled: without counting who uses an array, so that it makes none; that took a sixth of a run."""
+"""Where what lies in the flat arrays that Python and the compiled loop hand to each other."""
 
 # What `run` returns.
 DONE, PAUSED, MARKS_FULL, NOT_FINITE, STEP_TOO_SMALL, STOP_BEHIND, TOO_MANY_WAITING, RESTLESS, BELOW_ZERO = range(9)

@@ -1,25 +1,20 @@
 """What a run needs before its first step: a checked and linked case as flat vectors, and the compiled loop."""
 
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.conservation import NOTHING
-from vvdp.base.interrupts import interrupts_afterwards
 from vvdp.base.kinds import KINK, PRESSURE_LEVEL
 from vvdp.numerics.sparse import Pattern, pattern
 from vvdp.simulation import places
-from vvdp.simulation.cache import one_at_a_time
 from vvdp.simulation.check import check_model, check_times
-from vvdp.simulation.installed import ALONE, announce
 from vvdp.simulation.layout import Vectors, command_parts, vectors
 from vvdp.simulation.link import Linked, link, quiet
-from vvdp.simulation.loading import registries_left_out
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.stepping import Method, Stepping
 from vvdp.simulation.symbols import Untraceable
@@ -48,13 +43,22 @@ class Prepared:
 
 
 def prepare(
-    model: Model, case: Case, stepping: Stepping, cache: Path | None = None, say: Callable[[str], None] = quiet
+    model: Model,
+    case: Case,
+    stepping: Stepping,
+    cache: Path | None = None,
+    say: Callable[[str], None] = quiet,
+    *,
+    checked: bool = False,
 ) -> Prepared:
-    """Everything that the loop needs. The books take no part in the error control: it is they that judge it."""
+    """Everything that the loop needs. The books take no part in the error control: it is they that judge it.
+
+    checked  as of `link`
+    """
     check_model(model, case)
     check_times(model, stepping.sample_period)
     kinds = [(path, kind) for path, _, kind in leaves(case.state)]
-    linked = link(model, case, cache, say)
+    linked = link(model, case, cache, say, checked=checked)
     scale = np.array([kind.scale if kind else 1.0 for _, kind in kinds])
     bounded = np.array([not (kind and kind.accumulates) for _, kind in kinds])
     active = sum(not path.startswith("books.") for path, _ in kinds)
@@ -163,14 +167,3 @@ def start_run(ready: Prepared, stepping: Stepping) -> Reached:
         clock=clock,
         course=np.zeros((3, ready.width.size)),
     )
-
-
-def compiled_loop(say: Callable[[str], None]) -> Any:
-    """The compiled loop; Numba is loaded here, and only here."""
-    with one_at_a_time, interrupts_afterwards(), registries_left_out(), warnings.catch_warnings():
-        announce(ALONE, say)
-        # That a function may be handed to another is new in Numba, and says so at the first run of an installation.
-        warnings.filterwarnings("ignore", message=".*First-class function type feature is experimental")
-        from vvdp.simulation import loop
-
-        return loop

@@ -2,19 +2,26 @@
 
 from typing import Any
 
-from llvmlite import ir
-from numba import extending, types
-from numba.np.arrayobj import make_array
-
-intrinsic: Any = extending.intrinsic
+from vvdp.generator.kinds import INT, Intrinsic, Row
+from vvdp.simulation.places import NEXT
 
 
-@intrinsic
-def take(typing, queue):
+def take(queue: Any) -> int:
     """The number of the next case, which is one more afterwards, whoever else takes one at the same time."""
+    number = int(queue[NEXT])
+    queue[NEXT] += 1
+    return number
 
-    def generate(context, builder, signature, arguments):
-        place = make_array(signature.args[0])(context, builder, arguments[0]).data
-        return builder.atomic_rmw("add", place, ir.Constant(ir.IntType(64), 1), "monotonic")
 
-    return types.int64(queue), generate
+TAKE = Intrinsic(
+    name="vvdp_take",
+    arguments=(Row(INT, (None,)),),
+    text="""\
+define internal i64 @vvdp_take(ptr %queue, i64 %length) alwaysinline nounwind {
+  %number = atomicrmw add ptr %queue, i64 1 monotonic
+  ret i64 %number
+}""",
+    plain=take,
+    result=INT,
+    is_pure=False,
+)

@@ -15,7 +15,7 @@ from vvdp.base.select import select
 Functions = dict[str, tuple[types.FunctionType, list[Any]]]
 """By a name of its own each function, and the constants that it uses."""
 
-FOREIGN = ("numpy", "math", "cmath", "builtins", "operator", "typing", "numba", "_operator")
+FOREIGN = ("numpy", "math", "cmath", "builtins", "operator", "typing", "_operator")
 """Packages whose functions and values are known by their names; their versions are part of the hash."""
 MISSING = object()
 
@@ -176,5 +176,5 @@ def _kind(value: Any) -> str:
     if isinstance(value, types.ModuleType):
         return f"the module {value.__name__} itself; write the names that are meant with it, as in module.NAME"
     if hasattr(value, "py_func"):
-        return "compiled already; leave it a plain function, which is compiled with the circuit"
+        return "compiled by another compiler; leave it a plain function, which is compiled with the circuit"
     return f"a {type(value).__name__}; compiled code takes numbers, tuples, arrays and enums of them; use params"

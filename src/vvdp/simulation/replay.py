@@ -13,13 +13,15 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import RunError
+from vvdp.generator.kinds import FLOAT, Row
+from vvdp.simulation.assembly import Assembly
 from vvdp.simulation.cache import default_cache, quiet
 from vvdp.simulation.layout import Packed
-from vvdp.simulation.link import Hashed
-from vvdp.simulation.parts import STEP_EFFORT, Part
+from vvdp.simulation.parts import VECTOR, Part
 from vvdp.simulation.text import Classes, Place, numbers, parameters, remember, write
 from vvdp.simulation.values import as_value, flat, leaves
 
+MATRIX = Row(FLOAT, (None, None))
 Step = Callable[[Any, Any, Any], tuple[Any, Any]]
 
 
@@ -52,8 +54,8 @@ class Replay:
         self.columns = tuple(path for path, _, _ in leaves(shown))
         self.width = flat(reading).size
         self._example, self._reading, self._settings = memory, reading, settings
-        hashed = Hashed(_part(step, memory, reading, settings, shown))
-        self._run, self.digest = hashed.module(cache or default_cache(), say).replay, hashed.digest
+        assembly = _assembly(step, memory, reading, settings, shown)
+        self._run, self.digest = assembly.load(cache or default_cache(), say)["replay"], assembly.digest
 
     def __call__(self, memory: Any, rows: Array, settings: Any | None = None) -> Replayed:
         """The step taken over `rows`, shape (samples, numbers of a reading), starting from `memory`."""
@@ -71,7 +73,7 @@ class Replay:
 
 def replay_digest(step: Step, memory: Any, reading: Any, settings: Any) -> str:
     """`Replay.digest`, without compiling. Raises RunError as `Replay` does."""
-    return Hashed(_part(step, memory, reading, settings, _trial_output(step, memory, reading, settings))).digest
+    return _assembly(step, memory, reading, settings, _trial_output(step, memory, reading, settings)).digest
 
 
 def _trial_output(step: Step, memory: Any, reading: Any, settings: Any) -> Any:
@@ -81,14 +83,15 @@ def _trial_output(step: Step, memory: Any, reading: Any, settings: Any) -> Any:
     if before != found or flat(memory).size != flat(after).size:
         odd = sorted(set(before) ^ set(found)) or [f"{flat(memory).size} numbers against {flat(after).size}"]
         raise RunError(f"{step.__qualname__} returns a memory that differs from the one given in {', '.join(odd)}")
+    if flat(shown).size != len(list(leaves(shown))):
+        raise RunError(f"{step.__qualname__} shows an array; show each of its numbers under a name of its own")
     return shown
 
 
-def _part(step: Step, memory: Any, reading: Any, settings: Any, shown: Any) -> Part:
+def _assembly(step: Step, memory: Any, reading: Any, settings: Any, shown: Any) -> Assembly:
     """replay(m, p, rows, out): `p` has the block of the settings, then the shapes in memory and reading."""
     classes, block, end = Classes(), Place(), Place()
     lines = [
-        "@njit(void(float64[::1], float64[::1], *[float64[:, ::1]] * 2), cache=True, error_model='numpy', nogil=True)",
         "def replay(m, p, rows, out):",
         "    t = 0.0",
         f"    settings = {parameters(settings, block, classes)}",
@@ -101,10 +104,11 @@ def _part(step: Step, memory: Any, reading: Any, settings: Any, shown: Any) -> P
     write(shown, "shown", "o", Place(), inner)
     lines += [f"    {line}" for line in inner]
     lines += remember(memory, "memory", "0", str(end))
-    return Part(
-        source="\n".join([*classes.heading(), "", "", *lines]) + "\n",
+    part = Part(
+        name="replay",
+        source="\n".join(lines) + "\n",
         called={"step": step},
         classes=classes,
-        title=f"the {step.__name__.replace('_', ' ')}",
-        effort=STEP_EFFORT,
+        kinds=(VECTOR, VECTOR, MATRIX, MATRIX),
     )
+    return Assembly([part], f"the {step.__name__.replace('_', ' ')}")

@@ -44,14 +44,14 @@ class Results:
 
 def origin(run: Run) -> dict[str, Any]:
     """What meta.json says of how a run was computed."""
-    import numba
+    from vvdp.generator import binding
 
     found = {
         "format": FORMAT,
         "vvdp": vvdp.__version__,
         "python": platform.python_version(),
         "numpy": np.__version__,
-        "numba": numba.__version__,
+        "llvm": binding.version(),
         "equations": run.digest,
         "relative_tolerance": run.stepping.relative_tolerance,
         "sample_period_s": run.stepping.sample_period,

@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,16 +12,16 @@ from vvdp.base.arrays import Array
 from vvdp.base.conservation import NOTHING
 from vvdp.base.display import long_time
 from vvdp.base.errors import RunError
-from vvdp.base.interrupts import interrupts_afterwards
+from vvdp.generator.library import Failure
 from vvdp.simulation import places
-from vvdp.simulation.crew import first_call
-from vvdp.simulation.installed import is_loop_compiled as is_loop_compiled
 from vvdp.simulation.layout import as_memory, memory_parts
 from vvdp.simulation.limiting import LimitingState, state_words
 from vvdp.simulation.link import quiet
+from vvdp.simulation.loop import workbench
+from vvdp.simulation.loops import Loop
+from vvdp.simulation.loops import compiled_loop as compiled_loop
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.prepare import Prepared, Reached, start_run
-from vvdp.simulation.prepare import compiled_loop as compiled_loop
 from vvdp.simulation.prepare import prepare as prepare
 from vvdp.simulation.stepping import Method as Method
 from vvdp.simulation.stepping import Stepping as Stepping
@@ -173,6 +172,7 @@ def simulate(
     say: Callable[[str], None] = quiet,
     cache: Path | None = None,
     portion: float | None = None,
+    checked: bool = False,
 ) -> Run:
     """The run of `case` to `stepping.until`.
 
@@ -182,13 +182,15 @@ def simulate(
 
     A run goes without the interpreter's lock, in portions of 0.2 s, of 7 ms where there is a `stop`, or of so many
     evaluations as `portion` says. After each one `progress` hears the time [s] reached, and `stop` is asked whether to
-    end the run there; then, as after Ctrl-C, what was reached is kept (`Run.finished` is False). Raises RunError when
-    the state becomes infinite or the step vanishes, with the time and the states concerned.
+    end the run there; then, as after Ctrl-C, what was reached is kept (`Run.finished` is False). With `checked` bounds,
+    divisions, whole numbers and assertions are checked on the way, and what passes keeps its bits. Raises RunError when
+    the state becomes infinite or the step vanishes, with the time and the states concerned, and where a function of the
+    model raises an error or a check fails, with file and line.
     """
     if continue_from is not None:
         stepping = replace(stepping, begin=continue_from.end)
-    ready = prepare(model, case, stepping, cache, say)
-    loop = compiled_loop(say)
+    ready = prepare(model, case, stepping, cache, say, checked=checked)
+    loop = compiled_loop(say, cache, checked=checked)
     before = carried_on(continue_from, ready, stepping) if continue_from else start_run(ready, stepping)
     reached, rows, began, finished = before.copy(), _Rows(before, stepping), time.perf_counter(), True
     if continue_from is not None:
@@ -243,7 +245,7 @@ class _Rows:
 
 
 def _carry(
-    loop: Any,
+    loop: Loop,
     ready: Prepared,
     stepping: Stepping,
     reached: Reached,
@@ -255,12 +257,11 @@ def _carry(
     begun = time.perf_counter()
     counted: Count | None = clock_now(reached.clock)
     status, clock, budget = places.PAUSED, reached.clock, watcher.portion or watcher.pace.first
-    turn: AbstractContextManager[Any] = first_call
-    bench = loop.workbench(ready.plan, reached.state.size, ready.width.size, ready.pattern)
+    bench = workbench(ready.plan, reached.state.size, ready.width.size, ready.pattern)
     limiting = LimitingState(case, ready, bench)
     while True:
         began, before = time.perf_counter(), clock[places.EVALUATIONS]
-        with turn, interrupts_afterwards():
+        try:
             status = loop.run(
                 *ready.linked[:4],
                 *(*reached[:3], ready.vectors.params, ready.plan, *reached[3:]),
@@ -269,7 +270,8 @@ def _carry(
                 *(rows.times, rows.states, rows.commands, rows.memories, rows.mark_times, rows.mark_states),
                 *(rows.span_times, rows.span_states, rows.low, rows.high),
             )
-        turn = nullcontext()
+        except Failure as problem:
+            raise RunError(f"the run ended at t = {clock[places.TIME]:.6g} s: {problem}") from None
         if status == places.MARKS_FULL:
             if rows.mark_times.size > MOST_MARKS:
                 until = f"until t = {clock[places.TIME]:.6g} s"

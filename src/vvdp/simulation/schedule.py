@@ -4,10 +4,8 @@ y, u, m, p are the state, the command in force, the memory and the parameters, f
 """
 
 import numpy as np
-from numba import njit
 
 from vvdp.simulation.places import (
-    BARE,
     CALLS,
     DEPTH,
     DUE,
@@ -26,7 +24,6 @@ from vvdp.simulation.places import (
 )
 
 
-@njit(**BARE)
 def next_due(plan, agenda):
     """The next time at which a sample is to be taken or a waiting command to act; infinite where there is none."""
     found = np.inf
@@ -38,7 +35,6 @@ def next_due(plan, agenda):
     return found
 
 
-@njit(**BARE, inline="always")
 def landing_time(t_stop, t_due, t_end):
     """The time at which a step ends at the latest: the next jump, what is due next, or the end of the run.
 
@@ -48,7 +44,6 @@ def landing_time(t_stop, t_due, t_end):
     return t_stop if t_stop <= t_next + HAIR * abs(t_next) else t_next
 
 
-@njit(**BARE)
 def ask(sample, k, t, y, u, m, p, plan, agenda, waiting):
     """Calls program `k`; its command acts at once or waits. False where no more can wait."""
     if agenda[k, WAITING] >= DEPTH:
@@ -67,7 +62,6 @@ def ask(sample, k, t, y, u, m, p, plan, agenda, waiting):
     return True
 
 
-@njit(**BARE)
 def instant(sample, events, t, y, u, m, p, plan, agenda, waiting, g):
     """All that is due at `t`: conditions, commands that have waited, then the programs in order.
 
@@ -115,7 +109,6 @@ def instant(sample, events, t, y, u, m, p, plan, agenda, waiting, g):
     return True
 
 
-@njit(**BARE)
 def begin(sample, events, t, y, u, m, p, plan, agenda, waiting, g):
     """The first instant of a run, at which no event can have happened yet. False as for `ask`."""
     events(t, y, u, p, g)
@@ -129,7 +122,6 @@ def begin(sample, events, t, y, u, m, p, plan, agenda, waiting, g):
     return instant(sample, events, t, y, u, m, p, plan, agenda, waiting, g)
 
 
-@njit(**BARE)
 def is_crossed(plan, agenda, g):
     """Whether the floor of any trigger differs from the one that is remembered."""
     for k in range(1, plan.shape[0]):

@@ -1,17 +1,14 @@
 """One explicit step, compiled: Tsitouras 5(4), and the cubic between the ends of a step."""
 
 import numpy as np
-from numba import njit
 
 from vvdp.numerics.tableaus import TSIT5_A, TSIT5_C, TSIT5_E
-from vvdp.simulation.places import BARE
 
 # As tuples, whose entries compiled code knows as constants; the sums below are written out for speed.
 TSIT5_ROWS = tuple(tuple(float(x) for x in row) for row in TSIT5_A)
 TSIT5_ERROR = tuple(float(x) for x in TSIT5_E)
 
 
-@njit(**BARE)
 def below(y, floor, count):
     """The first of `count` states that lies below its floor; -1 where none does."""
     for m in range(count):
@@ -20,14 +17,12 @@ def below(y, floor, count):
     return -1
 
 
-@njit(**BARE)
 def copy(target, source):
     """Writes the numbers of `source` to `target`."""
     for m in range(target.size):
         target[m] = source[m]
 
 
-@njit(**BARE)
 def fill(target, value):
     """Writes `value` everywhere."""
     for m in range(target.size):
@@ -35,7 +30,6 @@ def fill(target, value):
 
 
 # Written into the loop rather than called: a call per step with so many arrays costs a few per cent.
-@njit(**BARE, inline="always")
 def explicit_step(rates, t, step, t_right, y, command, params, active, k, trial, error, lean):
     """Tsitouras 5(4) from (t, y) with k[0] = f(t, y): new state in `trial`, its rate in k[6], its error in `error`.
 
@@ -72,7 +66,6 @@ def explicit_step(rates, t, step, t_right, y, command, params, active, k, trial,
     return 6.0
 
 
-@njit(**BARE)
 def between(s, step, y, trial, k, middle):
     """State at the fraction `s` of an accepted step, by the cubic through both ends and their rates, into `middle`."""
     a, b = (1.0 + 2.0 * s) * (1.0 - s) ** 2, s * s * (3.0 - 2.0 * s)
@@ -81,7 +74,6 @@ def between(s, step, y, trial, k, middle):
         middle[m] = y[m] * a + trial[m] * b + c * k[0, m] + d * k[6, m]
 
 
-@njit(**BARE)
 def turning_value(a, b, rise, fall):
     """Where the cubic from `a` to `b` turns round, its slopes at the ends `rise` and `fall` of opposite sign."""
     c2, c3 = 3.0 * (b - a) - 2.0 * rise - fall, rise + fall - 2.0 * (b - a)
@@ -93,7 +85,6 @@ def turning_value(a, b, rise, fall):
     return a + s * (rise + s * (c2 + s * c3))
 
 
-@njit(**BARE, inline="always")
 def widen(low, high, active, step, y, trial, k):
     """Takes a step into the extremes of all but the books, with where its cubic turns round."""
     for m in range(active):

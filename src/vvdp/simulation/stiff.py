@@ -1,17 +1,14 @@
 """One step of the stiffly accurate Rosenbrock method Rodas 4(3), compiled, with a sparse Jacobian by differences."""
 
 import numpy as np
-from numba import njit
 
 from vvdp.numerics.tableaus import RODAS4_A, RODAS4_B, RODAS4_C, RODAS4_D, RODAS4_GAMMA
-from vvdp.simulation.places import BARE
 from vvdp.simulation.steps import copy, fill
 
 HAIR_OF_STATE = 1.5e-8
 """By how much of its size a state is moved to difference the rates: the root of what a float resolves."""
 
 
-@njit(**BARE)
 def differences(rates, t, y, u, p, k0, scale, pattern, moved, shifted, jacobian):
     """The entries of the Jacobian at (t, y), where the rates are `k0`, by one evaluation for each group of columns."""
     active = pattern.group.size
@@ -28,7 +25,6 @@ def differences(rates, t, y, u, p, k0, scale, pattern, moved, shifted, jacobian)
             moved[c] = y[c]
 
 
-@njit(**BARE)
 def fastest_rate(pattern, jacobian):
     """A bound from below for the rate of the fastest motion [1/s], from single states and pairs of them."""
     fastest = 0.0
@@ -37,7 +33,6 @@ def fastest_rate(pattern, jacobian):
     return np.sqrt(fastest)
 
 
-@njit(**BARE)
 def factorise(pattern, jacobian, g, factors):
     """The factors of g I - J."""
     fill(factors, 0.0)
@@ -54,7 +49,6 @@ def factorise(pattern, jacobian, g, factors):
             factors[target] -= factors[factor] * factors[row]
 
 
-@njit(**BARE)
 def solve(pattern, factors, x):
     """Solves for `x` in place with what `factorise` left."""
     for q in range(pattern.lower.shape[0]):
@@ -66,7 +60,6 @@ def solve(pattern, factors, x):
         x[r] /= factors[pattern.diagonal[r]]
 
 
-@njit(**BARE)
 def stiff_step(rates, t, step, t_right, y, command, params, scale, pattern, k, trial, error, bench):
     """Rodas 4(3) from (t, y) with k[0] = f(t, y): new state in `trial`, its rate in k[6], its error in `error`.
 

@@ -1,4 +1,4 @@
-"""The text of linked modules: values built from flat vectors and written back to them."""
+"""The text of functions over flat vectors: values built from them and written back to them."""
 
 import dataclasses
 from collections.abc import Iterator
@@ -12,7 +12,7 @@ from vvdp.simulation.values import flat, names
 
 
 class Classes:
-    """Names under which a linked module knows the classes of a case's values."""
+    """Names under which a text knows the classes of a case's values."""
 
     def __init__(self) -> None:
         self.names: dict[type, str] = {}
@@ -29,19 +29,6 @@ class Classes:
         """Name and class of every dataclass, that is of every parameter class."""
         return ((name, cls) for cls, name in self.names.items() if dataclasses.is_dataclass(cls))
 
-    def heading(self) -> list[str]:
-        """First lines of a module; a parameter class is a plain record to compiled code, which reads its fields."""
-        return [
-            "from collections import namedtuple",
-            "",
-            "import numpy as np",
-            "from numba import float64, int64, intp, njit, types, void",
-            "",
-            "from vvdp.simulation.compiled import address, signal, store, vector, view",
-            "",
-            *(f"{name} = namedtuple({name!r}, {names(cls)!r})" for name, cls in self.records()),
-        ]
-
 
 @dataclasses.dataclass
 class Place:
@@ -57,13 +44,13 @@ class Place:
 def parameters(value: Any, place: Place, classes: Classes) -> str:
     """Source that makes `value` from its block of the parameters `p`; `place` is moved behind it."""
     if isinstance(value, Signal):
-        return f"signal(t, {', '.join(_number('p', place) for _ in range(SIGNAL_SLOTS))}, address(p))"
+        return f"signal(t, {', '.join(_number('p', place) for _ in range(SIGNAL_SLOTS))}, p)"
     if inner := names(value):
         parts = [parameters(getattr(value, name), place, classes) for name in inner]
         return f"{classes.name(type(value))}({', '.join(parts)})"
     if np.ndim(value):
         at = _number("p", place)
-        return f"view(address(p) + 8 * int({at}), {_tuple(_shape(value, 'p', place))})"
+        return f"view(p, int({at}), {_tuple(_shape(value, 'p', place))})"
     return _number("p", place)
 
 
@@ -111,7 +98,7 @@ def _tuple(parts: list[str]) -> str:
 
 
 def _array(vector: str, place: Place, shape: list[str], lines: list[str]) -> str:
-    text = f"view(address({vector}) + 8 * ({place}), {_tuple(shape)})"
+    text = f"view({vector}, {place}, {_tuple(shape)})"
     behind = f"{vector}_{len(lines)}"
     lines.append(f"    {behind} = {place} + {' * '.join(shape)}")
     place.base, place.offset = behind, 0

@@ -1,4 +1,4 @@
-"""The rates of a model as a graph of operations, found by running the text of its linked module on symbols.
+"""The rates of a model as a graph of operations, found by running their text over flat vectors on symbols.
 
 Its inputs are the time, the numbers of state, command and parameters at their places in the flat vectors (`layout`),
 and the value of each signal, in the order of the parameters: how a signal moves is no part of the graph. Its outputs
@@ -157,19 +157,13 @@ def _run(part: Part, signal: Callable[..., Any], t: Any, y: Any, u: Any, p: Any)
         vector.update(enumerate(row, place))
         return place + row.size
 
-    around: dict[str, Any] = {"np": np, "signal": signal, "store": store, "address": _nowhere, **part.called}
+    around: dict[str, Any] = {"np": np, "signal": signal, "store": store, **part.called}
     around |= dict(part.classes.tuples())
     around |= {name: namedtuple(name, names(cls)) for name, cls in part.classes.records()}
     written: dict[int, Any] = {}
-    text = part.source[part.source.index("\ndef ") + 1 :]
-    exec(text, around)
-    around[text[4 : text.index("(")]](t, y, u, p, written)
+    exec(part.source, around)
+    around[part.name](t, y, u, p, written)
     return [written[place] for place in range(len(written))]
-
-
-def _nowhere(vector: Any) -> int:
-    """The address of a vector of symbols: nothing is read there, as arrays are refused before."""
-    return 0
 
 
 def _without_idle(graph: Graph) -> Graph:

@@ -5,7 +5,6 @@ lost costs the item it was at, which another one begins anew.
 """
 
 import functools
-import hashlib
 import importlib
 import logging
 import math
@@ -26,8 +25,9 @@ from typing import Any, ClassVar, Self
 
 from vvdp.base.errors import ParameterError, RunError, unusable
 from vvdp.base.extras import require
-from vvdp.simulation.link import default_cache, quiet
-from vvdp.studies.engine import Item, Result, all_cores
+from vvdp.simulation.crew import all_cores
+from vvdp.simulation.link import quiet
+from vvdp.studies.engine import Item, Result
 
 PATIENCE = 0.5
 """Time [s] after which the workers are counted again while none of the items is finished."""
@@ -108,7 +108,7 @@ class DaskEngine(ABC):
 
     def _run_all(self, task: Callable[[Item, int], Result], items: Iterable[Item]) -> Iterator[tuple[Item, Result]]:
         client, supply = self._client, iter(items)
-        on_worker = functools.partial(_on_worker, task, processor())
+        on_worker = functools.partial(_on_worker, task)
         under_way: dict[Any, Item] = {}
         ended: Queue[Any] = Queue()
         more, since = True, math.inf
@@ -321,28 +321,17 @@ def _worker_loss(problem: BaseException) -> RunError:
     return RunError(f"the Dask scheduler is lost ({type(problem).__name__})")
 
 
-def processor() -> str:
-    """The kind of processor that code is compiled for."""
-    llvm = importlib.import_module("llvmlite.binding")
-    words = f"{llvm.get_host_cpu_name()} {llvm.get_host_cpu_features().flatten()}"
-    return hashlib.sha256(words.encode()).hexdigest()[:12]
-
-
 _at_work = threading.Lock()
 
 
-def _on_worker(task: Callable[[Item, int], Result], compiled_for: str, item: Item) -> Result:
+def _on_worker(task: Callable[[Item, int], Result], item: Item) -> Result:
     """A task on all cores of a worker, one at a time.
 
-    Compiled code that the caller has kept is used where the file system is shared. A worker with another processor
-    keeps its own apart: Numba's index of kept code does not bear two kinds that are added to it at once.
+    Compiled code that the caller has kept is used where the file system is shared; a worker with another processor
+    compiles its own beside it.
     """
     from distributed import get_worker
 
-    if (mine := processor()) != compiled_for:
-        import numba
-
-        vars(numba.config)["CACHE_DIR"] = str(default_cache() / f"compiled-{mine}")
     with _at_work:
         return task(item, min(get_worker().state.nthreads, all_cores()))
 

@@ -1,11 +1,11 @@
 """Execution engines: an engine takes a task and items, and yields each item with its result as it is finished."""
 
-import os
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Protocol, Self, TypeVar
 
 from vvdp.base.errors import ParameterError
+from vvdp.simulation.crew import all_cores
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -35,13 +35,6 @@ class Engine(Protocol):
         and the same item may be begun twice where a worker is lost. What a task raises is raised here.
         """
         ...
-
-
-def all_cores() -> int:
-    """How many cores this process may use; `NUMBA_NUM_THREADS` can make them fewer."""
-    affinity = getattr(os, "sched_getaffinity", None)
-    cores = len(affinity(0)) if affinity else os.cpu_count() or 1
-    return min(cores, int(os.environ.get("NUMBA_NUM_THREADS") or cores))
 
 
 @dataclass(frozen=True)

@@ -81,9 +81,7 @@ def batches(
 def check_same(here: object, asked: object) -> None:
     """Raises RunError where a worker, `here`, has another program than the machine that `asked`."""
     if here != asked:
-        raise RunError(
-            f"{platform.node()} has another vvdp, Python, NumPy or Numba than this machine; install the same"
-        )
+        raise RunError(f"{platform.node()} has another vvdp, Python, NumPy or LLVM than this machine; install the same")
 
 
 def _run_and_keep(task: Task[Case, Finished], directory: Path, batch: Sequence[Case], cores: int) -> list[Finished]:
