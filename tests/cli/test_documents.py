@@ -107,6 +107,7 @@ def example(command: str) -> list[str]:
         "vvdp show prototype",
         "vvdp new my-pump --from prototype",
         "vvdp list",
+        "vvdp export c prototype --part encoder --out encoder",
     ],
 )
 def test_the_examples_of_the_guide_are_real(vvdp, here, command):
@@ -135,7 +136,7 @@ def test_the_examples_on_results_are_real(vvdp, here, is_shown):
         words = ("--set", f"operation.duty_ratio={duty}", "--out", f"results/duty-{duty}", "--no-report")
         assert vvdp("run", "prototype", *words).code == 0
     blocks = re.findall(
-        r"^    \$ vvdp ((?:compare runs|plot|export) .*)\n((?:    (?!\$).*\n|\n)*)", guide, re.MULTILINE
+        r"^    \$ vvdp ((?:compare runs|plot|export data) .*)\n((?:    (?!\$).*\n|\n)*)", guide, re.MULTILINE
     )
     assert len(blocks) == 4
     for command, shown in blocks:

@@ -131,6 +131,7 @@ ALLOWED = {
     "cli.design.tolerance": VERB,
     "cli.estimate.estimate": VERB,
     "cli.fit.fit": VERB,
+    "cli.export.write_c_folder": VERB,
     "cli.geometry.geometry": VERB,
     "cli.observability.observability": VERB,
     "cli.map.map": VERB,

@@ -1,4 +1,4 @@
-"""One function four ways: by CPython, from the tree as Python, and as machine code at levels 0 and 2."""
+"""One function five ways: by CPython, from the tree as Python, as machine code at levels 0 and 2, and in C."""
 
 import copy
 import math
@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from tests.generator.c_way import c_entries, compilers
 
 from vvdp.generator import binding
 from vvdp.generator.calls import callables
@@ -46,7 +47,8 @@ def ways_of(module: Module) -> dict[str, Callable[..., Any]]:
 
 def all_ways(module: Module) -> dict[str, dict[str, Callable[..., Any]]]:
     """All entries of a module in every way that a writer makes of them."""
-    return {"tree": run_python(module), "level 0": machine_code(module, 0), "level 2": machine_code(module, 2)}
+    found = {"tree": run_python(module), "level 0": machine_code(module, 0), "level 2": machine_code(module, 2)}
+    return found | {"C": c_entries(module, compilers()[0])} if compilers() else found
 
 
 def as_numpy(value: Any) -> Any:

@@ -1,11 +1,11 @@
-"""`vvdp export`."""
+"""`vvdp export`: results for other programs, and models as C."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from vvdp.cli.options import AsJson, Verb
+from vvdp.cli.options import AsJson, Force, Settings, SystemName, Verb, default_directory, out_option
 
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
 
@@ -17,7 +17,7 @@ Parquet = Annotated[
 
 @app.callback()
 def export() -> None:
-    """Export results for other programs."""
+    """Export results for other programs, or a model as C."""
 
 
 @app.command("data", cls=Verb)
@@ -52,3 +52,43 @@ def data(
         print_json({"files": written})
     else:
         tell("\n".join(written))
+
+
+@app.command("c", cls=Verb)
+def write_c_folder(
+    system: SystemName,
+    part: Annotated[
+        str, typer.Option("--part", metavar="NAME", help="Export the step of this program, or the circuit.")
+    ] = "circuit",
+    settings: Settings = None,
+    samples: Annotated[
+        int, typer.Option("--samples", metavar="N", min=1, max=10_000, help="Number of samples with expected bits.")
+    ] = 100,
+    out: Annotated[Path | None, out_option("results/c-NAME-TIME")] = None,
+    force: Force = False,
+    json: AsJson = False,
+) -> None:
+    """Export a circuit, or a sampled program, as C99.
+
+    The directory holds the functions with structs and units, test vectors with the expected bits, a Makefile and a
+    README. `make test` in it compares every bit.
+    """
+    from vvdp.base.files import result_directory, write_whole
+    from vvdp.cli.screen import print_json, tell
+    from vvdp.export.c_folder import c_files, c_part, facts
+    from vvdp.systems.system import load_system
+
+    loaded = load_system(system, settings or ())
+    made = c_part(loaded, part)
+    directory = out if out is not None else default_directory(f"c-{made.name}")
+    with result_directory(directory, force=force) as folder:
+        files = c_files(loaded, made, samples)
+        for name, text in files.items():
+            write_whole(folder / name, text)
+    found = facts(made, files, samples)
+    if json:
+        print_json({**found, "out": str(directory)})
+    else:
+        tell(f"{found['functions']} functions, {found['lines']} lines of C, {samples} samples with expected bits")
+        tell(f"memory: {found['memory_bytes']} bytes, settings: {found['settings_bytes']} bytes")
+        tell(f"results: {directory}\ntest: make -C {directory} test")

@@ -1,7 +1,7 @@
 """Statements of the tree as LLVM instructions."""
 
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, Protocol
 
 from vvdp.generator import tree
 from vvdp.generator.kinds import Known, Record, Row, has_rows, leaves, registers_of, size
@@ -32,7 +32,15 @@ def carries_rows(block: tree.Block) -> bool:
     return any(has_rows(variable.kind) for each in sets for variable in each.variables)
 
 
-def takes_room(text: Text, block: tree.Block) -> bool:
+class Roomy(Protocol):
+    """The text of a function as far as it says where arrays lie."""
+
+    function: tree.Function
+    needs: dict[str, Needs]
+    hoisted: bool
+
+
+def takes_room(text: Roomy, block: tree.Block) -> bool:
     """Whether arrays that statements make lie in the frame of the entry."""
     for each in statements_in(block):
         value = each.value if isinstance(each, tree.Let) else each.call if isinstance(each, tree.Do) else None

@@ -1,0 +1,221 @@
+"""A folder with a part of a system in C: the functions, structs with units, vectors with expected bits, what checks."""
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+
+from vvdp.base.arrays import Array
+from vvdp.base.errors import ConfigError, Fault
+from vvdp.base.tables import nearest
+from vvdp.export.c_parts import (
+    IN,
+    KEPT,
+    OUT,
+    Block,
+    Entry,
+    circuit_entries,
+    drawn_values,
+    module_of,
+    program_entry,
+)
+from vvdp.export.c_powers import C_INTRINSICS
+from vvdp.export.c_structs import initial_text, struct_text
+from vvdp.export.c_words import check_text, example_text, makefile_text, readme_text, vectors_text
+from vvdp.generator import binding
+from vvdp.generator.c_room import Amount, room_of
+from vvdp.generator.c_text import identifier, wrap
+from vvdp.generator.c_writer import CModule, shown_file, write_c
+from vvdp.generator.calls import callables
+from vvdp.generator.llvm_writer import write_llvm
+from vvdp.generator.tree import Module
+from vvdp.simulation.model import Program
+from vvdp.simulation.values import flat
+from vvdp.systems.system import System
+
+CIRCUIT = "circuit"
+
+
+@dataclass(frozen=True)
+class CPart:
+    """A part of a system in C.
+
+    name       begins the name of everything in the text
+    entries    its functions
+    rooms      by entry, the numbers that it needs on the stack for arrays
+    program    the program that is exported; None for a circuit
+    period     time between two samples [s]
+    """
+
+    name: str
+    part: str
+    system: str
+    entries: tuple[Entry, ...]
+    module: Module
+    core: CModule
+    rooms: Mapping[str, Amount]
+    program: Program | None
+    period: float
+
+    @property
+    def phase(self) -> float:
+        """When the first sample is [s]."""
+        return 0.0 if self.program is None else self.program.phase
+
+    @property
+    def blocks(self) -> dict[str, Block]:
+        """The arguments of all entries by name."""
+        return {block.name: block for entry in self.entries for block in entry.arguments}
+
+    @property
+    def hash(self) -> str:
+        """What tells this text from any other."""
+        return hashlib.sha256((self.core.header + self.core.source).encode()).hexdigest()[:16]
+
+    @property
+    def functions(self) -> list[tuple[str, str]]:
+        """Name in C, and file and line of the Python text, of each function."""
+        return [(self.core.functions[f.name], f"{shown_file(f.file)}:{f.line}") for f in self.module.functions]
+
+
+def c_part(system: System, part: str) -> CPart:
+    """A part of a system in C: the step of a program by its name, or `circuit`.
+
+    Raises ConfigError where there is no such part; LanguageError, with file and line, where its text uses what cannot
+    be exported.
+    """
+    model, case = system.model, system.case
+    names = (CIRCUIT, *model.programs)
+    if part not in names:
+        raise ConfigError([Fault("--part", 0, part, f"unknown{nearest(part, names)}")])
+    is_circuit = part == CIRCUIT
+    entries = circuit_entries(model, case) if is_circuit else [program_entry(model, case, part)]
+    module = module_of(entries)
+    name = identifier(f"{system.name}_{part}".replace("-", "_"))
+    rooms = {}
+    for function, room in room_of(module).items():
+        if function in module.entries:
+            assert room is not None, "all arrays of an exported part have known lengths"
+            rooms[function] = room
+    program = None if is_circuit else model.programs[part]
+    return CPart(
+        name=name,
+        part=part,
+        system=system.name,
+        entries=tuple(entries),
+        module=module,
+        core=write_c(module, f"{name}_core", C_INTRINSICS),
+        rooms=rooms,
+        program=program,
+        period=system.stepping.sample_period if program is None or program.period is None else program.period,
+    )
+
+
+def c_files(system: System, part: CPart, samples: int) -> dict[str, str]:
+    """The files of the folder by name."""
+    times = [part.phase + number * part.period for number in range(samples)]
+    drawn = drawn_values(system.model, system.case, None if part.part == CIRCUIT else part.part, times)
+    expected = expected_values(part, times, drawn)
+    name = part.name
+    return {
+        f"{name}.h": header_text(part),
+        f"{name}.c": facade_text(part),
+        f"{name}_core.h": part.core.header,
+        f"{name}_core.c": part.core.source,
+        "vectors.h": vectors_text(part.entries, times, drawn, expected),
+        f"test_{name}.c": check_text(name, part.entries),
+        "example.c": example_text(name, part.entries, part.period),
+        "Makefile": makefile_text(name, part.core.flags),
+        "README.md": readme_text(part, samples, version("vvdp")),
+    }
+
+
+def facts(part: CPart, files: Mapping[str, str], samples: int) -> dict[str, Any]:
+    """What was exported, as the command line prints it."""
+    blocks = part.blocks.values()
+    return {
+        "verb": "export c",
+        "system": part.system,
+        "part": part.part,
+        "files": sorted(files),
+        "functions": len(part.functions),
+        "lines": sum(files[name].count("\n") for name in (f"{part.name}.c", f"{part.name}_core.c")),
+        "memory_bytes": 8 * sum(block.size for block in blocks if block.role == KEPT),
+        "settings_bytes": 8 * sum(block.size for block in blocks if block.role == IN and not block.drawn),
+        "stack_bytes": 8 * max(reals + wholes for reals, wholes in part.rooms.values()),
+        "flags": list(part.core.flags),
+        "samples": samples,
+        "hash": part.hash,
+    }
+
+
+def header_text(part: CPart) -> str:
+    """The structs and functions for callers."""
+    guard, first = f"{part.name.upper()}_H", f"/* {part.part} of {part.system}: units are SI, pressures absolute. */\n"
+    structs = [struct_text(f"{part.name}_{name}", b.value, f"{b.about}.") for name, b in part.blocks.items()]
+    values = [
+        f"/* {block.about}: the values of the system. */\nextern const {part.name}_{name} {part.name}_first_{name};\n"
+        for name, block in part.blocks.items()
+        if block.role != OUT
+    ]
+    heads = [f"/* {entry.about}; the result is 0, or the number of a failure. */\n{_head(part, entry)};\n"
+             for entry in part.entries]  # fmt: skip
+    return "\n".join([f"#ifndef {guard}\n#define {guard}\n", first, *structs, *values, *heads, "#endif\n"])
+
+
+def facade_text(part: CPart) -> str:
+    """The functions for callers, which hand structs over as the numbers that they consist of."""
+    name = part.name
+    parts = [f'#include "{name}.h"\n\n#include <math.h>\n#include <stdint.h>\n\n#include "{name}_core.h"\n']
+    for own, block in part.blocks.items():
+        if block.role != OUT:
+            parts.append(initial_text(f"{name}_{own}", f"{name}_first_{own}", block.value, f"{block.about}."))
+        count = f"sizeof({name}_{own}) == {block.size} * sizeof(double)"
+        parts.append(f"typedef char {name}_{own}_without_gaps[{count} ? 1 : -1];\n")
+    return "\n".join([*parts, *(_facade(part, entry) for entry in part.entries)])
+
+
+def _head(part: CPart, entry: Entry) -> str:
+    found = ["double t"]
+    for block in entry.arguments:
+        found.append(f"{'const ' if block.role == IN else ''}{part.name}_{block.name} *{block.name}")
+    return wrap(f"int {part.name}_{entry.name}({', '.join(found)})")
+
+
+def _facade(part: CPart, entry: Entry) -> str:
+    needs = part.core.needs[entry.name]
+    handed = ["t", *(f"(double *){block.name}" for block in entry.arguments)]
+    lines = [_head(part, entry), "{"]
+    if needs.room:
+        reals, wholes = part.rooms[entry.name]
+        lines += [f"    double reals[{max(reals, 1)}];", f"    int64_t wholes[{max(wholes, 1)}];"]
+        lines += [f"    {part.name}_core_workspace workspace = {{reals, {reals}, wholes, {wholes}}};"]
+    if needs.trouble:
+        lines.append("    int64_t failure = 0;")
+        handed.append("&failure")
+    handed += ["&workspace"] if needs.room else []
+    lines += [wrap(f"    {part.core.functions[entry.name]}({', '.join(handed)});")]
+    return "\n".join([*lines, f"    return {'(int)failure' if needs.trouble else '0'};", "}\n"])
+
+
+def expected_values(part: CPart, times: Sequence[float], drawn: Sequence[Array]) -> dict[str, list[dict[str, Array]]]:
+    """By entry and sample, what vvdp's machine code writes: a memory goes on from one sample to the next."""
+    code = binding.compile_text(write_llvm(part.module), 2)
+    entries = callables(part.module, binding.load_code(code, part.module.entries))
+    found: dict[str, list[dict[str, Array]]] = {}
+    for entry in part.entries:
+        kept = {block.name: flat(block.value) for block in entry.arguments}
+        found[entry.name] = []
+        for t, values in zip(times, drawn, strict=True):
+            for block in entry.arguments:
+                if block.drawn:
+                    kept[block.name] = values.copy()
+                elif block.role == OUT:
+                    kept[block.name] = np.zeros(block.size)
+            entries[entry.name](t, *(kept[block.name] for block in entry.arguments))
+            written = {block.name for block in entry.arguments if block.role in (OUT, KEPT)}
+            found[entry.name].append({name: kept[name].copy() for name in written})
+    return found

@@ -1,0 +1,130 @@
+"""Powers and exponentials as C99, from the tables and series of `simulation.in_place`, with the same bits.
+
+`fma` is called by name: a compiler makes one instruction of it where the processor has one, and the C library works it
+out elsewhere, with the same result. Compiled code has these bits on processors with fused operations only.
+"""
+
+import re
+from collections.abc import Sequence
+
+from vvdp.simulation import in_place
+from vvdp.simulation.lane_math import EXP_SERIES
+
+FUNCTION = """\
+static int64_t bits_of(double x)
+{
+    int64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+
+static double float_of(int64_t bits)
+{
+    double x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+/* The binary logarithm of 1 + r over r, for small r. */
+static double log2_series(double r)
+{
+LOG2_SERIES}
+
+/* 2 to the power of rest, minus 1, over rest. */
+static double exp2_series(double rest)
+{
+EXP2_SERIES}
+
+/* x to the power of y: 2 to the power of y times the binary logarithm of x, which is a sum of two numbers. */
+static double NAME(double x, double y)
+{
+    const int64_t above = (int64_t)((uint64_t)bits_of(x) - UINT64_C(FIRST));
+    const int64_t exponent = above >= 0 ? above >> 52 : ~(~above >> 52);
+    const uint64_t place = ((uint64_t)above >> LOG_SHIFT) & LOG_MASK;
+    const double m = float_of((int64_t)((uint64_t)bits_of(x) - ((uint64_t)exponent << 52)));
+    const double k = (double)exponent;
+    const double r = fma(m, reciprocals[place], -1.0);
+    const double rough = k + logarithms[place];
+    const double series = log2_series(r);
+    const double high = fma(r, series, rough);
+    const double low = fma(r, series, rough - high) + ((k - rough) + logarithms[place]);
+    const double e = y * high;
+    const double lost = fma(y, high, -e);
+    const double shifted = e + ROUNDING;
+    const double rest = fma(y, low, lost) + (e - (shifted - ROUNDING));
+    const uint64_t steps = (uint64_t)bits_of(shifted);
+    const double root = roots[steps & ROOT_MASK];
+    const double part = fma(root, rest * exp2_series(rest), root);
+    if (!(x > SMALLEST && x < INFINITY && fabs(e) < 1000.0)) {
+        return pow(x, y);
+    }
+    const uint64_t whole = (steps & ~UINT64_C(ROOT_MASK)) << ROOT_SHIFT;
+    return float_of((int64_t)((uint64_t)bits_of(part) + whole));
+}
+"""
+"""The function, with capitals for what `in_place` sets."""
+
+
+def c_powers(name: str = "vvdp_power") -> str:
+    """The C text of `power` as a static function."""
+    words = {
+        "NAME": name,
+        "LOG2_SERIES": _polynomial("r", in_place.LOG2_SERIES),
+        "EXP2_SERIES": _polynomial("rest", in_place.EXP2_SERIES),
+        "FIRST": str(in_place.FIRST),
+        "LOG_SHIFT": str(52 - in_place.LOG_BITS),
+        "LOG_MASK": str((1 << in_place.LOG_BITS) - 1),
+        "ROOT_SHIFT": str(52 - in_place.EXP_BITS),
+        "ROOT_MASK": str((1 << in_place.EXP_BITS) - 1),
+        "ROUNDING": repr(in_place.ROUNDING),
+        "SMALLEST": repr(2.0**-1022),
+    }
+    tables = (
+        _table("reciprocals", in_place.RECIPROCALS, "One over a number in the middle of each interval of mantissas."),
+        _table("logarithms", in_place.LOGARITHMS, "The binary logarithms of those numbers."),
+        _table("roots", in_place.ROOTS, f"2 to the power of i/{1 << in_place.EXP_BITS}."),
+    )
+    return "\n".join([*tables, re.sub(r"\b[A-Z][A-Z_0-9]+\b", lambda m: words.get(m[0], m[0]), FUNCTION)])
+
+
+def c_expm1(name: str = "vvdp_expm1") -> str:
+    """The C text of `expm1` as a static function."""
+    return f"""\
+/* (e to the power of x, minus 1, minus x) over x squared, for small x. */
+static double exp_series(double x)
+{{
+{_polynomial("x", EXP_SERIES)}}}
+
+/* e to the power of x, minus 1. */
+static double {name}(double x)
+{{
+    return fabs(x) < {in_place.SMALL!r} ? fma(x * x, exp_series(x), x) : expm1(x);
+}}
+"""
+
+
+def _table(name: str, values: Sequence[float], words: str) -> str:
+    rows = [", ".join(map(repr, values[i : i + 4])) for i in range(0, len(values), 4)]
+    lines = "".join(f"    {row},\n" for row in rows)
+    return f"/* {words} */\nstatic const double {name}[{len(values)}] = {{\n{lines}}};\n"
+
+
+def _polynomial(x: str, coefficients: Sequence[float]) -> str:
+    """Lines that return a series, worked out in halves as `lane_values.Code.polynomial` does."""
+    lines, power, degree = "", x, 1
+    terms = [repr(float(each)) for each in coefficients]
+    while len(terms) > 1:
+        pairs: list[str] = []
+        for low, high in zip(terms[::2], terms[1::2], strict=False):
+            pairs.append(f"s{degree}_{len(pairs)}")
+            lines += f"    const double {pairs[-1]} = fma({high}, {power}, {low});\n"
+        terms = pairs + terms[len(pairs) * 2 :]
+        if len(terms) > 1:
+            degree *= 2
+            lines += f"    const double x{degree} = {power} * {power};\n"
+            power = f"x{degree}"
+    return f"{lines}    return {terms[0]};\n"
+
+
+C_INTRINSICS = {"vvdp_power": c_powers(), "vvdp_expm1": c_expm1()}
+"""The C text of what `simulation.in_place` writes for LLVM, by the names of the intrinsics."""

@@ -1,0 +1,278 @@
+"""The texts around exported functions: vectors, the program that replays them, an example, Makefile and README."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vvdp.base.arrays import Array
+from vvdp.export.c_parts import IN, KEPT, OUT, Entry
+from vvdp.generator.c_text import wrap
+
+if TYPE_CHECKING:
+    from vvdp.export.c_folder import CPart
+
+WARNINGS = "-Wall -Wextra -Wconversion -Wpedantic"
+
+
+def vectors_text(
+    entries: Sequence[Entry],
+    times: Sequence[float],
+    drawn: Sequence[Array],
+    expected: Mapping[str, list[dict[str, Array]]],
+) -> str:
+    """Times, arguments and expected results of every sample, as the bits of floats."""
+    parts = [
+        "/* Arguments and expected results as the bits of IEEE 754 doubles. */\n#include <stdint.h>\n",
+        f"enum {{ SAMPLES = {len(drawn)} }};\n",
+        f"static const uint64_t times[SAMPLES] = {{\n{_bits(np.array(times))}\n}};\n",
+    ]
+    known = next(block for entry in entries for block in entry.arguments if block.drawn)
+    parts.append(_rows(f"drawn_{known.name}", drawn))
+    for entry in entries:
+        for block in entry.arguments:
+            if block.role != IN:
+                rows = [sample[block.name] for sample in expected[entry.name]]
+                parts.append(_rows(f"{entry.name}_{block.name}", rows))
+    return "\n".join(parts)
+
+
+def _rows(name: str, rows: Sequence[Array]) -> str:
+    lines = ",\n".join(f"    {{\n{_bits(row)}\n    }}" for row in rows)
+    return f"static const uint64_t {name}[SAMPLES][{rows[0].size}] = {{\n{lines}\n}};\n"
+
+
+def _bits(numbers: Array) -> str:
+    words = [f"UINT64_C(0x{int(bits):016x})" for bits in np.asarray(numbers, float).view(np.uint64)]
+    return ",\n".join("        " + ", ".join(words[i : i + 4]) for i in range(0, len(words), 4))
+
+
+CHECK = """\
+/* Replays the vectors and compares every bit. */
+#include "{name}.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "vectors.h"
+
+typedef struct {{
+    int differing; /* samples */
+    double largest; /* difference */
+    const char *where; /* block with the largest difference */
+    size_t number; /* in the block */
+}} outcome;
+
+static double float_of(uint64_t bits)
+{{
+    double x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}}
+
+static void fill(double *numbers, const uint64_t *bits, size_t count)
+{{
+    memcpy(numbers, bits, count * sizeof *numbers);
+}}
+
+/* Whether all numbers have the expected bits; any number that is none equals any other. */
+static int compare(const char *where, const double *found, const uint64_t *expected, size_t count, outcome *all)
+{{
+    int differs = 0;
+    for (size_t i = 0; i < count; i++) {{
+        const double wanted = float_of(expected[i]);
+        if (memcmp(&found[i], &expected[i], sizeof wanted) == 0 || (isnan(found[i]) && isnan(wanted))) {{
+            continue;
+        }}
+        const double difference = fabs(found[i] - wanted);
+        if (all->where == NULL || difference > all->largest) {{
+            all->largest = difference;
+            all->where = where;
+            all->number = i;
+        }}
+        differs = 1;
+    }}
+    return differs;
+}}
+
+/* Prints the outcome; the result is whether anything differs. */
+static int report(const char *entry, const outcome *all)
+{{
+    printf("%s: %d of %d samples have the same bits\\n", entry, SAMPLES - all->differing, SAMPLES);
+    if (all->differing != 0) {{
+        printf("largest difference: %g in number %zu of %s\\n", all->largest, all->number, all->where);
+    }}
+    return all->differing != 0;
+}}
+
+{checks}
+int main(void)
+{{
+    int wrong = 0;
+{calls}    return wrong;
+}}
+"""
+
+
+def check_text(name: str, entries: Sequence[Entry]) -> str:
+    """The program that replays the vectors."""
+    calls = "".join(f"    wrong |= check_{entry.name}();\n" for entry in entries)
+    return CHECK.format(name=name, checks="\n".join(_check(name, entry) for entry in entries), calls=calls)
+
+
+def _check(name: str, entry: Entry) -> str:
+    lines = [f"static int check_{entry.name}(void)", "{", "    outcome all = {0, 0.0, NULL, 0};"]
+    for block in entry.arguments:
+        first = f" = {name}_first_{block.name}" if block.role == KEPT else ""
+        if block.drawn or block.role != IN:
+            lines.append(f"    {name}_{block.name} {block.name}{first};")
+    lines.append("    for (size_t i = 0; i < SAMPLES; i++) {")
+    for block in entry.arguments:
+        if block.drawn:
+            lines.append(f"        fill((double *)&{block.name}, drawn_{block.name}[i], {block.size});")
+    handed = [
+        f"&{block.name}" if block.drawn or block.role != IN else f"&{name}_first_{block.name}"
+        for block in entry.arguments
+    ]
+    lines.append(f"        int differs = {name}_{entry.name}(float_of(times[i]), {', '.join(handed)}) != 0;")
+    for block in entry.arguments:
+        if block.role != IN:
+            expected = f"{entry.name}_{block.name}[i], {block.size}, &all"
+            lines.append(f'        differs |= compare("{block.name}", (const double *)&{block.name}, {expected});')
+    lines += ["        all.differing += differs;", "    }", f'    return report("{name}_{entry.name}", &all);', "}", ""]
+    return "\n".join(wrap(line) for line in lines)
+
+
+def example_text(name: str, entries: Sequence[Entry], period: float) -> str:
+    """A program that calls the first function a few times with the values of the system."""
+    entry = entries[0]
+    lines = ["/* Calls the function with the values of the system. */", f'#include "{name}.h"', ""]
+    lines += ["#include <stdio.h>", "", "int main(void)", "{"]
+    for block in entry.arguments:
+        first = f" = {name}_first_{block.name}" if block.role != OUT else ""
+        lines.append(f"    {name}_{block.name} {block.name}{first};")
+    handed = ", ".join(f"&{block.name}" for block in entry.arguments)
+    shown = next(block for block in entry.arguments if block.role != IN)
+    lines += ["    for (int sample = 0; sample < 3; sample++) {", f"        const double t = sample * {period!r};"]
+    lines += [f"        if ({name}_{entry.name}(t, {handed}) != 0) {{", "            return 1;", "        }"]
+    lines += [f"        const double *first = (const double *)&{shown.name};"]
+    lines += [f'        printf("%g s: first number of {shown.name}: %.17g\\n", t, first[0]);', "    }", "    return 0;"]
+    return "\n".join([*map(wrap, lines), "}", ""])
+
+
+def makefile_text(name: str, flags: Sequence[str]) -> str:
+    """What builds and tests the folder; the flags are part of the text."""
+    objects = f"{name}.o {name}_core.o"
+    return f"""\
+CC ?= cc
+# The functions have the stated bits with these flags only.
+FLAGS = {" ".join(flags)} -O2 {WARNINGS}
+
+all: test_{name} example
+
+test: test_{name}
+\t./test_{name}
+
+test_{name}: test_{name}.o {objects}
+\t$(CC) $(FLAGS) -o $@ $^ -lm
+
+example: example.o {objects}
+\t$(CC) $(FLAGS) -o $@ $^ -lm
+
+%.o: %.c {name}.h {name}_core.h vectors.h
+\t$(CC) $(FLAGS) -c -o $@ $<
+
+# Stack of each function, by GCC.
+stack: {name}_core.c {name}_core.h
+\t$(CC) $(FLAGS) -fstack-usage -c -o {name}_core.o {name}_core.c
+\tsort -t '\t' -k 2 -n -r {name}_core.su | head
+
+clean:
+\trm -f *.o *.su test_{name} example
+
+.PHONY: all test stack clean
+"""
+
+
+README = """\
+# {part} of {system} in C99
+
+Written by vvdp {version} from the Python text of the model. Hash of the text: `{hash}`.
+
+## Functions
+
+{calls}
+{when}
+
+Include `{name}.h`. The values of the system are in `{name}_first_...`. All units are SI; pressures are absolute.
+The result of a function is 0, or the number of a failure (`{name}_core.h`).
+
+## Compiling
+
+`make test` compiles everything and replays the vectors; `make example` makes a program that calls the first function.
+Only the headers of C99 and its mathematical library (`-lm`) are needed. Keep the flags of the Makefile:
+
+- Without `-ffp-contract=off` a compiler may round a product and a sum once instead of twice.
+- Without `-fno-builtin-...` it may replace functions of the C library.
+- With `-ffast-math` the text does not compile.
+
+## Evidence
+
+The vectors hold {samples} samples, with the bits that vvdp's own machine code has calculated from the same Python text.
+`make test` reports how many samples have the same bits here, and otherwise the largest difference. Two things may
+change last bits on another machine: functions of its C library, and `fma` if it does not round once.
+
+## Memory
+
+| struct | content | numbers | bytes |
+|---|---|---|---|
+{rows}
+All of them belong to the caller. Arrays take {room} bytes of the stack, besides local variables (`make stack` lists the
+stack of each function). Nothing is taken from the heap, no global variable is written, and no function calls itself.
+
+## Python text of each function
+
+| C | Python |
+|---|---|
+{functions}
+## Licence
+
+Apache-2.0, as vvdp.
+"""
+
+
+def readme_text(part: "CPart", samples: int, version: str) -> str:
+    """What the folder holds, what to call at which times, what it needs, and what was verified."""
+    rows = "".join(
+        f"| `{part.name}_{block.name}` | {block.about} | {block.size} | {8 * block.size} |\n"
+        for block in part.blocks.values()
+    )
+    return README.format(
+        part=part.part,
+        system=part.system,
+        version=version,
+        hash=part.hash,
+        calls="".join(f"- `{part.name}_{entry.name}`: {_in_sentence(entry.about)}.\n" for entry in part.entries),
+        when=_when(part),
+        name=part.name,
+        samples=samples,
+        rows=rows,
+        room=8 * max(reals + wholes for reals, wholes in part.rooms.values()),
+        functions="".join(f"| `{name}` | {where} |\n" for name, where in part.functions),
+    )
+
+
+def _when(part: "CPart") -> str:
+    program = part.program
+    if program is None:
+        return f"Conditions are calculated every {part.period:g} s and hold in between."
+    latency = f" The command acts {program.latency:g} s after the sample." if program.latency else ""
+    if program.trigger is not None:
+        return f"Call it at each event of its trigger.{latency}"
+    return f"Call it every {part.period:g} s, first at {program.phase:g} s.{latency}"
+
+
+def _in_sentence(words: str) -> str:
+    return words[0].lower() + words[1:]
