@@ -251,7 +251,9 @@ def main(short: bool) -> None:
         every = [cold_times(kept) for _ in range(3)]
         for name, target in COLD_TARGETS.items():
             taken = [found[name] for found in every]
-            report(WORDS[name], spread(taken, "s"), f"{target:g} s", min(taken) < target)
+            report(WORDS[name], spread(taken, "s"), f"{target:g} s", median(taken) < target)
+        more = [found["changed_component_s"] - found["unchanged_s"] for found in every]
+        report("one more component, beyond an unchanged run", spread(more, "s"), "1 s", median(more) < 1.0)
         with empty_caches(kept) as environment:
             _later(environment, ROUNDS)
             compiled = [own_compiled(i, environment) for i in range(5)]
@@ -297,8 +299,8 @@ def _later(environment: Mapping[str, str], rounds: int) -> None:
             helps.append(helped(environment))
             runs.append(whole_run("prototype", environment, folder))
             again.append(in_new_process(AGAIN, environment)["beside"])
-    report("press.toml, compiled, processor time", spread(presses, "s"), "1 s", min(presses) < 1.0)
-    report("prototype, compiled, processor time", spread(runs, "s"), "1.3 s", min(runs) < 1.3)
+    report("press.toml, compiled, processor time", spread(presses, "s"), "1 s", median(presses) < 1.0)
+    report("prototype, compiled, processor time", spread(runs, "s"), "1.3 s", median(runs) < 1.3)
     report("second simulate, beside the loop", spread(again, "ms", 1e3), "3 ms", min(again) < 3e-3)
     report("vvdp --help", spread(helps, "s"), "0.4 s", median(helps) < 0.4)
 

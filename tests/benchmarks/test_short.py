@@ -35,6 +35,18 @@ def test_short_form_runs(name, not_tested, tmp_path):
     assert lines and [line for line in agreements if line["met"] is False] == []
 
 
+@pytest.mark.thorough
+def test_times_from_an_empty_cache_have_fixed_names():
+    done = subprocess.run(
+        [sys.executable, "-m", "benchmarks.start_up", "--json"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    found = json.loads(done.stdout)
+    fixed = ("press", "prototype", "machine")
+    assert {f"cold_{name}_s" for name in fixed} < set(found)
+    assert {"changed_component_s", "changed_program_s", "second_circuit_s", "make_run_s"} < set(found)
+    assert all(0.1 < seconds < 600.0 for seconds in found.values())
+
+
 def test_all_are_run_and_described():
     modules = {path.stem for path in README.parent.glob("*.py") if "run_as_command(main)" in path.read_text()}
     assert modules == set(NAMES)
