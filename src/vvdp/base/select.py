@@ -1,7 +1,7 @@
 """The three operations that Python floats, arrays, symbols and compiled code do not share already.
 
 A condition between symbols brings its own method `select`; CasADi's, which has none, is known by name.
-`vvdp.simulation.compiled` replaces `select` by a plain conditional in compiled code.
+`vvdp.simulation.dialect` replaces `select` by a plain conditional in compiled code.
 """
 
 from typing import Any, cast
