@@ -8,6 +8,7 @@ from vvdp.fluid.mixture import fluid_state
 from vvdp.hydraulics.chamber_drive import holding_pressure, static_reach
 from vvdp.hydraulics.cylinder import Plunger
 from vvdp.hydraulics.rod import Spring
+from vvdp.reproduction.chapter_4.observer import printed_jump, printed_trapezoid
 
 PISTON, SPRING = Plunger(area_a=1.74e-4, moving_mass=0.5), Spring(stiffness=2594.0, preload=211.5, rest_position=0.0)
 ATMOSPHERE, PSI, INCH = 101325.0, 6894.757, 25.4e-3
@@ -31,6 +32,10 @@ def test_printed_trapezoid_jumps():
     assert reference(1.0, 1.0 % 1.0) == pytest.approx(0.0)
     assert reference(4.0 - 1e-9, 0.0) == pytest.approx(1.6)
     assert reference(4.0, 4.0 % 1.0) == pytest.approx(4.8)
+    for t in (0.5, 1.0, 1.3, 2.0, 3.0, 4.0, 4.7, 6.0, 9.0):
+        assert printed_trapezoid(t) == pytest.approx(reference(t, t % 1.0) * INCH, abs=1e-12)
+    assert printed_jump(1.0) == pytest.approx(-20.32e-3, abs=1e-9)
+    assert printed_jump(4.0) == pytest.approx(81.28e-3, abs=1e-9)
     times = np.arange(0.0, 10.0, 1e-3)
     corrected = np.array([reference(t, t % 5.0) for t in times])
     assert np.max(np.abs(np.diff(corrected))) < 0.8e-3 * 1.001

@@ -12,9 +12,10 @@ from vvdp.cli.main import main
 from vvdp.reproduction import items as known
 from vvdp.reproduction.expectation import expectation_text, expected_verdicts, verdict_changes
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
+from vvdp.reproduction.result import verdict_result
 from vvdp.reproduction.runner import reproduce
 from vvdp.results.chart import Chart, Line, Lines
-from vvdp.results.result import Column, Table
+from vvdp.results.result import Column, Grade, Table
 from vvdp.results.store import read_result
 from vvdp.results.verdict import number_statement
 
@@ -53,6 +54,28 @@ def test_an_item_writes_picture_and_data_and_the_next_follows_a_failure(tmp_path
     result = read_result(folder)
     assert result.tables["drops"]["drop_Pa"].tolist() == [0.0, 1e5]
     assert result.tables["verdicts"]["verdict"].tolist() == ["reproduced"]
+
+
+def test_a_stopped_run_names_the_items_that_it_lacks(tmp_path):
+    outcomes = list(reproduce([GOOD], tmp_path))
+    whole, stopped = (verdict_result(outcomes, [], 1.0, missing) for missing in ([], ["figure-9.3", "section-9.4"]))
+    assert whole.finished and [each.title for each in whole.findings] == [""]
+    first = stopped.findings[0]
+    assert not stopped.finished and first.grade is Grade.BAD
+    assert (first.title, first.text) == ("Stopped", "2 items missing: figure-9.3, section-9.4.")
+
+
+def test_ctrl_c_reports_what_is_missing_and_exits_with_130(capsys, tmp_path, monkeypatch):
+    def stopped():
+        raise KeyboardInterrupt
+
+    chosen = (GOOD, Item(ItemKind.SECTION, "9.2", "Stopped here", stopped), GOOD)
+    monkeypatch.setattr(known, "chosen_items", lambda names: chosen)
+    with pytest.raises(SystemExit) as ended:
+        main(["reproduce", "all", "--json", "--no-report", "--out", str(tmp_path / "out")])
+    shown = json.loads(capsys.readouterr().out)
+    assert ended.value.code == 130
+    assert shown["finished"] is False and shown["missing"] == ["section-9.2", "figure-9.1"]
 
 
 def test_changes_are_those_of_the_items_that_were_worked_out():

@@ -21,6 +21,8 @@ from vvdp.results.verdict import (
         (6.75e5, {"inconsistency": "its parts make 6.75 bar"}, Verdict.INCONSISTENT),
         (6.74e5, {"inconsistency": "its parts make 6.75 bar"}, Verdict.REPRODUCED),
         (6.74e5, {"assumption": "a clearance of 22.5 um"}, Verdict.UNDETERMINED),
+        (6.74e5, {"calibration": "the arm of the jets"}, Verdict.CALIBRATED),
+        (6.75e5, {"calibration": "the arm of the jets"}, Verdict.NOT_REPRODUCED),
         (9.0e5, {"assumption": "a clearance of 22.5 um"}, Verdict.UNDETERMINED),
     ],
 )

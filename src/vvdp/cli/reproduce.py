@@ -59,18 +59,18 @@ def _work(items: "tuple[Item, ...]", directory: Path, force: bool, json: bool, n
                 raise
         names = [each.item.name for each in outcomes]
         changes = verdict_changes(verdicts_of(all_statements(outcomes)), expected_verdicts(), names)
-        finished = len(outcomes) == len(items)
-        result = verdict_result(outcomes, changes, time.perf_counter() - began, finished)
+        missing = [each.name for each in items[len(outcomes) :]]
+        result = verdict_result(outcomes, changes, time.perf_counter() - began, missing)
         reported = write_with_report(folder, result, "", no_report=no_report)
     if json:
         counts = {key: json_value(number) for key, number in result.numbers.items()}
-        told = {"changed": changes, "finished": finished, "out": str(directory)}
+        told = {"changed": changes, "finished": not missing, "missing": missing, "out": str(directory)}
         print_json({"items": json_rows(outcomes), **counts, **told})
     else:
         short = result.tables["verdicts"].rows <= MOST_ROWS
         print_result(result, ("verdicts",) if short else ("chapters",))
         tell(f"results: {directory}" + (f"\nreport: {directory / 'report.html'}" if reported else ""))
-    if not finished:
+    if missing:
         raise typer.Exit(INTERRUPTED)
     if changes or any(each.failure for each in outcomes):
         raise typer.Exit(CHANGED)

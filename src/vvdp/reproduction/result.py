@@ -16,8 +16,21 @@ def _count_words(count: int, noun: str) -> str:
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
-def verdict_result(outcomes: Sequence[Outcome], changes: Sequence[str], seconds: float, finished: bool) -> Result:
-    """The table of all verdicts, how many there are of each, and what differs from what is expected."""
+def stop_finding(missing: Sequence[str]) -> tuple[Finding, ...]:
+    """That a run was stopped, and the items that it lacks; nothing if none is `missing`."""
+    if not missing:
+        return ()
+    text = f"{_count_words(len(missing), 'item')} missing: {', '.join(missing)}."
+    return (Finding(text=text, grade=Grade.BAD, title="Stopped"),)
+
+
+def verdict_result(
+    outcomes: Sequence[Outcome], changes: Sequence[str], seconds: float, missing: Sequence[str] = ()
+) -> Result:
+    """The table of all verdicts, how many there are of each, and what differs from what is expected.
+
+    `missing` names the items that were asked for and not worked out, since the run was stopped.
+    """
     statements = all_statements(outcomes)
     counts = Counter(each.verdict for _, each in statements)
     words = ", ".join(f"{counts[verdict]} {verdict.value}" for verdict in Verdict if counts[verdict])
@@ -34,6 +47,7 @@ def verdict_result(outcomes: Sequence[Outcome], changes: Sequence[str], seconds:
         tables={"chapters": chapter_table(outcomes), "verdicts": verdict_table(statements)},
         numbers={"item_count": Number(float(len(outcomes)), COUNT, "items"), **numbers},
         findings=(
+            *stop_finding(missing),
             Finding(
                 text=f"{_count_words(len(outcomes), 'item')}, {_count_words(len(statements), 'statement')}: {words}."
             ),
@@ -41,7 +55,7 @@ def verdict_result(outcomes: Sequence[Outcome], changes: Sequence[str], seconds:
             *(Finding(text=text, grade=Grade.BAD, title="Verdict changed") for text in changes),
         ),
         seconds=seconds,
-        finished=finished,
+        finished=not missing,
     )
 
 

@@ -20,6 +20,7 @@ class Verdict(StrEnum):
     """How a statement stands."""
 
     REPRODUCED = "reproduced"
+    CALIBRATED = "calibrated"
     NOT_REPRODUCED = "not reproduced"
     INCONSISTENT = "source inconsistent"
     UNDETERMINED = "not determined by the text"
@@ -32,7 +33,8 @@ class Statement:
 
     It holds where `found` [SI] lies between `low` and `high`, or outside by `tolerance` at most; `because` says where
     the tolerance comes from. `source` and `result` are words that stand for the numbers. Where the text leaves the
-    number open, `assumption` is what decides it; where the source contradicts itself, `inconsistency` says how.
+    number open, `assumption` is what decides it; where the source contradicts itself, `inconsistency` says how. Where
+    something was chosen by the printed number, `calibration` says what: that it then holds is no evidence.
     """
 
     what: str
@@ -46,6 +48,7 @@ class Statement:
     result: str = ""
     assumption: str = ""
     inconsistency: str = ""
+    calibration: str = ""
     note: str = ""
     is_drawing: bool = False
 
@@ -62,7 +65,7 @@ class Statement:
         if self.assumption:
             return Verdict.UNDETERMINED
         if self.holds:
-            return Verdict.REPRODUCED
+            return Verdict.CALIBRATED if self.calibration else Verdict.REPRODUCED
         return Verdict.INCONSISTENT if self.inconsistency else Verdict.NOT_REPRODUCED
 
     @property
@@ -98,7 +101,8 @@ class Statement:
         """What there is to say about the verdict."""
         assumed = f"decided by: {self.assumption}" if self.assumption else ""
         inconsistency = "" if self.holds else self.inconsistency
-        return "; ".join(filter(None, (assumed, inconsistency, self.note)))
+        calibrated = f"chosen by it: {self.calibration}" if self.calibration else ""
+        return "; ".join(filter(None, (assumed, calibrated, inconsistency, self.note)))
 
 
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")

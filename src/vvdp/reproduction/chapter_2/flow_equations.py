@@ -59,7 +59,7 @@ def section_2_2() -> Reproduction:
                 FLOW,
                 share=0.01,
                 because="digits",
-                inconsistency="41.04 lpm; both hold with a volumetric efficiency of 97.5 %",
+                note="both hold with a volumetric efficiency of 97.5 %, which is not printed",
             ),
             bound_statement(
                 "mean inlet pressure that the motor can hold at 40 lpm",

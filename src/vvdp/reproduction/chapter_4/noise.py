@@ -338,7 +338,7 @@ def section_4_2() -> Reproduction:
                 FREQUENCY,
                 share=0.1,
                 because="oil temperature",
-                inconsistency="24 Hz in section 2.5; 13 Hz would take oil of 27 °C",
+                note="oil of 27 °C would give 13 Hz, by the balance of torques; section 2.5 has 24 Hz",
             ),
             number_statement(
                 "stroke of the duty ratio, from (4.16)",

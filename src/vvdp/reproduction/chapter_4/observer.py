@@ -65,31 +65,35 @@ def equation_4_6() -> Reproduction:
 
 
 def printed_trapezoid(t: float) -> float:
-    """r(t) of eq. 4.16 as printed, with t in place of mod(t, 5) in the ramps [m]; t within 5 s of the second period."""
-    phase = t % 5.0
+    """r(t) of eq. 4.16 as printed [m]: its branches take mod(t, 5), its ramps mod(t, 1)."""
+    phase, ramp = t % 5.0, t % 1.0
     if phase < 1.0:
-        return 0.0
-    if phase < 2.0:
-        return 0.8 * INCH * (t - 1.0)
-    if phase < 4.0:
         return 0.8 * INCH
-    return 0.8 * INCH * (1.0 - (t - 4.0))
+    if phase <= 2.0:
+        return (0.8 + 0.8 * (ramp - 1.0)) * INCH
+    if phase < 4.0:
+        return 1.6 * INCH
+    return (1.6 - 0.8 * (ramp - 4.0)) * INCH
+
+
+def printed_jump(t: float) -> float:
+    """By how much r(t) as printed changes at `t` [m]."""
+    return printed_trapezoid(t) - printed_trapezoid(t - 1e-9)
 
 
 def equation_4_16() -> Reproduction:
-    """The trapezoid has to go on in its second period where its first one ended."""
-    edge = 1e-9
-    jump = abs(printed_trapezoid(6.0 + edge) - printed_trapezoid(6.0 - edge))
+    """A trapezoid goes on where its last branch ended."""
     return Reproduction(
-        statements=(
+        statements=tuple(
             bound_statement(
-                "jump of the reference at the second ramp, as printed",
-                jump,
+                f"jump of the reference at {begin:.0f} s, as printed",
+                abs(printed_jump(begin)),
                 POSITION,
                 high=1e-6,
                 source="a trapezoid",
-                inconsistency="the ramps take mod(t, 5) as the branches do",
-            ),
+                inconsistency="in (4.16) the branches take mod(t, 5), their ramps mod(t, 1)",
+            )
+            for begin in (1.0, 4.0)
         )
     )
 
