@@ -733,3 +733,29 @@ def test_a_network_of_32_states(many):
     model, state = many
     case = Case(state, Gain(gain=2.0))
     np.testing.assert_allclose(rates_of(link(model, case), case), model.circuit(0.0, state, None, case.params)[0])
+
+
+def chain_of(count):
+    """A chain of so many levels, each of which calls a formula."""
+    names = [f"x{i}" for i in range(count)]
+    fields = "".join(f"    {name}: Plain\n" for name in names)
+    rates = ", ".join(f"smooth(s.{names[i - 1]} - s.{name})" for i, name in enumerate(names))
+    text = f"class Chain(NamedTuple):\n{fields}\ndef chain(t, s, u, p):\n    return Chain({rates}), Nothing(0.0)\n"
+    home = types.ModuleType("long_chain")
+    home.__dict__.update(NamedTuple=NamedTuple, Plain=Plain, Nothing=Nothing, smooth=smooth)
+    exec(compile(text, known_text(text, "long chain"), "exec"), home.__dict__)
+    return Model(home.chain), Case(home.Chain(*(1.0 for _ in names)), Gain(gain=2.0))
+
+
+def smooth(x):
+    y = x
+    for _ in range(8):
+        y = y + np.sqrt(y * y + 1.0) - abs(x)
+    return y
+
+
+def test_the_code_of_a_circuit_grows_with_its_size():
+    """Copied to their place, the formulas of 300 states would take minutes to compile."""
+    sizes = [len(linking.ModelAssemblies(*chain_of(count)).circuit.llvm_text()[0]) for count in (150, 300)]
+    assert sizes[1] / sizes[0] < 2.2
+    assert sizes[1] < 300 * 2000

@@ -12,7 +12,7 @@ import re
 from vvdp.generator.kinds import Record, registers_of
 from vvdp.generator.library import C_LIBRARY
 from vvdp.generator.llvm_expressions import declare_library
-from vvdp.generator.llvm_statements import locate, needs_of, scope_of, write_block
+from vvdp.generator.llvm_statements import locate, needs_of, scope_of, statements_in, write_block
 from vvdp.generator.llvm_text import (
     SELDOM,
     TYPES,
@@ -23,6 +23,7 @@ from vvdp.generator.llvm_text import (
     result_type,
 )
 from vvdp.generator.tree import Function, Module
+from vvdp.generator.verify import calls_in, statement_operands
 
 ROOM = 8192
 """Numbers for which an entry has room in its frame."""
@@ -94,6 +95,18 @@ def write_llvm(module: Module, *, debug: bool = False, inline: bool = False, bas
     if any(each.room for each in needs.values()):
         parts.append(PRELUDE)
     return "\n".join([*parts, *functions, *_metadata(shared)]) + "\n"
+
+
+def written_out(module: Module) -> int:
+    """How many statements the largest entry has if every call in it is copied to its place."""
+    sizes: dict[str, int] = {}
+    for function in module.functions:
+        statements = list(statements_in(function.body))
+        called = [
+            each for statement in statements for value in statement_operands(statement) for each in calls_in(value)
+        ]
+        sizes[function.name] = len(statements) + sum(sizes[each.name] for each in called if not each.apart)
+    return max((sizes[name] for name in module.entries), default=0)
 
 
 def _definitions(text: str, shared: Shared) -> str:

@@ -4,7 +4,7 @@ Types of operands, one meaning for each variable, values before their use on eve
 before, known functions of the library only, no way past the end of a function.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from vvdp.generator import tree
@@ -199,6 +199,14 @@ def operands(value: tree.Expression) -> list[tree.Expression]:
         inner = getattr(value, name)
         found += [each for each in inner if each is not None] if isinstance(inner, tuple) else [inner]
     return found
+
+
+def calls_in(value: tree.Expression) -> Iterator[tree.Function]:
+    """The functions of the module that an expression calls."""
+    if isinstance(value, tree.Call):
+        yield value.function
+    for inner in operands(value):
+        yield from calls_in(inner)
 
 
 def fits(kind: Kind, target: Kind) -> bool:

@@ -23,11 +23,13 @@ from vvdp.simulation.parts import Part
 from vvdp.simulation.reach import Functions, reachable, words
 from vvdp.simulation.values import names
 
-WRITERS = ("dialect", "flat", "in_place", "lane_math", "lane_values", "lane_vectors", "queue")
+WRITERS = ("assembly", "dialect", "flat", "in_place", "lane_math", "lane_values", "lane_vectors", "queue")
 BASE = ("powers", "select", "signal")
 """Modules by which, or with which, code is made, whatever the model; the generator itself is one more."""
 SECONDS_EACH, SECONDS_PER_BYTE = 0.02, 4e-5
 """About how long functions take to compile, and each byte of the bytecode that they reach, on a core of 2024 [s]."""
+MOST_WRITTEN_OUT = 3000
+"""Statements up to which calls are copied to their place; no shipped circuit has more, and larger ones compile far longer."""
 _LOADED: dict[str, "Assembled"] = {}
 
 
@@ -49,7 +51,7 @@ class Assembled:
 class Assembly:
     """Functions over flat vectors that are compiled together; `digest` is the hash of all of their text.
 
-    inline   whether all calls are written out, which suits formulas
+    inline   whether calls are copied to their place, which suits formulas; not where that would be too much
     checked  whether bounds, divisions, whole numbers and assertions are checked while the code runs
 
     Raises RunError where a function cannot be hashed, with its name.
@@ -111,7 +113,10 @@ class Assembly:
 
     def llvm_text(self, *, debug: bool = False) -> tuple[str, tuple[str, ...]]:
         """The LLVM text, and the reasons of its failures. Raises RunError where the language lacks something."""
-        from vvdp.generator.llvm_writer import write_llvm  # what reads and writes is loaded where it is needed
+        from vvdp.generator.llvm_writer import (  # what reads and writes is loaded where it is needed
+            write_llvm,
+            written_out,
+        )
         from vvdp.generator.unit import Unit
         from vvdp.generator.verify import verify
         from vvdp.simulation.dialect import model_options
@@ -123,7 +128,8 @@ class Assembly:
         except LanguageError as problem:
             raise RunError(str(problem)) from None
         module = verify(unit.module())
-        return write_llvm(module, inline=self.inline, base=self._base, debug=debug), module.reasons
+        inline = self.inline and written_out(module) <= MOST_WRITTEN_OUT
+        return write_llvm(module, inline=inline, base=self._base, debug=debug), module.reasons
 
     @property
     def _base(self) -> int:
