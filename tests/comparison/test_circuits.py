@@ -242,7 +242,7 @@ def test_a_cycle_is_sized_by_one_rule():
 
 def test_a_cycle_of_ones_own_is_read(tmp_path):
     file = tmp_path / "mine.csv"
-    file.write_text("time, force ,position,other\n1,-500,0.05,x\n3,-500,0.15,x\n\n5,-400,0.05,x\n")
+    file.write_text("time, force ,position\n1,-500,0.05\n3,-500,0.15\n\n5,-400,0.05\n")
     found = read_duty(file, *known_cylinder())
     assert (found.name, found.period, found.relief_pressure) == ("mine", 4.0, 60e5)
     assert found.cycle.positions == (0.05, 0.15, 0.05) and found.cycle.forces == (-500.0, -500.0, -400.0)
