@@ -29,7 +29,7 @@ BASE = ("powers", "select", "signal")
 SECONDS_EACH, SECONDS_PER_BYTE = 0.02, 4e-5
 """About how long functions take to compile, and each byte of the bytecode that they reach, on a core of 2024 [s]."""
 MOST_WRITTEN_OUT = 3000
-"""Statements up to which calls are copied to their place: larger circuits than the shipped ones would compile far longer."""
+"""Statements up to which calls are copied to their place; larger circuits than the shipped ones compile far longer."""
 _LOADED: dict[str, "Assembled"] = {}
 
 
