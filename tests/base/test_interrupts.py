@@ -20,7 +20,15 @@ def test_what_work_returns_or_raises_comes_back():
         interruptible(fails)
 
 
-def test_an_interrupt_does_not_wait_for_the_work():
+@pytest.fixture
+def heard():
+    """SIGINT raises KeyboardInterrupt, even if the tests were started in the background, where it is ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_an_interrupt_does_not_wait_for_the_work(heard):
     """The work takes 5 s here; the interrupt is raised within 0.3 s."""
     let_go = threading.Event()
     threading.Timer(0.1, lambda: signal.raise_signal(signal.SIGINT)).start()
