@@ -26,7 +26,7 @@ COMMANDS = {
     "check": "check",
 }
 NUMBER = re.compile(r"(?<![\w./-])[\u2212-]?\d[\d.]*(?:e-?\d+)?(?![\w/])")
-VARYING = re.compile(r"(?:\d+ steps )?(?:points run )?in [\d.]+ s|[\d.]+e-\d+")
+VARYING = re.compile(r"(?:\d+ steps )?(?:points run )?in [\d.]+ s|[\d.]+e-\d+|[\d.]+ MB of")
 
 
 def screen(width, command, folder):
