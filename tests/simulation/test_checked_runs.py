@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+import numpy as np
 import pytest
 from tests.simulation.asserting import asserting
 
@@ -9,7 +10,9 @@ from vvdp.base.conservation import NOTHING, Nothing
 from vvdp.base.errors import RunError
 from vvdp.base.kinds import Pressure
 from vvdp.base.params import Params
+from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.model import Case, Model, Program
+from vvdp.simulation.replay import Replay
 from vvdp.simulation.run import Stepping, simulate
 from vvdp.systems.system import load_system, shipped_systems
 
@@ -62,16 +65,34 @@ def raising(t, memory, reading, settings):
     return memory, reading
 
 
-def run(step, *, checked=False):
+def guarded(step):
     """From 1e5 Pa at 1e6 Pa/s, seen each millisecond: a limit of 5e5 Pa is passed after 0.4 s."""
     model = Model(rising, programs={"guard": Program(seen, step, command=State(0.0))})
     case = Case(State(1e5), NOTHING, Command(State(0.0)), {"guard": NOTHING}, {"guard": Limit(pressure=5.005e5)})
-    return simulate(model, case, Stepping(until=1.0), checked=checked)
+    return model, case
+
+
+def run(step, *, checked=False):
+    return simulate(*guarded(step), Stepping(until=1.0), checked=checked)
 
 
 def test_an_error_that_a_program_raises_ends_the_run_with_its_place():
     with pytest.raises(RunError, match=r"t = 0\.4\d* s: .*test_checked_runs.py:\d+: ValueError\('above the limit'\)"):
         run(raising)
+
+
+def test_an_error_that_a_program_raises_in_a_batch_or_a_replay_is_one_of_the_run():
+    model, case = guarded(raising)
+    with pytest.raises(RunError, match=r"test_checked_runs.py:\d+: ValueError\('above the limit'\)"):
+        simulate_batch(model, [case] * 3, Stepping(until=1.0), lanes=False)
+    replay = Replay(watching, NOTHING, State(0.0), Limit(pressure=5e5))
+    assert replay(NOTHING, np.array([[1e5], [5e5]])).shown.ravel().tolist() == [1e5, 5e5]
+    with pytest.raises(RunError, match=r"test_checked_runs.py:\d+: ValueError\('above the limit'\)"):
+        replay(NOTHING, np.array([[1e5], [6e5]]))
+
+
+def watching(memory, reading, settings):
+    return raising(0.0, memory, reading, settings)
 
 
 def test_assertions_count_in_checked_code_alone():

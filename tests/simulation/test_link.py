@@ -642,6 +642,23 @@ def test_code_that_somebody_has_replaced_is_not_executed(tmp_path, fresh):
     assert rates_of(link(Model(sound), CASE, tmp_path), CASE).tolist() == [-2.0]
 
 
+def test_a_full_disk_leaves_no_part_of_a_file(tmp_path):
+    text = """
+        import resource, signal
+        from pathlib import Path
+        from vvdp.base.errors import RunError
+        from vvdp.simulation.cache import keep
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+        try:
+            keep("large", b"x" * 100_000, Path(CACHE))
+        except RunError as problem:
+            print(problem)
+    """.replace("CACHE", repr(str(tmp_path / "kept")))
+    assert "VVDP_CACHE" in run_python(text, tmp_path, tmp_path / "unused")
+    assert list((tmp_path / "kept").iterdir()) == []
+
+
 def test_what_was_not_used_for_longest_makes_room(tmp_path, monkeypatch):
     for number, name in enumerate(("old", "used", "new")):
         keep(name, b"x" * 1000, tmp_path)

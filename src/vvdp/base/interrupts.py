@@ -11,7 +11,7 @@ LOOK = 0.05
 
 
 def interruptible(work: Callable[[], Result]) -> Result:
-    """What `work` returns or raises, done in another thread: Ctrl-C is raised here at once, and not when C returns.
+    """The result of `work`, done in another thread: Ctrl-C is raised here at once, even while `work` is within C.
 
     The thread then goes on by itself, so `work` must not change anything.
     """

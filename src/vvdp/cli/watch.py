@@ -22,7 +22,7 @@ MOST_ROWS = 20
 def watch(name: str, load: Callable[[], "System"], show: Callable[["RecordedRun"], None]) -> None:
     """Run the system that `load` reads, `show` the first run, and print what changes after each save, until Ctrl-C.
 
-    A file that cannot be read or run is reported, and watched on. Raises ParameterError if `name` is no file.
+    An error in the file is reported, and the file is still watched. Raises ParameterError if `name` is no file.
     """
     from vvdp.base.errors import ParameterError, VvdpError
     from vvdp.cli.screen import say

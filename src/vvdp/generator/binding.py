@@ -2,6 +2,7 @@
 
 import itertools
 import os
+import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -12,6 +13,8 @@ import llvmlite.binding as llvm
 from vvdp.base.errors import RunError
 
 _numbers = itertools.count()
+_one_at_a_time = threading.Lock()
+"""Held while LLVM works on a module: all modules share its global context, and an interrupted compilation goes on."""
 LEVEL = "VVDP_PROCESSOR"
 """The variable of the environment that names a processor level, for a cache that different processors share."""
 LEVELS = {"x86-64-v2": (), "x86-64-v3": ("fma", "avx2"), "x86-64-v4": ("fma", "avx2", "avx512f")}
@@ -92,7 +95,8 @@ def optimise(text: str, level: int = 2) -> Any:
 
 def compile_text(text: str, level: int = 2) -> bytes:
     """Object code for this processor. Raises RuntimeError where LLVM refuses the text."""
-    code: bytes = _machine(level).emit_object(optimise(text, level))
+    with _one_at_a_time:
+        code: bytes = _machine(level).emit_object(optimise(text, level))
     return code
 
 

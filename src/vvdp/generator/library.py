@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from vvdp.base.errors import RunError
 
-class Failure(Exception):
+
+class Failure(RunError):
     """What generated code was written to raise, or what a check of it found: file, line and reason."""
 
 

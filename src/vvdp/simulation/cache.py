@@ -10,6 +10,7 @@ import os
 import stat
 import tempfile
 import threading
+from contextlib import suppress
 from pathlib import Path
 
 from vvdp.base.errors import RunError
@@ -104,9 +105,16 @@ def keep(name: str, content: bytes, cache: Path) -> None:
         cache.mkdir(mode=0o700, parents=True, exist_ok=True)
         check_private(cache)
         with tempfile.NamedTemporaryFile(dir=cache, prefix=f".{name}-", delete=False) as file:
-            file.write(hashlib.sha256(content).hexdigest().encode() + b"\n" + content)
-        Path(file.name).replace(_place(name, cache))
-        _make_room(cache)
+            beside = Path(file.name)
+            try:
+                file.write(hashlib.sha256(content).hexdigest().encode() + b"\n" + content)
+                file.flush()
+            except BaseException:  # such as a full disk
+                beside.unlink()
+                raise
+        beside.replace(_place(name, cache))
+        with suppress(FileNotFoundError):  # another process makes room as well
+            _make_room(cache)
     except OSError as problem:
         raise _unusable(cache, problem) from None
 

@@ -26,6 +26,7 @@ from vvdp.simulation.trace import trace
 class SideBySide(NamedTuple):
     """Code of a model for all lanes."""
 
+    run: Any  # the loop for many cases at once
     rates: int  # its address
     events: int  # its address
     signals: Any  # signals(t, p, s)
@@ -63,6 +64,7 @@ def _compile(model: Model, case: Case, cache: Path | None, say: Callable[[str], 
         else:
             place += 1
     return SideBySide(
+        run=compiled_lane_loop(say, cache),
         rates=lane_rates(rates, cache).address,
         events=lane_rates(events, cache).address,
         signals=Assembly([signals_part(case)]).load(cache or default_cache(), say)["signals"],
@@ -130,12 +132,10 @@ def run_lanes(
         stiff_from=lane_loop.STIFF_FOR_GOOD if stepping.method is Method.AUTOMATIC else np.inf,
     )
 
-    run = compiled_lane_loop()
-
     def work(queue: npt.NDArray[np.int64]) -> None:
         room = _room(n, modes, positions, active, ready.vectors.command.size, code)
         bench = loop.workbench(ready.plan, n, positions, ready.pattern)
-        run(code.rates, code.events, code.signals, *ready.linked[:4], cases, rules, room, bench, queue)
+        code.run(code.rates, code.events, code.signals, *ready.linked[:4], cases, rules, room, bench, queue)
 
     crew.carry_out(work)
 

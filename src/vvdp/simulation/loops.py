@@ -38,7 +38,7 @@ class Loop(NamedTuple):
 def compiled_loop(say: Callable[[str], None] = quiet, cache: Path | None = None, *, checked: bool = False) -> Loop:
     """The loop, from the cache or compiled into it; `checked` as of `link`."""
     parts = (plain_part(loop.run, loop.RUN, INT), plain_part(loop.batch, loop.BATCH))
-    found = _assembly(parts, checked=checked).load(cache or default_cache(), say)
+    found = _assembly(parts, "the simulation loop", checked=checked).load(cache or default_cache(), say)
     return Loop(found["run"], found["batch"])
 
 
@@ -47,15 +47,15 @@ def compiled_lane_loop(say: Callable[[str], None] = quiet, cache: Path | None = 
     from vvdp.simulation import lane_loop
 
     parts = (plain_part(lane_loop.run_lanes, lane_loop.RUN_LANES),)
-    return _assembly(parts).load(cache or default_cache(), say)["run_lanes"]
+    return _assembly(parts, "the loop for many cases at once").load(cache or default_cache(), say)["run_lanes"]
 
 
 _ASSEMBLIES: dict[tuple[str, bool], Assembly] = {}
 
 
-def _assembly(parts: tuple[Given, ...], *, checked: bool = False) -> Assembly:
+def _assembly(parts: tuple[Given, ...], title: str, *, checked: bool = False) -> Assembly:
     """Hashed once in a process: the loops are vvdp's own, and do not change."""
     key = parts[0].name, checked
     if key not in _ASSEMBLIES:
-        _ASSEMBLIES[key] = Assembly(parts, "the simulation loop", checked=checked)
+        _ASSEMBLIES[key] = Assembly(parts, title, checked=checked)
     return _ASSEMBLIES[key]
