@@ -47,8 +47,28 @@ def test_elimination_solves_as_numpy_does(seed):
     assert x == pytest.approx(expected, rel=1e-11)
 
 
-def test_the_fastest_rate_is_that_of_single_states_and_pairs():
-    """By hand: a decay of 3/s beside an oscillation of 5 rad/s."""
-    full = np.array([[-3.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -25.0, 0.0]])
+@pytest.mark.parametrize(
+    ("full", "fastest"),
+    [
+        ([[-3.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -25.0, 0.0]], 5.0),  # a decay beside an oscillation of 5 rad/s
+        ([[-4.0, 4.0], [4.0, -4.0]], 8.0),  # two volumes that even out: their difference decays at twice the rate
+        ([[-1.0, 0.0], [1e6, -2.0]], 2.0),  # what feeds one way only
+    ],
+)
+def test_the_fastest_rate_by_hand_in_any_units(full, fastest):
+    full = np.array(full)
+    found, sums, units = pattern(full != 0.0), np.zeros(len(full)), np.array([1.0, 1e5, 1e-3])[: len(full)]
+    for jacobian in (full, full * units[:, None] / units):
+        entries = jacobian[found.rows, found.columns]
+        assert fastest_rate(found, entries, sums) == pytest.approx(fastest, rel=1e-14)
+
+
+def test_the_fastest_rate_is_no_lower_than_any_eigenvalue_of_a_chain():
+    """Of n equal volumes in a row: 4 sin(pi (n - 1) / (2 n))^2, below the bound of 4."""
+    n = 12
+    full = np.diag([-1.0, *[-2.0] * (n - 2), -1.0]) + np.eye(n, k=1) + np.eye(n, k=-1)
     found = pattern(full != 0.0)
-    assert fastest_rate(found, full[found.rows, found.columns]) == pytest.approx(5.0, rel=1e-14)
+    bound = fastest_rate(found, full[found.rows, found.columns], np.zeros(n))
+    largest = 4.0 * np.sin(np.pi * (n - 1) / (2 * n)) ** 2
+    assert np.abs(np.linalg.eigvals(full)).max() == pytest.approx(largest, rel=1e-12)
+    assert largest <= bound <= 1.02 * largest

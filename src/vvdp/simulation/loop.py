@@ -25,7 +25,17 @@ from vvdp.simulation.landing import (
     settle,
 )
 from vvdp.simulation.marks import begin_spans, pass_marks, store_records
-from vvdp.simulation.pace import EXPLICIT_BELOW, TINY, choose_method, grow, next_step, note_event, note_jump, refuse
+from vvdp.simulation.pace import (
+    EXPLICIT_BELOW,
+    FIRST_STEPS,
+    TINY,
+    choose_method,
+    grow,
+    next_step,
+    note_event,
+    note_jump,
+    refuse,
+)
 from vvdp.simulation.places import (
     AIMED,
     AUTOMATIC,
@@ -50,6 +60,7 @@ from vvdp.simulation.places import (
     REFUSED,
     REJECTED,
     RESTLESS,
+    SIGNS,
     STEP,
     STEP_BEFORE,
     STEP_TOO_SMALL,
@@ -208,7 +219,7 @@ def run(
         t_new = t_next if last else t + step
         t_right = np.nextafter(t_new, -np.inf) if last else t_new
         stiff = clock[METHOD] == STIFF and clock[REFUSED] < PATIENCE
-        if method == AUTOMATIC and step * clock[FASTEST] < heaviness:
+        if method == AUTOMATIC and step * clock[FASTEST] < heaviness and clock[SIGNS] > FIRST_STEPS:
             stiff = False
         if stiff:
             cost, clock[FASTEST] = stiff_step(

@@ -5,7 +5,9 @@ import numpy as np
 from vvdp.simulation.landing import time_left
 from vvdp.simulation.places import (
     AIMED,
+    DOUBT,
     ERROR_BEFORE,
+    EVALUATIONS,
     EVENT_TIME,
     EVENTS,
     EXPLICIT,
@@ -17,10 +19,12 @@ from vvdp.simulation.places import (
     METHOD,
     REFUSED,
     REJECTED,
+    SIGNS,
+    SPARED,
     STEP,
     STEP_BEFORE,
     STIFF,
-    STIFF_SIGNS,
+    STIFF_FIRST,
     SWITCHES,
 )
 
@@ -34,10 +38,12 @@ SERIES = 5.0
 HASTE = 1e-9
 
 
-# An explicit step is at the edge of its stability where step times fastest rate is 3.2; twice beyond the first of these
-# the stiff method takes over, and below the second, for each of its evaluations over those of an explicit step, it
-# hands back.
-STIFF_FROM, EXPLICIT_BELOW = 2.2, 1.3
+# An explicit step is at the edge of its stability where step times fastest rate is `STABLE`. Twice beyond `STIFF_FROM`
+# the stiff method takes over; below `EXPLICIT_BELOW`, for each of its evaluations over those of an explicit step, it
+# hands back, but not within its first steps, in which its step has still to grow.
+STABLE, STIFF_FROM, EXPLICIT_BELOW, FIRST_STEPS = 3.2, 2.2, 2.6, 3.0
+
+MOST_DOUBT = 31.0  # about this many more signs of stiffness are asked for, at most
 
 TINY = 1e-300  # a square that may stand below a fraction
 
@@ -65,10 +71,11 @@ def refuse(clock, step, size, finite, exponent):
 def grow(clock, size, step, h, exponent, cut, longest):
     """The step after an accepted one; `cut` says that something else than its error made that one short."""
     if clock[REFUSED] == 0.0:
-        # size ** 0.7 / before ** 0.4, to the power `exponent`: with one power instead of two.
+        # size ** 0.7 / before ** 0.4, to the power `exponent`: with one power instead of two. Steady where the error is
+        # 0.96 ** (1 / 0.06), half of what is allowed.
         e, before = size + 1e-12, clock[ERROR_BEFORE]
         cube, square = e * e * e, before * before
-        most, growth = 5.0, 0.9 * (cube * cube * e / (square * square)) ** (0.1 * exponent)
+        most, growth = 5.0, 0.96 * (cube * cube * e / (square * square)) ** (0.1 * exponent)
         clock[ERROR_BEFORE] = max(size, 1e-4)
     else:  # it stands before a kink: growing at once would only have the next one refused
         most, growth = 1.0, 0.9 * (size + 1e-12) ** exponent
@@ -94,14 +101,22 @@ def note_event(clock, t):
 def choose_method(clock, step, cut, heaviness, stiffness):
     """Hands over to the stiff method, or back, after an accepted step; `cut` as in `grow`.
 
+    Each time the stiff method has taken more evaluations than explicit steps would have, it has to show more signs the
+    next time, and fewer again where it has paid.
+
     heaviness  step times fastest rate at which the stiff method costs what the explicit one does
     stiffness  step times fastest rate, as the last two stages of an explicit step tell it
     """
     if clock[METHOD] == STIFF:
-        if step * clock[FASTEST] < heaviness and not cut:
-            clock[METHOD] = EXPLICIT
+        clock[SPARED] += 6.0 / STABLE * step * clock[FASTEST]
+        clock[SIGNS] += 1.0
+        if step * clock[FASTEST] < heaviness and clock[SIGNS] > FIRST_STEPS and not cut:
+            loses = clock[EVALUATIONS] - clock[STIFF_FIRST] > clock[SPARED]
+            clock[DOUBT] = min(2.0 * clock[DOUBT] + 1.0, MOST_DOUBT) if loses else 0.5 * clock[DOUBT]
+            clock[METHOD], clock[SIGNS] = EXPLICIT, 0.0
     elif not cut:
-        clock[STIFF_SIGNS] = clock[STIFF_SIGNS] + 1.0 if stiffness > STIFF_FROM else 0.0
-        if clock[STIFF_SIGNS] >= 2.0:
-            clock[METHOD], clock[FASTEST], clock[STIFF_SIGNS] = STIFF, np.inf, 0.0
+        clock[SIGNS] = clock[SIGNS] + 1.0 if stiffness > STIFF_FROM else 0.0
+        if clock[SIGNS] >= 2.0 * (1.0 + clock[DOUBT]):
+            clock[METHOD], clock[FASTEST], clock[SIGNS] = STIFF, np.inf, 0.0
+            clock[STIFF_FIRST], clock[SPARED] = clock[EVALUATIONS], 0.0
             clock[SWITCHES] += 1.0
