@@ -8,6 +8,7 @@ import pytest
 
 from vvdp.base.tables import Table
 from vvdp.simulation.run import Run, simulate
+from vvdp.systems.summary import summary
 from vvdp.systems.system import built_system, load_system
 
 CIRCUITS = Path(__file__).parent / "splits"
@@ -59,3 +60,10 @@ def test_the_stiff_method_is_not_asked_for_over_and_over_where_it_does_not_pay()
     system = load_system("displacement-control", until="2 s")
     found = simulate(system.model, system.case, system.stepping)
     assert found.switches < 100
+
+
+@pytest.mark.parametrize(("tolerance", "closes"), [(1e-5, False), (1e-6, True)])
+def test_the_default_tolerance_closes_books_that_a_looser_one_does_not(tolerance, closes):
+    system = load_system("flow-control-unit", [f"run.relative_tolerance={tolerance}"])
+    found = summary(system, simulate(system.model, system.case, system.stepping))
+    assert found["trusted"] is closes
