@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from vvdp.base.arrays import Array
+from vvdp.base.display import with_unit
 from vvdp.base.kinds import DISCHARGE_COEFFICIENT, FLOW, LENGTH, NUMBER, PRESSURE_DIFFERENCE, SIGNED_PRESSURE
 from vvdp.cfd.kept import KeptStudy
 from vvdp.numerics.least_squares import fit
@@ -16,7 +17,14 @@ from vvdp.reproduction.chapter_2.valve import DENSITY, LPM
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke, shades
 from vvdp.results.result import Column, Table
-from vvdp.results.verdict import Statement, bound_statement, missing_statement, number_statement, open_statement
+from vvdp.results.verdict import (
+    Statement,
+    bound_statement,
+    drawing_statement,
+    missing_statement,
+    number_statement,
+    open_statement,
+)
 from vvdp.rigs.pressure_drop import pressure_drop
 from vvdp.valve.branch import centre_resistance
 
@@ -216,14 +224,8 @@ def figure_2_15() -> Reproduction:
         )
     flow: Any = study["flow_m3_s"]
     row = int(np.argmin(np.abs(flow - here.FLOW)))  # of several, the spool at rest
-    found = bound_statement(
-        "drop of the outlet rail and its port at 40 lpm",
-        float(study["collector_drop_Pa"][row]),
-        SIGNED_PRESSURE,
-        low=0.0,
-        source="a curve without numbers",
-        assumption=shape,
-    )
+    drop = with_unit(float(study["collector_drop_Pa"][row]), SIGNED_PRESSURE)
+    found = drawing_statement("drop of the outlet rail and its port, a curve without numbers", f"{drop} at 40 lpm")
     marks = Line(x="flow_m3_s", y="collector_drop_Pa", stroke=Stroke.POINTS)
     chart = _curve_chart("2.15", "Drop of the outlet rail with its port, as computed.", marks)
     return Reproduction(statements=(found,), tables={"drops": kept_table(study)}, charts=(chart,))
@@ -264,8 +266,8 @@ def equation_2_4() -> Reproduction:
                 low=0.0,
                 high=whole,
                 source="k = 1.45e-6 without a unit",
-                assumption="m³/s, m and Pa",
-                note=f"lpm, mm and bar would make {other / 1e5:.2g} bar",
+                other=other,
+                assumption="m³/s, m and Pa; in the second run lpm, mm and bar",
             ),
         )
     )

@@ -29,6 +29,7 @@ def equation_2_1() -> Reproduction:
                 result="no",
                 source="−ΔP",
                 inconsistency="∇P is in N/m³ as the other terms, ΔP in Pa/m²: −∇P is meant",
+                contradiction=("(2.1): ρ (v · ∇) v, in N/m³", "(2.1): −ΔP, in Pa/m²"),
             ),
         )
     )
@@ -118,7 +119,8 @@ def _density_statement(found: float) -> Statement:
         NUMBER,
         share=1e-3,
         because="digits",
-        assumption="that 876 kg/m³ belong to 40 °C, as is said; if to 15 °C, as in data sheets, it is 861 kg/m³",
+        other=861.0,
+        assumption="that 876 kg/m³ belong to 40 °C, as is said; in the second run to 15 °C, as in data sheets",
     )
 
 

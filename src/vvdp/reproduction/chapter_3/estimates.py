@@ -154,6 +154,7 @@ def section_3_5() -> Reproduction:
             TIME,
             high=published.LIGHT_TIME,
             inconsistency="5 mm of light on sectors of 8 mm take 5/8 of a sector's 5 ms",
+            contradiction=("3.5: 1.5 ms at 25 Hz", "3.2: 5 mm of light on sectors of 8 mm"),
         ),
         bound_statement(
             "edges in 0.1 s",
@@ -188,6 +189,7 @@ def _noise_statements(speed: float) -> tuple[Statement, ...]:
             tolerance=digits,
             because="digits",
             inconsistency="a symmetric triangle on ±a has a²/6, not a²/4 (docs/errata.md)",
+            contradiction=("3.3: a triangular density on ±a", "(3.4): a variance of a²/4"),
         ),
         number_statement(
             "bound of the measurement noise",
@@ -197,6 +199,7 @@ def _noise_statements(speed: float) -> tuple[Statement, ...]:
             tolerance=5e-3,
             because="digits",
             inconsistency="the bounds of 3.3 with 1 ms and 1.5 ms make 0.196 rad",
+            contradiction=("3.5: 0.36 rad", "3.3: the bounds of both noises, with 1 ms and 1.5 ms"),
         ),
     )
 

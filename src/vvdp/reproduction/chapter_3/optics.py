@@ -149,6 +149,7 @@ def _delay(kind: str, threshold: str, delay: float) -> Statement:
         high=high,
         source=words,
         inconsistency="the sign belongs to one kind of edge; section 7.3 has it alternate, which is right",
+        contradiction=("3.2: a low threshold delays the edges", "7.3: the error switches signs for every measurement"),
     )
 
 

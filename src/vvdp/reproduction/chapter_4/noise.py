@@ -289,6 +289,7 @@ def equation_4_12() -> Reproduction:
                 DURATION,
                 share=1e-9,
                 inconsistency="the integral of 1 over a turn is T",
+                contradiction=("(4.12): M₁₁ = 1", "(4.11): the integral over T"),
                 source="1",
             ),
             number_statement(
@@ -299,6 +300,7 @@ def equation_4_12() -> Reproduction:
                 share=1e-9,
                 because=ROUNDING,
                 inconsistency="T (T/2)^n",
+                contradiction=("(4.12): det M = (T/2)^n", "(4.11): the integral over T"),
             ),
         )
     )

@@ -131,6 +131,7 @@ def table_5_1() -> Reproduction:
                 because="digits",
                 source="λ₂ ≈ V/β approximates the passivity law (5.7.1)",
                 inconsistency="with 10 % of air V/β is 5e-13 m³/Pa; that λ₂ is the cause of the higher gains",
+                contradiction=("5.7.1: λ₂ = 3e-12 m³/Pa as V/β", "5.2 and fig. 5.3: volume and modulus of the chamber"),
             ),
         )
     )
@@ -187,7 +188,7 @@ def _weight_statements(at_best: float) -> tuple[Statement, ...]:
             NUMBER,
             share=0.3,
             because="steps of the sweep",
-            assumption="gains 'similar to those in table 5.1': here K_v = 38 N s/m, K_p = 55 N/m",
+            calibration="gains 'similar to those in table 5.1': here K_v = 38 N s/m, K_p = 55 N/m",
         ),
         number_statement(
             "best λ₂ by the formula (V/β)/(1 − k), 1e-12 m³/Pa",
@@ -196,7 +197,7 @@ def _weight_statements(at_best: float) -> tuple[Statement, ...]:
             NUMBER,
             share=0.1,
             because="digits",
-            assumption="the same gains",
+            calibration="the same gains",
         ),
         number_statement(
             "V/β, at which (5.40) is said to be insensitive to the velocity, over the best λ₂",
