@@ -99,8 +99,8 @@ def figure_2_19() -> Reproduction:
         THIN,
         0.7**2 * RAIL,
         VOLUME,
-        share=0.02,
-        because="digits",
+        tolerance=0.05e-6,
+        because="half of the last printed digit",
         inconsistency="0.7² of 12.7 cc are 6.2 cc, 5.2 cc on a ring 16 % smaller; 4.2 cc would take 42 %",
         contradiction=("2.7: a section thinner by 30 %", "2.7: 4.2 cc of 12.7 cc"),
     )
@@ -109,8 +109,8 @@ def figure_2_19() -> Reproduction:
         0.136,
         _drop_change(study, 3),
         EFFICIENCY,
-        tolerance=0.05,
-        because="what the grid leaves open",
+        tolerance=5e-4,
+        because="half of the last printed digit",
         assumption=UNKNOWN_SHAPE,
     )
     tables = {"computed": kept_table(study)} if study else {}
@@ -128,8 +128,8 @@ def figure_2_20() -> Reproduction:
         FINAL_DROP / DROP - 1.0,
         _drop_change(study, 4),
         EFFICIENCY,
-        tolerance=0.05,
-        because="what the grid leaves open",
+        tolerance=0.005e5 / DROP * (1.0 + FINAL_DROP / DROP),
+        because="half of the last digit of both drops",
         assumption=UNKNOWN_SHAPE,
     )
     return solid_drawing("optimised rail", "figure-2.20", lambda: rail_designs(DESIGNS[4:]), drop)
@@ -145,8 +145,8 @@ def equation_2_10() -> Reproduction:
                 3.0 * FREQUENCY * energy,
                 FREQUENCY * energy,
                 MEAN_POWER,
-                share=0.02,
-                because="digits",
+                share=0.05 / 12.7 + 0.5 / 72.0,
+                because="half of the last digit of 12.7 cc and of 72 Hz",
                 inconsistency="N ω_pwm/(2π) with ω_pwm = N ω counts N twice; f V P²/(2β) is the energy of one filling",
                 contradiction=("(2.10): f = N ω_pwm/(2π)", "(2.10): ω_pwm = N ω"),
             ),
@@ -161,14 +161,21 @@ def section_2_7() -> Reproduction:
 
 def _saving_statements() -> tuple[Statement, ...]:
     return (
-        number_statement("volume saved by (d)", 0.67, 1.0 - THIN / RAIL, EFFICIENCY, tolerance=0.005, because="digits"),
+        number_statement(
+            "volume saved by (d)",
+            0.67,
+            1.0 - THIN / RAIL,
+            EFFICIENCY,
+            tolerance=0.005,
+            because="half of the last printed digit",
+        ),
         number_statement(
             "volume saved by the final design",
             0.66,
             1.0 - FINAL / RAIL,
             EFFICIENCY,
             tolerance=0.005,
-            because="digits",
+            because="half of the last printed digit",
             inconsistency="1 − 3.7/12.7; 66 to 67 % belong to design (d)",
             contradiction=("2.7: 66 %", "2.7: 12.7 cc and 3.7 cc"),
         ),
@@ -178,7 +185,7 @@ def _saving_statements() -> tuple[Statement, ...]:
             float(np.ptp(PUBLISHED[4])),
             EFFICIENCY,
             tolerance=0.005,
-            because="digits",
+            because="half of the last printed digit",
             note="in points, largest less smallest share; of the mean share it is 24.6 %",
         ),
     )
@@ -197,8 +204,8 @@ def _force_statements() -> tuple[Statement, ...]:
             FORCE_PRINTED,
             momentum,
             FORCE,
-            share=0.1,
-            because="digits",
+            tolerance=0.005,
+            because="half of the last printed digit",
             other=mean_speed,
             assumption="each jet brings ρ q²/A through its mouth; in the second run ρ q Q/A, with the mean speed",
         ),
@@ -238,7 +245,7 @@ def section_2_8() -> Reproduction:
                 FINAL_DROP / DROP - 1.0,
                 EFFICIENCY,
                 tolerance=5e-4,
-                because="digits",
+                because="half of the last printed digit",
                 inconsistency="4.73/4.17 − 1 is 13.4 %, twice the printed 6.7 %",
                 contradiction=("2.8: 6.7 %", "2.7: 4.17 and 4.73 bar"),
             ),
@@ -248,12 +255,17 @@ def section_2_8() -> Reproduction:
                 1.0 - FINAL / RAIL,
                 EFFICIENCY,
                 tolerance=0.005,
-                because="digits",
+                because="half of the last printed digit",
                 inconsistency="1 − 3.7/12.7",
                 contradiction=("2.8: 66 %", "2.7: 12.7 cc and 3.7 cc"),
             ),
             number_statement(
-                "loss of the open valve saved", 0.625, 1.0 - 2.48 / 6.61, EFFICIENCY, tolerance=5e-4, because="digits"
+                "loss of the open valve saved",
+                0.625,
+                1.0 - 2.48 / 6.61,
+                EFFICIENCY,
+                tolerance=5e-4,
+                because="half of the last printed digit",
             ),
         )
     )

@@ -8,7 +8,7 @@ from vvdp.base.kinds import FREQUENCY, LENGTH, MEAN_POWER, NUMBER, SPEED, TORQUE
 from vvdp.base.units import ATMOSPHERE
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.reproduction.chapter_2.computed import kept_or_none, turbine_over
-from vvdp.reproduction.chapter_2.drops import GRID
+from vvdp.reproduction.chapter_2.drops import CENTRE, CENTRE_INDEX, TURBINE, TURBINE_INDEX
 from vvdp.reproduction.chapter_2.valve import DENSITY, FLOW, VISCOSITY, open_frequency, open_speed, stand, valve
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
@@ -68,7 +68,9 @@ def figure_2_17() -> Reproduction:
         height=2.8,
     )
     crossings = tuple(
-        number_statement(what, printed, found, FREQUENCY, share=0.005, because="digits", calibration=FITTED)
+        number_statement(
+            what, printed, found, FREQUENCY, tolerance=0.5, because="half of the last printed digit", calibration=FITTED
+        )
         for what, printed, found in (
             ("PWM frequency where the lines cross", 72.0, open_frequency()),
             ("speed of the spool there", 24.0, open_speed() / TURN),
@@ -85,17 +87,19 @@ def _computed_torques() -> tuple[Statement, ...]:
             "centre-grids",
             "inlet turbine",
             inlet_torque(FLOW, 1.0, DENSITY, valve()),
+            (CENTRE_INDEX, CENTRE),
             "the jets' arm was chosen for a drop",
         ),
         (
             "turbine-grids",
             "outlet turbine",
             outlet_torque(FLOW, 0.0, DENSITY, valve()),
+            (TURBINE_INDEX, TURBINE),
             "the channels' arm was chosen so",
         ),
     )
     found = []
-    for study, name, law, note in chosen:
+    for study, name, law, (share, because), note in chosen:
         kept = kept_or_none(study)
         what, source = f"computed torque of the {name} at rest, 40 lpm", "the formula matches the computed torque"
         if kept is None:
@@ -103,7 +107,7 @@ def _computed_torques() -> tuple[Statement, ...]:
             continue
         torque = float(kept["torque_N_m"][kept["cells"].argmax()])
         found.append(
-            number_statement(what, float(law), torque, TORQUE, share=0.05, because=GRID, source=source, note=note)
+            number_statement(what, float(law), torque, TORQUE, share=share, because=because, source=source, note=note)
         )
     return tuple(found)
 
@@ -117,7 +121,7 @@ def _computed_fall() -> Statement:
     at = np.isclose(study["flow_m3_s"], FLOW)
     slope = -float(np.polyfit(study["speed_rad_s"][at], study["torque_N_m"][at], 1)[0])
     note = "the friction of the walls is in it; on a small grid a sliding mesh has a sixth less (docs/models/cfd.md)"
-    return number_statement(what, law, slope, NUMBER, share=0.05, because=GRID, note=note)
+    return number_statement(what, law, slope, NUMBER, share=TURBINE_INDEX, because=TURBINE, note=note)
 
 
 def equation_2_6() -> Reproduction:
@@ -249,12 +253,17 @@ def section_2_5() -> Reproduction:
         61.8 / 46.8,
         v.outlet_effective_area / v.outlet_area,
         NUMBER,
-        share=1e-3,
-        because="digits",
+        tolerance=0.05 / 46.8 * (1.0 + 61.8 / 46.8),
+        because="half of the last digit of both areas",
         source="61.8 mm² beside 46.8 mm²: larger",
     )
     turned = number_statement(
-        "power that turns the spool, of tu2012", 30.0, power, MEAN_POWER, share=0.05, because="digits"
+        "power that turns the spool, of tu2012",
+        30.0,
+        power,
+        MEAN_POWER,
+        tolerance=0.5,
+        because="half of the last printed digit",
     )
     return Reproduction(statements=(*_frequency_statements(), warmth, clearance, area, turned))
 
@@ -269,8 +278,8 @@ def _frequency_statements() -> tuple[Statement, ...]:
             FREQUENCY,
             low=low,
             high=high,
-            tolerance=0.03 * high,
-            because="3 %: one coarse computation of the jet's exponent",
+            tolerance=0.05,
+            because="half of the last printed digit",
             other=averaged_frequency(EXPONENT - exponent, load + ATMOSPHERE),
             assumption=f"jet exponent {exponent:g}, in the second run {EXPONENT - exponent:g}; a load of {words}, "
             "an ideal relief valve at 120 bar",

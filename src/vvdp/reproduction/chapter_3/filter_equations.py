@@ -228,7 +228,7 @@ def section_3_3() -> Reproduction:
         fastest,
         TIME,
         tolerance=5e-5,
-        because="digits",
+        because="half of the last printed digit",
         inconsistency="1/(8 · 40 Hz) is 3.125 ms",
         contradiction=("3.3: 2.9 ms at 40 Hz", "3.2: 8 sectors"),
     )

@@ -121,7 +121,7 @@ def figure_3_4() -> Reproduction:
                 ramp,
                 FRACTION,
                 tolerance=0.01,
-                because="points of the curve",
+                because="a hundredth (ours): points of the curve",
                 source="5 mm of light on sectors of 8 mm: 0.625",
             ),
         ),
@@ -245,7 +245,7 @@ def section_3_2() -> Reproduction:
                 25e-3,
                 LENGTH,
                 tolerance=0.5e-3,
-                because="digits of the shorter number",
+                because="half of the last digit of the shorter number",
                 source="25.4 mm (3.1), 2.5 cm (3.2)",
             ),
             bound_statement(

@@ -136,7 +136,7 @@ def equation_4_13() -> Reproduction:
                 1.0 / kept,
                 RATIO,
                 tolerance=1e-3,
-                because="settled",
+                because="a thousandth (ours): settled",
             ),
         )
     )

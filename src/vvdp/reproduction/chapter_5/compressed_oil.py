@@ -228,6 +228,7 @@ def equation_5_36() -> Reproduction:
                 share=1e-6,
                 inconsistency="ε is W_V over the error squared, 1/(2 β̄)",
                 contradiction=("(5.36): ε P̃² ≥ W_V/P̃²", "(5.36): W_V/P̃² = 1/(2 β̄)"),
+                because="quadrature",
             ),
             bound_statement(
                 "softness 1/B between the ends' moduli",

@@ -166,7 +166,14 @@ def equation_5_47() -> Reproduction:
                 inconsistency="it is the integral of φ₁₂², with a minus",
                 contradiction=("(5.47): Ψ₂₂ = ∫φ₂₂²", "(5.44): the output is the position"),
             ),
-            number_statement("the same by quadrature, 1e-6", 1e6 * by_quadrature, 1e6 * found, NUMBER, share=1e-6),
+            number_statement(
+                "the same by quadrature, 1e-6",
+                1e6 * by_quadrature,
+                1e6 * found,
+                NUMBER,
+                share=1e-6,
+                because="quadrature",
+            ),
         )
     )
 

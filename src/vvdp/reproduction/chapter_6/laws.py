@@ -253,7 +253,7 @@ def equation_6_28() -> Reproduction:
                 printed,
                 FRACTION,
                 tolerance=0.02,
-                because="the same law otherwise",
+                because="0.02 (ours): the same law otherwise",
                 source="that of (6.30), with the expected flow",
                 inconsistency="(6.28) leaves out the flow that (6.30) has, and two names stand for one estimate",
                 contradiction=("(6.28): −λ_Q Q̂", "(6.30): with the expected flow"),
