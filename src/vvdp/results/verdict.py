@@ -74,7 +74,7 @@ class Statement:
         return self._allows(self.found)
 
     def _allows(self, value: float) -> bool:
-        return self.low - self.tolerance <= value <= self.high + self.tolerance
+        return bool(self.low - self.tolerance <= value <= self.high + self.tolerance)
 
     @property
     def verdict(self) -> Verdict:

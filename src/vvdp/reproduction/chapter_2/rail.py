@@ -60,10 +60,11 @@ def _share_statements(study: KeptStudy) -> tuple[Statement, ...]:
             f"shares of the nozzles, design ({design})",
             float(np.max(np.abs(own - printed))),
             NUMBER,
-            high=0.02,
+            high=0.0,
+            tolerance=0.5 * float(np.max(np.abs(printed - 1.0 / 3.0))),
             source=_words(printed),
             result=_words(own),
-            because="2 points; no share was fitted",
+            because="half of what an even split misses; no share was fitted",
             note="on the medium grid; the largest and smallest share stand in docs/models/cfd.md",
         )
         for design, own, printed in zip(DESIGNS, computed_shares(study), PUBLISHED, strict=True)
