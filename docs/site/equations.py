@@ -7,9 +7,10 @@ DOCS = Path(__file__).parents[1]
 TABLE, PAGE = "equations.csv", "equations.md"
 HEAD = """# Numbered equations of chapters 2 to 6
 
-All {total} numbered equations of wang2017: the code that uses each, a test that works it out or uses it, and whether it is
-built as printed or corrected ([errata](errata.md)). {filled} have both code and test. {tested} more are not in the code, but a
-test works the printed form out and shows what it lacks. {empty} have neither. The data are in `equations.csv`.
+All {total} numbered equations of wang2017: the code that uses each, a test that works it out or uses it, and whether it
+is built as printed or corrected ([errata](errata.md)). {filled} have both code and test. {tested} more are not in the
+code, but a test works the printed form out and shows what it lacks. {empty} have neither. The data are in
+`equations.csv`.
 
 """
 
@@ -22,9 +23,8 @@ def page_text() -> str:
     lines = ["| equation | subject | form | code | test |", "|---|---|---|---|---|"]
     for row in rows:
         code, test = (f"`{row[key]}`" if row[key] else "" for key in ("code", "test"))
-        lines.append(
-            f"| ({row['equation']}) | {row['subject']} | {row['form'] if row['code'] else 'not built'} | {code} | {test} |"
-        )
+        form = row["form"] if row["code"] else "not built"
+        lines.append(f"| ({row['equation']}) | {row['subject']} | {form} | {code} | {test} |")
     head = HEAD.format(total=len(rows), filled=filled, tested=tested, empty=len(rows) - filled - tested)
     return head + "\n".join(lines) + "\n"
 
