@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 from vvdp.base.display import key_suffix, percent
 from vvdp.base.kinds import GAUGE_PRESSURE, POSITION, SPEED, VELOCITY, Kind
 from vvdp.base.signal import Signal
+from vvdp.base.units import ATMOSPHERE
 from vvdp.network.network import Network, Part
 from vvdp.network.nodes import HydraulicNode, Rod, Shaft
 from vvdp.network.paths import flows_of, moving_parts
@@ -119,6 +120,12 @@ def warnings(system: System, found: Mapping[str, Any]) -> Iterator[str]:
     if not found["finished"]:
         yield f"the run was interrupted at {found['duration_s']:.6g} s"
     yield from broken_bounds(system, found)
+    reference = system.circuit.network.oil.reference_pressure
+    if abs(reference - ATMOSPHERE) > 1.0:
+        yield (
+            f"pressures are printed above the oil's reference pressure of {reference / 1e5:.5g} bar absolute, and read "
+            f"above the atmosphere's {ATMOSPHERE / 1e5:.5g} bar"
+        )
     yield from travel_warnings(system)
     if not found["settled"] and expects_steady_state(system, found):
         yield (

@@ -24,6 +24,7 @@ from vvdp.simulation.outcome import SETTLED, Outcome, outcome
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves
 from vvdp.systems.extras import Summary as Summary
+from vvdp.systems.pipe_waves import wave_numbers
 from vvdp.systems.system import System
 from vvdp.systems.validity import broken_bounds, cavitation_pressure, lowest_pressure
 
@@ -42,7 +43,8 @@ def run_summary(system: System, run: Run) -> Summary:
     """The part of a summary that the run itself gives: all but the closed forms, in a tenth of the time."""
     simulated = simulated_summary(outcome(run), system)
     recorded: Summary = {} if system.extras is None else system.extras.record_numbers(run)
-    return simulated | recorded
+    waves = wave_numbers(system, run)
+    return simulated | recorded | waves | (validity(system, simulated | waves) if waves else {})
 
 
 def closed_forms(system: System, found: Mapping[str, float | bool]) -> Summary:

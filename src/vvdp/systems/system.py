@@ -33,6 +33,7 @@ from vvdp.geometry.shape_tables import read_shape
 from vvdp.network.build import Circuit
 from vvdp.network.build import build as build_circuit
 from vvdp.network.network import Network
+from vvdp.network.sense import check_sense
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Method, Stepping
 from vvdp.systems.circuits import (
@@ -284,6 +285,8 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     circuit = stepping = None
     if network is not None and run is not None and not faults:
         try:
+            if function is None:
+                check_sense(network)
             circuit, stepping = build_circuit(network), run[0].stepping(method)
             _check_temperature(network.temperature, stepping.sample_period)
         except (NetworkError, ParameterError) as problem:

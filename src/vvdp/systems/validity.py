@@ -1,14 +1,14 @@
 """Whether the laws of a system hold at what a run came to: bounds, each with its source, and sentences from them."""
 
-import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
-from vvdp.base.display import with_unit
-from vvdp.base.kinds import POSITION, PRESSURE_DIFFERENCE, TEMPERATURE, Kind
+from vvdp.base.kinds import POSITION, PRESSURE_DIFFERENCE, TEMPERATURE
 from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.network.nodes import HydraulicNode
+from vvdp.systems.bounds import Bound as Bound
+from vvdp.systems.pipe_waves import wave_bounds
+from vvdp.systems.plausibility import plausible_bounds
 from vvdp.systems.system import System
 from vvdp.valve.validity import CAVITATION_PRESSURE
 
@@ -18,35 +18,6 @@ has an oil of ISO VG 46 still flow, to 100 degC, the upper point itself."""
 
 STOP_GIVES = 0.01
 """Of the stroke, by which end stops may give way: theirs are springs."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Bound:
-    """A number of a run, from `low` to `high`, that must lie between `least` and `most` for a law to hold."""
-
-    label: str
-    kind: Kind
-    low: float
-    high: float
-    least: float = -float("inf")
-    most: float = float("inf")
-    otherwise: str
-
-    @property
-    def is_kept(self) -> bool:
-        """Whether the number lies inside; one that is not known does."""
-        return not (self.low < self.least or self.high > self.most)
-
-    @property
-    def sentence(self) -> str:
-        """What is the matter where it does not."""
-        under = self.low < self.least
-        value, limit = (self.low, self.least) if under else (self.high, self.most)
-        least, most, found = (with_unit(number, self.kind) for number in (self.least, self.most, value))
-        limits = f"{'below' if under else 'above'} {with_unit(limit, self.kind)}"
-        if math.isfinite(self.least) and math.isfinite(self.most):
-            limits = f"outside {least} to {most}"
-        return f"{self.label}: {found}, {limits}; {self.otherwise}"
 
 
 def bounds(system: System, found: Mapping[str, Any]) -> Iterator[Bound]:
@@ -74,6 +45,8 @@ def bounds(system: System, found: Mapping[str, Any]) -> Iterator[Bound]:
                 least=least,
                 otherwise="the oil cavitates, which its law leaves out; oil.vapour_pressure brings it in",
             )
+    yield from plausible_bounds(system, found)
+    yield from wave_bounds(found)
     yield from _strokes(system, found)
     if extras is not None:
         yield from extras.bounds(found)
