@@ -5,7 +5,8 @@ import json
 import pytest
 from tests.words import wording
 
-from vvdp.components.library import COMPONENTS, PROGRAMS
+from vvdp.components.library import COMPONENTS
+from vvdp.programs.library import PROGRAMS
 from vvdp.simulation.results import read_results
 from vvdp.systems.drawing import NODES
 

@@ -5,10 +5,11 @@ from pathlib import Path
 
 from vvdp.base.display import value_text
 from vvdp.base.params import default_values, field_kinds
-from vvdp.components.library import COMPONENTS, PROGRAMS
+from vvdp.components.library import COMPONENTS
 from vvdp.generator.source import known_text
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Component, Role
+from vvdp.programs.library import PROGRAMS
 from vvdp.simulation.values import names
 from vvdp.systems.drawing import NODES
 

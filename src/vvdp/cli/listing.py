@@ -128,8 +128,9 @@ PROGRAM_COLUMNS = ("type", "reads", "commands", "values")
 def _library(json: bool) -> None:
     """Prints all that a file may draw a circuit from."""
     from vvdp.cli.screen import console, print_json
-    from vvdp.components.library import COMPONENTS, PROGRAMS
+    from vvdp.components.library import COMPONENTS
     from vvdp.network.assembly import Assembly
+    from vvdp.programs.library import PROGRAMS
     from vvdp.systems.drawing import NODES
 
     nodes = [(name, _values(node.table)) for name, node in NODES.items()]
@@ -144,6 +145,7 @@ def _library(json: bool) -> None:
                 "nodes": _entries(nodes, NODE_COLUMNS[1:]),
                 "components": _entries(parts, COMPONENT_COLUMNS[1:]),
                 "programs": _entries(programs, PROGRAM_COLUMNS[1:]),
+                "parts": [],
             }
         )
         return

@@ -40,7 +40,7 @@ from vvdp.base.tables import (
     suggestion,
 )
 from vvdp.base.units import parse, parsed_difference
-from vvdp.components.library import COMPONENTS, PROGRAMS, UsualOil
+from vvdp.components.library import COMPONENTS, UsualOil
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.assembly import Assembly
@@ -48,6 +48,7 @@ from vvdp.network.component import Component
 from vvdp.network.network import ROOM_TEMPERATURE, Network
 from vvdp.network.nodes import Chamber, Load, Rotor
 from vvdp.network.program import ProgramType
+from vvdp.programs.library import PROGRAMS
 from vvdp.sensing.instrument import Instrument, ideal_instrument
 from vvdp.systems.bench_tables import Limits
 from vvdp.systems.part_keys import PartType, other_type, part_keys
