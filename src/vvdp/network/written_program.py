@@ -1,6 +1,7 @@
 """A program of a network as it is written: what it measures, the instruments in between, its trigger."""
 
 import types
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any, get_type_hints
 
@@ -9,6 +10,7 @@ from vvdp.base.errors import NetworkError
 from vvdp.base.params import field_kinds
 from vvdp.network.classes import named_tuple, params_class
 from vvdp.network.network import ProgramPart
+from vvdp.network.nodes import Source
 from vvdp.network.paths import check_unit
 from vvdp.network.text import Text
 from vvdp.sensing.instrument import Instrument, InstrumentMemory, instrument_start, instrument_step
@@ -25,10 +27,9 @@ class WrittenProgram:
     @property
     def blocks(self) -> list[list[str]]:
         """Its functions: `measure_`, `trigger_` if events call it, `step_` and `begin_` where instruments measure."""
-        fields = {name: self._read(name, path) for name, path in self.part.reads.items()}
-        reading = f"{self.text.use(self.part.type.reading)}({', '.join(f'{n}={text}' for n, text in fields.items())})"
-        found = [[f"def measure_{self.name}(t, s, outputs, p):", f"    return {reading}"]]
+        found = [[f"def measure_{self.name}(t, s, outputs, p):", f"    return {self._reading(self._read)}"]]
         if self.part.type.level:
+            reading = self._reading(self._read_at_event)
             if "outputs." in reading:
                 raise NetworkError(
                     f"{self.name} is called by events, which can read states alone; {reading} reads more"
@@ -105,15 +106,28 @@ class WrittenProgram:
             latency=self.part.latency,
         )
 
-    def _read(self, field: str, path: str) -> str:
-        """Where a reading comes from: a state, or a result of the circuit."""
-        if path == "t":
+    def _reading(self, read: Callable[[str, Source], str]) -> str:
+        """The text that makes the reading; what is not connected has its usual value."""
+        fields = {name: read(name, source) for name, source in self.part.reads.items()}
+        fields |= {name: repr(value) for name, value in self.part.type.defaults.items() if name not in fields}
+        return f"{self.text.use(self.part.type.reading)}({', '.join(f'{n}={text}' for n, text in fields.items())})"
+
+    def _read(self, field: str, source: Source) -> str:
+        """Where a reading comes from: a state, a result of the circuit, or a value over time."""
+        if source == "t":
             return "t"
-        found = self.text.places.quantity(path, self.name)
+        if not isinstance(source, str):
+            return self.text.source(source, self.name)
+        found = self.text.places.quantity(source, self.name)
         if not found.recorded:
-            raise NetworkError(f"{self.name} reads {path!r}, which no sensor measures")
-        check_unit(f"{self.name}.{field}", field_kinds(self.part.type.reading)[field], path, found.kind)
+            raise NetworkError(f"{self.name} reads {source!r}, which no sensor measures")
+        check_unit(f"{self.name}.{field}", field_kinds(self.part.type.reading)[field], source, found.kind)
         return found.recorded
+
+    def _read_at_event(self, field: str, source: Source) -> str:
+        """The same between samples, where the commands of programs are at hand but no results of the circuit."""
+        is_command = isinstance(source, str) and source.partition(".")[0] in self.text.network.programs
+        return self.text.source(source, self.name) if is_command else self._read(field, source)
 
 
 def acting_lines(part: ProgramPart, command: str, instrument: str) -> list[str]:

@@ -268,6 +268,7 @@ def add_outer_loop(net: Network, loop: MachineLoop, sensors: CylinderSensors, pa
         sensors=instruments(sensors),
         period=loop.law.sample_period,
         latency=sensors.latency,
+        previous=True,
     )
 
 
