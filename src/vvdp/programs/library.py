@@ -3,7 +3,25 @@
 from collections.abc import Mapping
 
 from vvdp.network.program import ProgramType
+from vvdp.programs.arithmetic import PRODUCT, SUM, TABLE
+from vvdp.programs.controllers import PI, PID
+from vvdp.programs.filters import LIMIT, LOW_PASS, RATE_LIMIT, REFERENCE
+from vvdp.programs.generic import GenericProgram
+from vvdp.programs.pulses import CYCLE, PWM
 from vvdp.programs.unloading import UNLOADING
 
-PROGRAMS: Mapping[str, ProgramType] = {"unloading": UNLOADING}
+PROGRAMS: Mapping[str, ProgramType | GenericProgram] = {
+    "cycle": CYCLE,
+    "limit": LIMIT,
+    "low-pass": LOW_PASS,
+    "pi": PI,
+    "pid": PID,
+    "product": PRODUCT,
+    "pwm": PWM,
+    "rate-limit": RATE_LIMIT,
+    "reference": REFERENCE,
+    "sum": SUM,
+    "table": TABLE,
+    "unloading": UNLOADING,
+}
 """Programs that a system file can name, by their type."""

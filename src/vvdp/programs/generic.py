@@ -1,0 +1,53 @@
+"""A program for any physical quantity."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from vvdp.base.kinds import Kind
+from vvdp.base.params import field_kinds
+from vvdp.network.program import ProgramType
+from vvdp.programs.quantities import PLAIN, replaced, replacements
+
+Written = Mapping[str, Any]
+"""The values of a program as a file gives them."""
+
+
+def as_read(read: Sequence[Kind], values: Written) -> Kind:
+    """A command of the quantity that is read."""
+    return read[0]
+
+
+@dataclass(frozen=True)
+class GenericProgram:
+    """A program that is written with the kinds of `programs.quantities`, and works for any quantity.
+
+    type    the program with these kinds
+    output  output(what each input reads, values as a file gives them) -> quantity of the command
+    first   first(settings, first reading) -> command before it is called; for programs that events call
+    """
+
+    type: ProgramType
+    output: Callable[[Sequence[Kind], Written], Kind] = as_read
+    first: Callable[[Any, Any], Any] | None = None
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """The names of what it reads."""
+        return self.type.reading._fields  # type: ignore[attr-defined, no-any-return]
+
+    def suited(self, read: Sequence[Kind], output: Kind | None = None) -> ProgramType:
+        """The program for one circuit, where its first inputs read these quantities and its command is `output`."""
+        second = read[1] if len(read) > 1 else PLAIN
+        kinds = replacements(read[0] if read else PLAIN, second, output or self.output(read, {}))
+        settings = self.type.settings
+        return replace(
+            self.type,
+            reading=replaced(self.type.reading, kinds),
+            command=replaced(type(self.type.command), kinds)(*self.type.command),
+            settings=settings and replaced(settings, kinds),
+        )
+
+    def kind_of(self, name: str) -> Kind | None:
+        """The kind of an input, one of `programs.quantities` if it is not fixed."""
+        return field_kinds(self.type.reading)[name]

@@ -1,0 +1,260 @@
+"""The table [programs] of a system file that draws its network."""
+
+import dataclasses
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+from vvdp.base.errors import Fault, NetworkError, ParameterError
+from vvdp.base.kinds import NUMBER, Kind, Time
+from vvdp.base.params import Params, field_kinds, refused_field
+from vvdp.base.signal import Signal, signal_value
+from vvdp.base.tables import Sourced, Table, inner_table, join, nearest, read_sourced, read_values
+from vvdp.base.units import parse, parsed_difference
+from vvdp.network.network import Network
+from vvdp.network.nodes import Source
+from vvdp.network.paths import Places
+from vvdp.network.program import ProgramType
+from vvdp.programs.generic import GenericProgram
+from vvdp.programs.library import PROGRAMS
+from vvdp.programs.quantities import INPUT, SECOND, written_quantity
+from vvdp.sensing.instrument import Instrument, ideal_instrument
+
+PATH = re.compile(r"t|[A-Za-z_]\w*(\.\w*)*")
+
+
+class ProgramTimes(Params):
+    """When a program is called: every `period` (0: the run's), first at `phase`; it acts `latency` later."""
+
+    period: Time = 0.0
+    phase: Time = 0.0
+    latency: Time = 0.0
+
+
+class ProgramDrawer(ABC):
+    """Draws the programs of a file."""
+
+    origin: Table
+    faults: list[Fault]
+    rows: list[Sourced]
+
+    @abstractmethod
+    def _fault(self, path: str, message: str) -> None: ...
+
+    @abstractmethod
+    def _table(self, cls: type[Any], path: str, part: Any) -> Any: ...
+
+    @abstractmethod
+    def _type(self, path: str, part: Mapping[str, Any], types: Mapping[str, Any]) -> Any: ...
+
+    @abstractmethod
+    def _has_own_keys(self, path: str, part: Mapping[str, Any], types: Mapping[str, Any]) -> bool: ...
+
+    @abstractmethod
+    def _has_faults(self, path: str) -> bool: ...
+
+    @abstractmethod
+    def _try(self, path: str, add: Callable[[], None]) -> None: ...
+
+    def _add_programs(self, net: Network, parts: Mapping[str, Mapping[str, Any]]) -> None:
+        """Add the programs of the file, each as the kinds of what it reads ask for."""
+        written = {name: self._written(name, part) for name, part in parts.items()}
+        kinds = Kinds(net, {name: each for name, each in written.items() if each})
+        for each in kinds.written.values():
+            if not self._has_faults(each.path):
+                self._add_program(net, each, kinds)
+
+    def _written(self, name: str, part: Mapping[str, Any]) -> "WrittenPart | None":
+        """A program as it stands in the file, with its inputs by name; None where its type or keys are wrong."""
+        path = f"programs.{name}"
+        kind = self._type(path, part, PROGRAMS)
+        if kind is None:
+            return None
+        part = _with_inputs(part, _inputs(kind))
+        return WrittenPart(name, kind, part) if self._has_own_keys(path, part, PROGRAMS) else None
+
+    def _add_program(self, net: Network, part: "WrittenPart", kinds: "Kinds") -> None:
+        try:
+            kind = kinds.type_of(part.name)
+        except NetworkError as problem:
+            self._fault(part.path, str(problem).removeprefix(f"{part.name}: "))
+            return
+        reads = self._reads(part, kind)
+        own = field_kinds(kind.settings) if kind.settings else {}
+        given = {key: value for key, value in part.values.items() if key in own}
+        settings = self._table(kind.settings, part.path, given) if kind.settings else None
+        times = {key: part.values[key] for key in field_kinds(ProgramTimes) if key in part.values}
+        called = self._table(ProgramTimes, part.path, times)
+        previous = part.values.get("previous", False)
+        if not isinstance(previous, bool):
+            self._fault(f"{part.path}.previous", f"{previous!r}; expected true or false")
+        measured = inner_table(part.values, "sensors", self.origin, self.faults, part.path)
+        sensors = self._sensors(kind, f"{part.path}.sensors", measured)
+        if self._has_faults(part.path):
+            return
+        program = partial(
+            net.program,
+            part.name,
+            _begun(part.kind, kind, settings, reads),
+            settings,
+            reads=reads,
+            sensors=sensors,
+            period=called.period or None,
+            phase=called.phase,
+            latency=called.latency,
+            previous=previous,
+        )
+        self._try(part.path, program)
+
+    def _reads(self, part: "WrittenPart", kind: ProgramType) -> dict[str, Source]:
+        """What each input is connected to: a path, or a value over time."""
+        found: dict[str, Source] = {}
+        for name, of in field_kinds(kind.reading).items():
+            entry = part.values.get(name)
+            if (path := _path(entry)) is not None:
+                found[name] = path
+            elif name == "time" and entry is None:
+                found[name] = "t"
+            elif entry is not None:
+                table = self._signal(f"{part.path}.{name}", part.path, name, of or NUMBER, entry)
+                found |= {} if table is None else {name: table}
+            elif name not in kind.defaults:
+                self._fault(f"{part.path}.{name}", 'missing; expected what it reads, such as "inlet.pressure"')
+        return found
+
+    def _signal(self, path: str, table: str, name: str, kind: Kind, entry: Any) -> Signal | None:
+        try:
+            row = read_sourced(table, name, kind, Signal, entry)
+        except ParameterError as problem:
+            self._fault(path, str(problem))
+            return None
+        self.rows.append(row)
+        assert isinstance(row.value, Signal)
+        return row.value
+
+    def _sensors(self, kind: ProgramType, path: str, given: Mapping[str, Any]) -> dict[str, Instrument]:
+        """The instruments through which a program reads; each value has the unit of what is read."""
+        kinds, found = field_kinds(kind.reading), {}
+        for name, entries in given.items():
+            measured = kinds.get(name)
+            if measured is None or not isinstance(entries, Mapping):
+                self._fault(f"{path}.{name}", f"not read by the program{nearest(name, list(kinds))}")
+                continue
+            readers = {key: partial(_instrument_value, key, measured) for key in field_kinds(Instrument)}
+            values = read_values(readers, entries, f"{path}.{name}", self.origin, self.faults)
+            ideal = ideal_instrument(values.get("range_low", measured.low), measured.high)
+            try:
+                found[name] = dataclasses.replace(ideal, **values)
+            except ParameterError as problem:
+                key, message = refused_field(problem, Instrument)
+                self._fault(join(f"{path}.{name}", key), message)
+        return found
+
+
+@dataclasses.dataclass(frozen=True)
+class WrittenPart:
+    """A program of a file: its type, and what stands under its keys."""
+
+    name: str
+    kind: ProgramType | GenericProgram
+    values: Mapping[str, Any]
+
+    @property
+    def path(self) -> str:
+        """Where it stands in the file."""
+        return f"programs.{self.name}"
+
+
+class Kinds:
+    """The programs of a file as their units follow from what they read, which may be one another."""
+
+    def __init__(self, net: Network, written: Mapping[str, WrittenPart]) -> None:
+        self.net, self.written = net, written
+        self.known: dict[str, ProgramType] = {}
+
+    def type_of(self, name: str, above: tuple[str, ...] = ()) -> ProgramType:
+        """The program of that name. Raises NetworkError where what it reads is nothing, or asks for its own unit."""
+        if name not in self.known:
+            part = self.written[name]
+            if name in above:
+                loop = " -> ".join([name, *reversed(above[above.index(name) :])])
+                raise NetworkError(
+                    f"{above[0]}: the unit of each of these programs follows from another's: {loop}; begin what one of "
+                    "them reads with something else"
+                )
+            if isinstance(part.kind, ProgramType):
+                return part.kind
+            read = [kind for kind in (self._read(part, each, (*above, name)) for each in part.kind.inputs) if kind]
+            self.known[name] = part.kind.suited(read, part.kind.output(read, part.values))
+        return self.known[name]
+
+    def _read(self, part: WrittenPart, name: str, above: tuple[str, ...]) -> Kind | None:
+        """The kind of what an input of any quantity reads."""
+        assert isinstance(part.kind, GenericProgram)
+        entry = part.values.get(name)
+        if part.kind.kind_of(name) not in (INPUT, SECOND) or entry is None:
+            return None
+        path = _path(entry)
+        if path is None:
+            return written_quantity(entry)
+        other, _, key = path.partition(".")
+        if other in self.written:
+            kinds = field_kinds(type(self.type_of(other, above).command))
+            if key not in kinds:
+                raise NetworkError(f"{part.name}: {other!r} has no {key!r}{nearest(key, list(kinds))}")
+            return kinds[key]
+        return Places(self.net).quantity(path, part.name).kind
+
+
+def _inputs(kind: ProgramType | GenericProgram) -> tuple[str, ...]:
+    own = kind.type if isinstance(kind, GenericProgram) else kind
+    fields: tuple[str, ...] = own.reading._fields  # type: ignore[attr-defined]
+    return fields
+
+
+def _with_inputs(part: Mapping[str, Any], inputs: tuple[str, ...]) -> Mapping[str, Any]:
+    """The keys of a program, where `reads` gives several inputs with these: as a list in their order, or by name."""
+    reads = part.get("reads")
+    rest = {key: value for key, value in part.items() if key != "reads"}
+    open_inputs = [name for name in inputs if name != "time"]
+    match reads:
+        case list() if len(reads) <= len(open_inputs):
+            return dict(zip(open_inputs, reads, strict=False)) | rest
+        case Mapping() if reads and set(reads) <= set(inputs):
+            return {**reads, **rest}
+        case str() if "reads" not in inputs and len(open_inputs) == 1:
+            return {open_inputs[0]: reads, **rest}
+    return part
+
+
+def _path(entry: Any) -> str | None:
+    """The path that an input names, as text or as `{ from = ... }`; None for a value."""
+    match entry:
+        case {"from": str() as source, **rest} if not rest:
+            return source
+        case str() if PATH.fullmatch(entry):
+            return entry
+    return None
+
+
+def _begun(
+    kind: ProgramType | GenericProgram, own: ProgramType, settings: Params | None, reads: Mapping[str, Source]
+) -> ProgramType:
+    """The program with the command that holds before it is called, where that follows from its values."""
+    if not isinstance(kind, GenericProgram) or kind.first is None:
+        return own
+    values = {name: signal_value(0.0, each) if isinstance(each, Signal) else 0.0 for name, each in reads.items()}
+    return dataclasses.replace(own, command=kind.first(settings, own.reading(**values)))
+
+
+def _instrument_value(key: str, measured: Kind, entry: object) -> float:
+    """One value of an instrument for a quantity of a kind [SI]. Raises ParameterError."""
+    if key in ("range_low", "range_high", "dropout_reading"):
+        return parse(entry, measured)
+    if key in ("resolution", "offset", "noise", "bias"):
+        return parsed_difference(entry, measured)
+    kind = field_kinds(Instrument)[key]
+    assert kind is not None
+    return parse(entry, kind)
