@@ -163,7 +163,7 @@ def test_the_count_of_pulses_changes_its_floor_at_edges_alone():
 
 
 def test_a_gain_has_the_unit_of_the_command_per_unit_of_what_is_read():
-    kind = PROGRAMS["pi"].suited([PRESSURE_LEVEL, PRESSURE_LEVEL], FLOW)
+    kind = PROGRAMS["pi"].for_quantities([PRESSURE_LEVEL, PRESSURE_LEVEL], FLOW)
     from vvdp.base.params import field_kinds
     from vvdp.base.units import parse
 

@@ -10,7 +10,6 @@ from vvdp.base.errors import NetworkError
 from vvdp.base.params import field_kinds
 from vvdp.network.classes import named_tuple, params_class
 from vvdp.network.network import ProgramPart
-from vvdp.network.nodes import Source
 from vvdp.network.paths import check_unit
 from vvdp.network.text import Text
 from vvdp.sensing.instrument import Instrument, InstrumentMemory, instrument_start, instrument_step
@@ -27,9 +26,14 @@ class WrittenProgram:
     @property
     def blocks(self) -> list[list[str]]:
         """Its functions: `measure_`, `trigger_` if events call it, `step_` and `begin_` where instruments measure."""
-        found = [[f"def measure_{self.name}(t, s, outputs, p):", f"    return {self._reading(self._read)}"]]
+        found = [
+            [
+                f"def measure_{self.name}(t, s, outputs, p):",
+                f"    return {reading_text(self.part, self.text, sample_text)}",
+            ]
+        ]
         if self.part.type.level:
-            reading = self._reading(self._read_at_event)
+            reading = reading_text(self.part, self.text, event_text)
             if "outputs." in reading:
                 raise NetworkError(
                     f"{self.name} is called by events, which can read states alone; {reading} reads more"
@@ -106,28 +110,33 @@ class WrittenProgram:
             latency=self.part.latency,
         )
 
-    def _reading(self, read: Callable[[str, Source], str]) -> str:
-        """The text that makes the reading; what is not connected has its usual value."""
-        fields = {name: read(name, source) for name, source in self.part.reads.items()}
-        fields |= {name: repr(value) for name, value in self.part.type.defaults.items() if name not in fields}
-        return f"{self.text.use(self.part.type.reading)}({', '.join(f'{n}={text}' for n, text in fields.items())})"
 
-    def _read(self, field: str, source: Source) -> str:
-        """Where a reading comes from: a state, a result of the circuit, or a value over time."""
-        if source == "t":
-            return "t"
-        if not isinstance(source, str):
-            return self.text.source(source, self.name)
-        found = self.text.places.quantity(source, self.name)
-        if not found.recorded:
-            raise NetworkError(f"{self.name} reads {source!r}, which no sensor measures")
-        check_unit(f"{self.name}.{field}", field_kinds(self.part.type.reading)[field], source, found.kind)
-        return found.recorded
+def reading_text(part: ProgramPart, text: Text, read: Callable[[ProgramPart, Text, str], str]) -> str:
+    """The text that makes a reading, each connected field as `read` says; what is not connected has its usual value."""
+    fields = {name: read(part, text, name) for name in part.reads}
+    fields |= {name: repr(value) for name, value in part.type.defaults.items() if name not in fields}
+    return f"{text.use(part.type.reading)}({', '.join(f'{name}={value}' for name, value in fields.items())})"
 
-    def _read_at_event(self, field: str, source: Source) -> str:
-        """The same between samples, where the commands of programs are at hand but no results of the circuit."""
-        is_command = isinstance(source, str) and source.partition(".")[0] in self.text.network.programs
-        return self.text.source(source, self.name) if is_command else self._read(field, source)
+
+def sample_text(part: ProgramPart, text: Text, field: str) -> str:
+    """Where a field comes from at a sample: a state, a result of the circuit, or a value over time."""
+    source = part.reads[field]
+    if source == "t":
+        return "t"
+    if not isinstance(source, str):
+        return text.source(source, part.name)
+    found = text.places.quantity(source, part.name)
+    if not found.recorded:
+        raise NetworkError(f"{part.name} reads {source!r}, which no sensor measures")
+    check_unit(f"{part.name}.{field}", field_kinds(part.type.reading)[field], source, found.kind)
+    return found.recorded
+
+
+def event_text(part: ProgramPart, text: Text, field: str) -> str:
+    """The same between samples, where the commands of programs are at hand but no results of the circuit."""
+    source, sampled = part.reads[field], sample_text(part, text, field)
+    is_command = isinstance(source, str) and source.partition(".")[0] in text.network.programs
+    return text.source(source, part.name) if is_command else sampled
 
 
 def acting_lines(part: ProgramPart, command: str, instrument: str) -> list[str]:

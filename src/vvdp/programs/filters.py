@@ -6,7 +6,7 @@ from vvdp.base.kinds import Fraction, Number, Time
 from vvdp.base.params import Params, require_less, require_positive
 from vvdp.base.powers import expm1
 from vvdp.base.select import clip
-from vvdp.control.reference import Reference, ReferenceFilter, reference_step
+from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step
 from vvdp.network.program import ProgramType
 from vvdp.programs.controllers import Value
 from vvdp.programs.generic import GenericProgram
@@ -95,10 +95,7 @@ class Smooth(NamedTuple):
 class SmoothMemory(NamedTuple):
     """The reference at the last sample, what was read then and when, and whether there was a sample (1)."""
 
-    value: Number
-    rate: Number
-    second_derivative: Number
-    third_derivative: Number
+    reference: Reference
     reads: Number
     time: Number
     begun: Fraction
@@ -106,18 +103,17 @@ class SmoothMemory(NamedTuple):
 
 def smooth_start(settings: ReferenceFilter) -> SmoothMemory:
     """Before the first sample."""
-    return SmoothMemory(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return SmoothMemory(reference=reference_at_rest(0.0), reads=0.0, time=0.0, begun=0.0)
 
 
 def smooth_step(
     t: float, memory: SmoothMemory, reading: Read, settings: ReferenceFilter
 ) -> tuple[SmoothMemory, Smooth]:
     """What is read, behind four equal poles, at time t [s]; exact for an input that is held between samples."""
-    found = Reference(reading.reads, 0.0, 0.0, 0.0)
+    found = reference_at_rest(reading.reads)
     if memory.begun > 0.5:
-        before = Reference(memory.value, memory.rate, memory.second_derivative, memory.third_derivative)
-        found = reference_step(before, memory.reads, t - memory.time, settings)
-    after = SmoothMemory(found.position, found.velocity, found.acceleration, found.jerk, reading.reads, t, 1.0)
+        found = reference_step(memory.reference, memory.reads, t - memory.time, settings)
+    after = SmoothMemory(reference=found, reads=reading.reads, time=t, begun=1.0)
     return after, Smooth(found.position, found.velocity, found.acceleration, found.jerk)
 
 

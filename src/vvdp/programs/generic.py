@@ -7,7 +7,7 @@ from typing import Any
 from vvdp.base.kinds import Kind
 from vvdp.base.params import field_kinds
 from vvdp.network.program import ProgramType
-from vvdp.programs.quantities import PLAIN, replaced, replacements
+from vvdp.programs.quantities import PLAIN, replacements, with_kinds
 
 Written = Mapping[str, Any]
 """The values of a program as a file gives them."""
@@ -36,16 +36,16 @@ class GenericProgram:
         """The names of what it reads."""
         return self.type.reading._fields  # type: ignore[attr-defined, no-any-return]
 
-    def suited(self, read: Sequence[Kind], output: Kind | None = None) -> ProgramType:
+    def for_quantities(self, read: Sequence[Kind], output: Kind | None = None) -> ProgramType:
         """The program for one circuit, where its first inputs read these quantities and its command is `output`."""
         second = read[1] if len(read) > 1 else PLAIN
         kinds = replacements(read[0] if read else PLAIN, second, output or self.output(read, {}))
         settings = self.type.settings
         return replace(
             self.type,
-            reading=replaced(self.type.reading, kinds),
-            command=replaced(type(self.type.command), kinds)(*self.type.command),
-            settings=settings and replaced(settings, kinds),
+            reading=with_kinds(self.type.reading, kinds),
+            command=with_kinds(type(self.type.command), kinds)(*self.type.command),
+            settings=settings and with_kinds(settings, kinds),
         )
 
     def kind_of(self, name: str) -> Kind | None:

@@ -1,6 +1,6 @@
 """Quantities of programs that work for any of them: what a program reads decides the units of its values.
 
-A program for any quantity is written with the kinds of this module; `replaced` puts those of one circuit there.
+A program for any quantity is written with the kinds of this module; `with_kinds` puts those of one circuit there.
 """
 
 import re
@@ -166,13 +166,13 @@ def replacements(read: Kind, second: Kind, command: Kind) -> dict[Kind, Kind]:
     }
 
 
-def replaced(cls: type[Any], kinds: Mapping[Kind, Kind]) -> type[Any]:
+def with_kinds(cls: type[Any], kinds: Mapping[Kind, Kind]) -> type[Any]:
     """The class with other kinds of its fields; a NamedTuple or a parameter class, the same one for the same kinds."""
-    return _replaced(cast("Hashable", cls), tuple(kinds.items()))
+    return _class_with(cast("Hashable", cls), tuple(kinds.items()))
 
 
 @lru_cache(maxsize=1000)
-def _replaced(cls: Any, kinds: tuple[tuple[Kind, Kind], ...]) -> type[Any]:
+def _class_with(cls: Any, kinds: tuple[tuple[Kind, Kind], ...]) -> type[Any]:
     known, own = dict(kinds), field_kinds(cls)
     found = {name: known[kind] for name, kind in own.items() if kind in known}
     if not found:

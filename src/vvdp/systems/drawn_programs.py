@@ -11,7 +11,7 @@ from vvdp.base.errors import Fault, NetworkError, ParameterError
 from vvdp.base.kinds import NUMBER, Kind, Time
 from vvdp.base.params import Params, field_kinds, refused_field
 from vvdp.base.signal import Signal, signal_value
-from vvdp.base.tables import Sourced, Table, inner_table, join, nearest, read_sourced, read_values
+from vvdp.base.tables import Sourced, Table, fault_at, inner_table, join, nearest, read_sourced, read_values
 from vvdp.base.units import parse, parsed_difference
 from vvdp.network.network import Network
 from vvdp.network.nodes import Source
@@ -60,13 +60,13 @@ class ProgramDrawer(ABC):
 
     def _add_programs(self, net: Network, parts: Mapping[str, Mapping[str, Any]]) -> None:
         """Add the programs of the file, each as the kinds of what it reads ask for."""
-        written = {name: self._written(name, part) for name, part in parts.items()}
+        written = {name: self._written_part(name, part) for name, part in parts.items()}
         kinds = Kinds(net, {name: each for name, each in written.items() if each})
         for each in kinds.written.values():
             if not self._has_faults(each.path):
                 self._add_program(net, each, kinds)
 
-    def _written(self, name: str, part: Mapping[str, Any]) -> "WrittenPart | None":
+    def _written_part(self, name: str, part: Mapping[str, Any]) -> "WrittenPart | None":
         """A program as it stands in the file, with its inputs by name; None where its type or keys are wrong."""
         path = f"programs.{name}"
         kind = self._type(path, part, PROGRAMS)
@@ -91,22 +91,13 @@ class ProgramDrawer(ABC):
         if not isinstance(previous, bool):
             self._fault(f"{part.path}.previous", f"{previous!r}; expected true or false")
         measured = inner_table(part.values, "sensors", self.origin, self.faults, part.path)
-        sensors = self._sensors(kind, f"{part.path}.sensors", measured)
+        sensors = read_sensors(kind, f"{part.path}.sensors", measured, self.origin, self.faults)
         if self._has_faults(part.path):
             return
-        program = partial(
-            net.program,
-            part.name,
-            _begun(part.kind, kind, settings, reads),
-            settings,
-            reads=reads,
-            sensors=sensors,
-            period=called.period or None,
-            phase=called.phase,
-            latency=called.latency,
-            previous=previous,
-        )
-        self._try(part.path, program)
+        first = _first_command(part.kind, kind, settings, reads)
+        calls = {"period": called.period or None, "phase": called.phase, "latency": called.latency}
+        add = partial(net.program, part.name, first, settings, reads=reads, sensors=sensors, previous=previous)
+        self._try(part.path, partial(add, **calls))
 
     def _reads(self, part: "WrittenPart", kind: ProgramType) -> dict[str, Source]:
         """What each input is connected to: a path, or a value over time."""
@@ -118,38 +109,16 @@ class ProgramDrawer(ABC):
             elif name == "time" and entry is None:
                 found[name] = "t"
             elif entry is not None:
-                table = self._signal(f"{part.path}.{name}", part.path, name, of or NUMBER, entry)
-                found |= {} if table is None else {name: table}
+                try:
+                    row = read_sourced(part.path, name, of or NUMBER, Signal, entry)
+                except ParameterError as problem:
+                    self._fault(f"{part.path}.{name}", str(problem))
+                    continue
+                assert isinstance(row.value, Signal)
+                self.rows.append(row)
+                found[name] = row.value
             elif name not in kind.defaults:
                 self._fault(f"{part.path}.{name}", 'missing; expected what it reads, such as "inlet.pressure"')
-        return found
-
-    def _signal(self, path: str, table: str, name: str, kind: Kind, entry: Any) -> Signal | None:
-        try:
-            row = read_sourced(table, name, kind, Signal, entry)
-        except ParameterError as problem:
-            self._fault(path, str(problem))
-            return None
-        self.rows.append(row)
-        assert isinstance(row.value, Signal)
-        return row.value
-
-    def _sensors(self, kind: ProgramType, path: str, given: Mapping[str, Any]) -> dict[str, Instrument]:
-        """The instruments through which a program reads; each value has the unit of what is read."""
-        kinds, found = field_kinds(kind.reading), {}
-        for name, entries in given.items():
-            measured = kinds.get(name)
-            if measured is None or not isinstance(entries, Mapping):
-                self._fault(f"{path}.{name}", f"not read by the program{nearest(name, list(kinds))}")
-                continue
-            readers = {key: partial(_instrument_value, key, measured) for key in field_kinds(Instrument)}
-            values = read_values(readers, entries, f"{path}.{name}", self.origin, self.faults)
-            ideal = ideal_instrument(values.get("range_low", measured.low), measured.high)
-            try:
-                found[name] = dataclasses.replace(ideal, **values)
-            except ParameterError as problem:
-                key, message = refused_field(problem, Instrument)
-                self._fault(join(f"{path}.{name}", key), message)
         return found
 
 
@@ -187,7 +156,7 @@ class Kinds:
             if isinstance(part.kind, ProgramType):
                 return part.kind
             read = [kind for kind in (self._read(part, each, (*above, name)) for each in part.kind.inputs) if kind]
-            self.known[name] = part.kind.suited(read, part.kind.output(read, part.values))
+            self.known[name] = part.kind.for_quantities(read, part.kind.output(read, part.values))
         return self.known[name]
 
     def _read(self, part: WrittenPart, name: str, above: tuple[str, ...]) -> Kind | None:
@@ -239,7 +208,7 @@ def _path(entry: Any) -> str | None:
     return None
 
 
-def _begun(
+def _first_command(
     kind: ProgramType | GenericProgram, own: ProgramType, settings: Params | None, reads: Mapping[str, Source]
 ) -> ProgramType:
     """The program with the command that holds before it is called, where that follows from its values."""
@@ -247,6 +216,28 @@ def _begun(
         return own
     values = {name: signal_value(0.0, each) if isinstance(each, Signal) else 0.0 for name, each in reads.items()}
     return dataclasses.replace(own, command=kind.first(settings, own.reading(**values)))
+
+
+def read_sensors(
+    kind: ProgramType, path: str, given: Mapping[str, Any], origin: Table, faults: list[Fault]
+) -> dict[str, Instrument]:
+    """The instruments through which a program reads; each value has the unit of what is read."""
+    kinds, found = field_kinds(kind.reading), {}
+    for name, entries in given.items():
+        measured = kinds.get(name)
+        if measured is None or not isinstance(entries, Mapping):
+            message = f"not read by the program{nearest(name, list(kinds))}"
+            faults.append(fault_at(origin, f"{path}.{name}", message))
+            continue
+        readers = {key: partial(_instrument_value, key, measured) for key in field_kinds(Instrument)}
+        values = read_values(readers, entries, f"{path}.{name}", origin, faults)
+        ideal = ideal_instrument(values.get("range_low", measured.low), measured.high)
+        try:
+            found[name] = dataclasses.replace(ideal, **values)
+        except ParameterError as problem:
+            key, message = refused_field(problem, Instrument)
+            faults.append(fault_at(origin, join(f"{path}.{name}", key), message))
+    return found
 
 
 def _instrument_value(key: str, measured: Kind, entry: object) -> float:
