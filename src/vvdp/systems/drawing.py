@@ -4,6 +4,7 @@ import dataclasses
 import inspect
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Annotated, Any, NamedTuple, get_type_hints
 
@@ -167,8 +168,8 @@ class Drawing(NamedTuple):
 class Drawer(ProgramDrawer):
     """Draws one file: what it has found wrong so far, and where each value comes from."""
 
-    def __init__(self, content: Mapping[str, Any], origin: Table, faults: list[Fault]) -> None:
-        self.content, self.origin, self.faults = content, origin, faults
+    def __init__(self, content: Mapping[str, Any], origin: Table, faults: list[Fault], folder: Path) -> None:
+        self.content, self.origin, self.faults, self.folder = content, origin, faults, folder
         self.rows: list[Sourced] = []
 
     def network(self) -> Network | None:
@@ -358,8 +359,8 @@ def _fields(cls: type[Params]) -> list[str]:
     return list(inspect.signature(cls).parameters)
 
 
-def draw_network(content: Mapping[str, Any], table: Table, faults: list[Fault]) -> Drawing:
-    """What a file draws. Faults are appended to `faults`."""
-    drawer = Drawer(content, table, faults)
+def draw_network(content: Mapping[str, Any], table: Table, faults: list[Fault], folder: Path = Path()) -> Drawing:
+    """What a file draws; modules that it names are looked for in `folder`. Faults are appended to `faults`."""
+    drawer = Drawer(content, table, faults, folder)
     limits = drawer.limits()
     return Drawing(drawer.network(), drawer.rows, {} if limits is None else {"limits": limits})

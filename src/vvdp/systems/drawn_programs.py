@@ -5,6 +5,7 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from vvdp.base.errors import Fault, NetworkError, ParameterError
@@ -21,6 +22,7 @@ from vvdp.programs.generic import GenericProgram
 from vvdp.programs.library import PROGRAMS
 from vvdp.programs.quantities import INPUT, SECOND, written_quantity
 from vvdp.sensing.instrument import Instrument, ideal_instrument
+from vvdp.systems.own_programs import own_program
 
 PATH = re.compile(r"t|[A-Za-z_]\w*(\.\w*)*")
 
@@ -36,9 +38,11 @@ class ProgramTimes(Params):
 class ProgramDrawer(ABC):
     """Draws the programs of a file."""
 
+    content: Mapping[str, Any]
     origin: Table
     faults: list[Fault]
     rows: list[Sourced]
+    folder: Path
 
     @abstractmethod
     def _fault(self, path: str, message: str) -> None: ...
@@ -68,12 +72,18 @@ class ProgramDrawer(ABC):
 
     def _written_part(self, name: str, part: Mapping[str, Any]) -> "WrittenPart | None":
         """A program as it stands in the file, with its inputs by name; None where its type or keys are wrong."""
-        path = f"programs.{name}"
-        kind = self._type(path, part, PROGRAMS)
+        path, types, word = f"programs.{name}", dict(PROGRAMS), part.get("type")
+        if isinstance(word, str) and ":" in word:
+            try:
+                types[word] = own_program(word, self.content, self.folder)
+            except ParameterError as problem:
+                self._fault(f"{path}.type", str(problem))
+                return None
+        kind = self._type(path, part, types)
         if kind is None:
             return None
         part = _with_inputs(part, _inputs(kind))
-        return WrittenPart(name, kind, part) if self._has_own_keys(path, part, PROGRAMS) else None
+        return WrittenPart(name, kind, part) if self._has_own_keys(path, part, types) else None
 
     def _add_program(self, net: Network, part: "WrittenPart", kinds: "Kinds") -> None:
         try:
