@@ -197,5 +197,7 @@ def test_the_power_of_a_flow_is_a_product():
 def test_a_mean_of_pressures_is_a_level_and_a_difference_is_none():
     summed = PROGRAMS["sum"].output
     pressures = [PRESSURE_LEVEL, PRESSURE_LEVEL]
-    assert summed(pressures, {"first_weight": "0.5", "second_weight": "0.5"}) is PRESSURE_LEVEL
-    assert summed(pressures, {"second_weight": "-1"}).name == "signed pressure difference"
+    assert (
+        summed(pressures, {"first": "", "second": "", "first_weight": "0.5", "second_weight": "0.5"}) is PRESSURE_LEVEL
+    )
+    assert summed(pressures, {"first": "", "second": "", "second_weight": "-1"}).name == "signed pressure difference"

@@ -51,8 +51,8 @@ def sum_step(t: float, memory: NamedTuple, reading: Summands, settings: Weights)
 
 def _sum_quantity(read: Sequence[Kind], values: Written) -> Kind:
     """Levels with weights that add up to 1 are a level again, such as a mean; else a difference."""
-    names = ("first_weight", "second_weight", "third_weight", "fourth_weight")
-    whole = sum(written_number(values.get(name, 1.0)) for name, _ in zip(names, read, strict=False))
+    given = [name for name in Summands._fields if name in values]
+    whole = sum(written_number(values.get(f"{name}_weight", 1.0)) for name in given)
     return read[0] if abs(whole - 1.0) < 1e-9 else DIFFERENCES.get(read[0], read[0])
 
 

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from vvdp.base.kinds import Kind
-from vvdp.base.params import field_kinds
 from vvdp.network.program import ProgramType
 from vvdp.programs.quantities import PLAIN, replacements, with_kinds
 
@@ -31,11 +30,6 @@ class GenericProgram:
     output: Callable[[Sequence[Kind], Written], Kind] = as_read
     first: Callable[[Any, Any], Any] | None = None
 
-    @property
-    def inputs(self) -> tuple[str, ...]:
-        """The names of what it reads."""
-        return self.type.reading._fields  # type: ignore[attr-defined, no-any-return]
-
     def for_quantities(self, read: Sequence[Kind], output: Kind | None = None) -> ProgramType:
         """The program for one circuit, where its first inputs read these quantities and its command is `output`."""
         second = read[1] if len(read) > 1 else PLAIN
@@ -47,7 +41,3 @@ class GenericProgram:
             command=with_kinds(type(self.type.command), kinds)(*self.type.command),
             settings=settings and with_kinds(settings, kinds),
         )
-
-    def kind_of(self, name: str) -> Kind | None:
-        """The kind of an input, one of `programs.quantities` if it is not fixed."""
-        return field_kinds(self.type.reading)[name]

@@ -8,7 +8,7 @@ import numpy as np
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import TIME, DutyRatio, Fraction, Frequency, Kind, Time
 from vvdp.base.params import Params, require_positive
-from vvdp.base.select import clip, maximum, select
+from vvdp.base.select import clip, maximum, minimum, select
 from vvdp.network.program import ProgramType
 from vvdp.numerics.piecewise import check_rising, piecewise_linear
 from vvdp.programs.controllers import Value
@@ -17,6 +17,8 @@ from vvdp.programs.quantities import OUTPUT, PLAIN, written_quantity
 
 SHORTEST = 1e-9
 """Share of a period below which pulses have no width."""
+NEXT = 0.999
+"""How near to the next whole number a count comes before its edge: rounding is not to carry it over."""
 
 
 class Points(Params):
@@ -81,7 +83,7 @@ def pulse_count(reading: Duty, settings: Pulses) -> float:
     within = periods - whole
     rising = within / maximum(share, SHORTEST)
     falling = 1.0 + (within - share) / maximum(1.0 - share, SHORTEST)
-    count: float = 2.0 * whole + select(within < share, rising, clip(falling, 1.0, 1.999))
+    count: float = 2.0 * whole + select(within < share, minimum(rising, NEXT), minimum(falling, 1.0 + NEXT))
     return count
 
 

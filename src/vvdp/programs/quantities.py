@@ -138,7 +138,9 @@ def product(one: Kind, other: Kind) -> Kind:
 def of_gain(entry: Any, read: Kind) -> Kind:
     """The quantity of a gain, as a file gives it, times what is read; with a plain number that of what is read."""
     gain = written_dimension(entry)
-    return read if gain in (None, dimension("")) else quantity(gain.times(dimension(read.unit)))
+    if gain is None:
+        return PLAIN
+    return read if gain == dimension("") else quantity(gain.times(dimension(read.unit)))
 
 
 def _per(unit: str, other: str) -> str:

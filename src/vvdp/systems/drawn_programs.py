@@ -165,16 +165,14 @@ class Kinds:
                 )
             if isinstance(part.kind, ProgramType):
                 return part.kind
-            read = [kind for kind in (self._read(part, each, (*above, name)) for each in part.kind.inputs) if kind]
+            read = [self._read(part, kind, (*above, name)) for kind in (INPUT, SECOND)]
             self.known[name] = part.kind.for_quantities(read, part.kind.output(read, part.values))
         return self.known[name]
 
-    def _read(self, part: WrittenPart, name: str, above: tuple[str, ...]) -> Kind | None:
-        """The kind of what an input of any quantity reads."""
-        assert isinstance(part.kind, GenericProgram)
-        entry = part.values.get(name)
-        if part.kind.kind_of(name) not in (INPUT, SECOND) or entry is None:
-            return None
+    def _read(self, part: WrittenPart, of: Kind, above: tuple[str, ...]) -> Kind:
+        """The kind of what is read by the first input of this kind, INPUT or SECOND."""
+        kinds = field_kinds(_own_type(part.kind).reading)
+        entry = next((part.values[name] for name, kind in kinds.items() if kind == of and name in part.values), None)
         path = _path(entry)
         if path is None:
             return written_quantity(entry)
@@ -187,9 +185,12 @@ class Kinds:
         return Places(self.net).quantity(path, part.name).kind
 
 
+def _own_type(kind: ProgramType | GenericProgram) -> ProgramType:
+    return kind.type if isinstance(kind, GenericProgram) else kind
+
+
 def _inputs(kind: ProgramType | GenericProgram) -> tuple[str, ...]:
-    own = kind.type if isinstance(kind, GenericProgram) else kind
-    fields: tuple[str, ...] = own.reading._fields  # type: ignore[attr-defined]
+    fields: tuple[str, ...] = _own_type(kind).reading._fields  # type: ignore[attr-defined]
     return fields
 
 
