@@ -44,7 +44,7 @@ class Weights(Params):
 
 
 def sum_step(t: float, memory: NamedTuple, reading: Summands, settings: Weights) -> tuple[NamedTuple, Value]:
-    """The weighted sum; of pressures as absolute values."""
+    """Weighted sum of two to four values; of pressures as absolute values."""
     two = settings.first_weight * reading.first + settings.second_weight * reading.second
     return memory, Value(two + settings.third_weight * reading.third + settings.fourth_weight * reading.fourth)
 
@@ -64,7 +64,7 @@ class Factors(NamedTuple):
 
 
 def product_step(t: float, memory: NamedTuple, reading: Factors, settings: NamedTuple) -> tuple[NamedTuple, Value]:
-    """The product; of pressures as absolute values."""
+    """Product of two values; of pressures as absolute values."""
     return memory, Value(reading.first * reading.second)
 
 
@@ -96,7 +96,7 @@ class Grid(Params):
 
 
 def table_step(t: float, memory: NamedTuple, reading: Looked, settings: Grid) -> tuple[NamedTuple, Value]:
-    """Straight lines between the values of a table, for two inputs in each direction; held beyond the ends."""
+    """Table of one or two inputs; straight lines between its values, which are held beyond the ends."""
     before = row_value(reading.reads, 0, settings)
     value = before
     for row in range(1, len(settings.second_places)):

@@ -60,7 +60,7 @@ def controller_start(settings: Pi) -> PidMemory:
 
 
 def pi_program_step(t: float, memory: PidMemory, reading: Controlled, settings: Pi) -> tuple[PidMemory, Value]:
-    """One sample of a PI controller at time t [s]."""
+    """PI controller with limits, anti-windup and a bumpless start; one sample at time t [s]."""
     gains = PidGains(
         gain=settings.gain,
         reset_time=settings.reset_time,
@@ -78,7 +78,7 @@ def pi_program_step(t: float, memory: PidMemory, reading: Controlled, settings: 
 
 
 def pid_program_step(t: float, memory: PidMemory, reading: Controlled, settings: Pid) -> tuple[PidMemory, Value]:
-    """One sample of a PID controller at time t [s]."""
+    """PID controller with limits, anti-windup, a bumpless start and a filtered derivative; one sample at time t [s]."""
     gains = PidGains(
         gain=settings.gain,
         reset_time=settings.reset_time,

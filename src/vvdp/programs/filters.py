@@ -42,7 +42,7 @@ class LowPass(Params):
 
 
 def low_pass_step(t: float, memory: LastValue, reading: Read, settings: LowPass) -> tuple[LastValue, Value]:
-    """First-order low-pass at time t [s], exact for an input that is held between samples; begins at the first one."""
+    """First-order low-pass filter; at time t [s], exact for an input that is held, begins at the first sample."""
     value = reading.reads
     if memory.begun > 0.5:
         value = memory.value - expm1((memory.time - t) / settings.time_constant) * (reading.reads - memory.value)
@@ -60,7 +60,7 @@ class RateLimit(Params):
 
 
 def rate_limit_step(t: float, memory: LastValue, reading: Read, settings: RateLimit) -> tuple[LastValue, Value]:
-    """What is read at time t [s], rising and falling no faster than the limits; begins at the first sample."""
+    """What is read, with limited rates of rise and fall; at time t [s], begins at the first sample."""
     value = reading.reads
     if memory.begun > 0.5:
         interval = t - memory.time
@@ -79,7 +79,7 @@ class Limits(Params):
 
 
 def limit_step(t: float, memory: NamedTuple, reading: Read, settings: Limits) -> tuple[NamedTuple, Value]:
-    """What is read, held between the limits."""
+    """What is read, held between limits."""
     return memory, Value(clip(reading.reads, settings.lowest, settings.highest))
 
 
@@ -109,7 +109,7 @@ def smooth_start(settings: ReferenceFilter) -> SmoothMemory:
 def smooth_step(
     t: float, memory: SmoothMemory, reading: Read, settings: ReferenceFilter
 ) -> tuple[SmoothMemory, Smooth]:
-    """What is read, behind four equal poles, at time t [s]; exact for an input that is held between samples."""
+    """What is read, smoothed by four equal poles, with its derivatives; at time t [s], exact for a held input."""
     found = reference_at_rest(reading.reads)
     if memory.begun > 0.5:
         found = reference_step(memory.reference, memory.reads, t - memory.time, settings)

@@ -44,7 +44,7 @@ class Now(NamedTuple):
 
 
 def cycle_step(t: float, memory: NamedTuple, reading: Now, settings: Points) -> tuple[NamedTuple, Value]:
-    """The value of the repeated points."""
+    """Points over time, joined by straight lines and repeated."""
     period = settings.times[len(settings.times) - 1]
     within = reading.time - period * np.floor(reading.time / period)
     return memory, Value(piecewise_linear(within, settings.times, settings.values))
@@ -95,7 +95,7 @@ def pulse_command(reading: Duty, settings: Pulses) -> float:
 
 
 def pwm_step(t: float, memory: NamedTuple, reading: Duty, settings: Pulses) -> tuple[NamedTuple, Switched]:
-    """The command at an edge; a duty ratio that changes within a period acts at once."""
+    """Pulses of a duty ratio; a duty ratio that changes within a period acts at once."""
     return memory, Switched(pulse_command(reading, settings))
 
 

@@ -20,7 +20,7 @@ from vvdp.network.paths import Places
 from vvdp.network.program import ProgramType
 from vvdp.programs.generic import GenericProgram
 from vvdp.programs.library import PROGRAMS
-from vvdp.programs.quantities import INPUT, SECOND, written_quantity
+from vvdp.programs.quantities import INPUT, PLAIN, SECOND, written_quantity
 from vvdp.sensing.instrument import Instrument, ideal_instrument
 from vvdp.systems.own_programs import own_program
 
@@ -181,7 +181,7 @@ class Kinds:
             kinds = field_kinds(type(self.type_of(other, above).command))
             if key not in kinds:
                 raise NetworkError(f"{part.name}: {other!r} has no {key!r}{nearest(key, list(kinds))}")
-            return kinds[key]
+            return kinds[key] or PLAIN
         return Places(self.net).quantity(path, part.name).kind
 
 
