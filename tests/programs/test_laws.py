@@ -201,3 +201,10 @@ def test_a_mean_of_pressures_is_a_level_and_a_difference_is_none():
         summed(pressures, {"first": "", "second": "", "first_weight": "0.5", "second_weight": "0.5"}) is PRESSURE_LEVEL
     )
     assert summed(pressures, {"first": "", "second": "", "second_weight": "-1"}).name == "signed pressure difference"
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_no_input_has_the_name_of_a_value(name):
+    own = getattr(PROGRAMS[name], "type", PROGRAMS[name])
+    values = set() if own.settings is None else set(own.settings.__dataclass_fields__)
+    assert not values & {*own.reading._fields, "period", "phase", "latency", "previous", "sensors", "type"}

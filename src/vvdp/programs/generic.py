@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from vvdp.base.kinds import Kind
+from vvdp.base.params import Params
 from vvdp.network.program import ProgramType
 from vvdp.programs.quantities import PLAIN, replacements, with_kinds
 
@@ -23,12 +24,14 @@ class GenericProgram:
 
     type    the program with these kinds
     output  output(what each input reads, values as a file gives them) -> quantity of the command
-    first   first(settings, first reading) -> command before it is called; for programs that events call
+    first   first(settings, first reading) -> command before it is called
+    made    made(values of the file) -> settings of the step, where these are of another class
     """
 
     type: ProgramType
     output: Callable[[Sequence[Kind], Written], Kind] = as_read
     first: Callable[[Any, Any], Any] | None = None
+    made: Callable[[Any], Params] | None = None
 
     def for_quantities(self, read: Sequence[Kind], output: Kind | None = None) -> ProgramType:
         """The program for one circuit, where its first inputs read these quantities and its command is `output`."""

@@ -13,7 +13,7 @@ from vvdp.network.program import ProgramType
 from vvdp.numerics.piecewise import check_rising, piecewise_linear
 from vvdp.programs.controllers import Value
 from vvdp.programs.generic import GenericProgram, Written
-from vvdp.programs.quantities import OUTPUT, PLAIN, written_quantity
+from vvdp.programs.quantities import OUTPUT, written_quantity
 
 SHORTEST = 1e-9
 """Share of a period below which pulses have no width."""
@@ -104,6 +104,4 @@ def _first_pulse(settings: Pulses, reading: Duty) -> Switched:
 
 
 CYCLE = GenericProgram(ProgramType(cycle_step, Now, Value(0.0), Points), _cycle_quantity)
-PWM = GenericProgram(
-    ProgramType(pwm_step, Duty, Switched(0.0), Pulses, level=pulse_count), lambda read, values: PLAIN, _first_pulse
-)
+PWM = GenericProgram(ProgramType(pwm_step, Duty, Switched(0.0), Pulses, level=pulse_count), first=_first_pulse)

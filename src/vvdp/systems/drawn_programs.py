@@ -104,9 +104,13 @@ class ProgramDrawer(ABC):
         sensors = read_sensors(kind, f"{part.path}.sensors", measured, self.origin, self.faults)
         if self._has_faults(part.path):
             return
-        first = _first_command(part.kind, kind, settings, reads)
-        calls = {"period": called.period or None, "phase": called.phase, "latency": called.latency}
-        add = partial(net.program, part.name, first, settings, reads=reads, sensors=sensors, previous=previous)
+        sampled = getattr(settings, "sample_period", None)
+        if sampled and called.period not in (0.0, sampled):
+            self._fault(f"{part.path}.period", f"{called.period:g} s must be the sample_period, {sampled:g} s")
+            return
+        kind, settings = _completed(part.kind, kind, settings, reads)
+        calls = {"period": called.period or sampled, "phase": called.phase, "latency": called.latency}
+        add = partial(net.program, part.name, kind, settings, reads=reads, sensors=sensors, previous=previous)
         self._try(part.path, partial(add, **calls))
 
     def _reads(self, part: "WrittenPart", kind: ProgramType) -> dict[str, Source]:
@@ -206,6 +210,8 @@ def _with_inputs(part: Mapping[str, Any], inputs: tuple[str, ...]) -> Mapping[st
             return {**reads, **rest}
         case str() if "reads" not in inputs and len(open_inputs) == 1:
             return {open_inputs[0]: reads, **rest}
+        case str() if "reads" not in inputs and "." not in reads:
+            return {name: f"{reads}.{name}" for name in open_inputs} | rest
     return part
 
 
@@ -219,14 +225,19 @@ def _path(entry: Any) -> str | None:
     return None
 
 
-def _first_command(
-    kind: ProgramType | GenericProgram, own: ProgramType, settings: Params | None, reads: Mapping[str, Source]
-) -> ProgramType:
-    """The program with the command that holds before it is called, where that follows from its values."""
-    if not isinstance(kind, GenericProgram) or kind.first is None:
-        return own
+def _completed(
+    kind: ProgramType | GenericProgram, own: ProgramType, settings: Any, reads: Mapping[str, Source]
+) -> tuple[ProgramType, Any]:
+    """The program and its settings, as its step takes them, with the command that holds before it is called."""
+    if not isinstance(kind, GenericProgram):
+        return own, settings
+    if kind.made is not None:
+        settings = kind.made(settings)
+        own = dataclasses.replace(own, settings=type(settings))
+    if kind.first is None:
+        return own, settings
     values = {name: signal_value(0.0, each) if isinstance(each, Signal) else 0.0 for name, each in reads.items()}
-    return dataclasses.replace(own, command=kind.first(settings, own.reading(**values)))
+    return dataclasses.replace(own, command=kind.first(settings, own.reading(**values))), settings
 
 
 def read_sensors(
