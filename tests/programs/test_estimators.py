@@ -1,11 +1,10 @@
 """Estimators by name: against the laws that they call, closed forms, and the program that joins encoder and filter."""
 
-from dataclasses import fields
-
 import numpy as np
 import pytest
 
 from vvdp.base.errors import ConfigError
+from vvdp.base.params import field_kinds
 from vvdp.base.tables import parsed_table
 from vvdp.control.flow_map import FlowMap, flow_for_duty
 from vvdp.estimation.event_settings import EventFilterValues, event_filter
@@ -24,6 +23,7 @@ from vvdp.programs.estimators import (
     period_step,
 )
 from vvdp.programs.spool_encoder import add_encoder, watch_settings
+from vvdp.sensing.wheel import equal_wheel
 from vvdp.simulation.run import simulate
 from vvdp.systems.system import built_system
 
@@ -34,8 +34,16 @@ line = { type = "volume", volume = "1 l", start = "20 bar" }
 wheel = { type = "driven-shaft", speed = { ramp = ["20 rev/s", "30 rev/s"], from = "0.1 s", to = "0.3 s" } }
 
 [components]
-pump = { type = "pump", inlet = "tank", outlet = "line", shaft = "wheel", displacement = "10 cc/rev", leakage_conductance = "1e-12 m^3/(s*Pa)", friction_torque = "1 N*m" }
 load = { type = "orifice", a = "line", b = "tank", area = "6 mm^2" }
+
+[components.pump]
+type = "pump"
+inlet = "tank"
+outlet = "line"
+shaft = "wheel"
+displacement = "10 cc/rev"
+leakage_conductance = "1e-12 m^3/(s*Pa)"
+friction_torque = "1 N*m"
 
 [programs.speed]
 type = "event-filter"
@@ -67,13 +75,9 @@ sample_period = "1 ms"
 
 def filter_lines():
     """The usual values of the filter, as a file gives them in SI."""
-    from vvdp.base.params import field_kinds
-    from vvdp.sensing.wheel import equal_wheel
-
-    usual = event_filter(equal_wheel(8, 0.2))
-    kinds = field_kinds(EventFilterValues)
-    rows = [(field.name, getattr(usual, field.name)) for field in fields(EventFilterValues)]
-    return "\n".join(f'{name} = "{value!r} {kinds[name].unit.replace("1", "", 1) if kinds[name].unit == "1" else kinds[name].unit}"' for name, value in rows)  # fmt: skip
+    usual, kinds = event_filter(equal_wheel(8, 0.2)), field_kinds(EventFilterValues)
+    units = {name: "" if kinds[name].unit == "1" else f" {kinds[name].unit}" for name in kinds}
+    return "\n".join(f'{name} = "{getattr(usual, name)!r}{unit}"' for name, unit in units.items())
 
 
 @pytest.fixture(scope="module")

@@ -71,7 +71,7 @@ def filter_step(
     return event_filter_step(memory, reading, settings)
 
 
-def _unknown(settings: EventFilter, reading: NamedTuple) -> Estimate:
+def _first_estimate(settings: EventFilter, reading: NamedTuple) -> Estimate:
     return to_estimate(filter_start(settings).belief, 0.0, 0.0, 0.0, 0.0)
 
 
@@ -92,6 +92,6 @@ ENCODER = GenericProgram(
 )
 EVENT_FILTER = GenericProgram(
     ProgramType(filter_step, Reading, NOTHING_KNOWN, WheelFilter, filter_start),
-    first=_unknown,
+    first=_first_estimate,
     made=_filter_settings,
 )

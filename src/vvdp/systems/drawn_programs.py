@@ -91,7 +91,7 @@ class ProgramDrawer(ABC):
         except NetworkError as problem:
             self._fault(part.path, str(problem).removeprefix(f"{part.name}: "))
             return
-        reads = self._reads(part, kind)
+        reads = read_inputs(part, kind, self.origin, self.faults, self.rows)
         own = field_kinds(kind.settings) if kind.settings else {}
         given = {key: value for key, value in part.values.items() if key in own}
         settings = self._table(kind.settings, part.path, given) if kind.settings else None
@@ -108,32 +108,10 @@ class ProgramDrawer(ABC):
         if sampled and called.period not in (0.0, sampled):
             self._fault(f"{part.path}.period", f"{called.period:g} s must be the sample_period, {sampled:g} s")
             return
-        kind, settings = _completed(part.kind, kind, settings, reads)
+        kind, settings = _type_and_settings(part.kind, kind, settings, reads)
         calls = {"period": called.period or sampled, "phase": called.phase, "latency": called.latency}
         add = partial(net.program, part.name, kind, settings, reads=reads, sensors=sensors, previous=previous)
         self._try(part.path, partial(add, **calls))
-
-    def _reads(self, part: "WrittenPart", kind: ProgramType) -> dict[str, Source]:
-        """What each input is connected to: a path, or a value over time."""
-        found: dict[str, Source] = {}
-        for name, of in field_kinds(kind.reading).items():
-            entry = part.values.get(name)
-            if (path := _path(entry)) is not None:
-                found[name] = path
-            elif name == "time" and entry is None:
-                found[name] = "t"
-            elif entry is not None:
-                try:
-                    row = read_sourced(part.path, name, of or NUMBER, Signal, entry)
-                except ParameterError as problem:
-                    self._fault(f"{part.path}.{name}", str(problem))
-                    continue
-                assert isinstance(row.value, Signal)
-                self.rows.append(row)
-                found[name] = row.value
-            elif name not in kind.defaults:
-                self._fault(f"{part.path}.{name}", 'missing; expected what it reads, such as "inlet.pressure"')
-        return found
 
 
 @dataclasses.dataclass(frozen=True)
@@ -189,6 +167,33 @@ class Kinds:
         return Places(self.net).quantity(path, part.name).kind
 
 
+def read_inputs(
+    part: WrittenPart, kind: ProgramType, origin: Table, faults: list[Fault], rows: list[Sourced]
+) -> dict[str, Source]:
+    """What each input is connected to: a path, or a value over time."""
+    found: dict[str, Source] = {}
+    for name, of in field_kinds(kind.reading).items():
+        entry = part.values.get(name)
+        if (path := _path(entry)) is not None:
+            found[name] = path
+        elif name == "time" and entry is None:
+            found[name] = "t"
+        elif entry is not None:
+            try:
+                row = read_sourced(part.path, name, of or NUMBER, Signal, entry)
+            except ParameterError as problem:
+                faults.append(fault_at(origin, f"{part.path}.{name}", str(problem)))
+                continue
+            assert isinstance(row.value, Signal)
+            rows.append(row)
+            found[name] = row.value
+        elif name not in kind.defaults:
+            faults.append(
+                fault_at(origin, f"{part.path}.{name}", 'missing; expected what it reads, such as "inlet.pressure"')
+            )
+    return found
+
+
 def _own_type(kind: ProgramType | GenericProgram) -> ProgramType:
     return kind.type if isinstance(kind, GenericProgram) else kind
 
@@ -225,7 +230,7 @@ def _path(entry: Any) -> str | None:
     return None
 
 
-def _completed(
+def _type_and_settings(
     kind: ProgramType | GenericProgram, own: ProgramType, settings: Any, reads: Mapping[str, Source]
 ) -> tuple[ProgramType, Any]:
     """The program and its settings, as its step takes them, with the command that holds before it is called."""
