@@ -251,6 +251,14 @@ def test_the_library_is_listed(vvdp):
     assert "rod (rod)" in said and "shaft (shaft)" in said
 
 
+def test_the_library_as_json(vvdp):
+    found = json.loads(vvdp("list", "--components", "--json").out)
+    assert {"components", "programs", "parts"} <= found.keys()
+    assert found["programs"]["pi"]["reads"] == ["reads", "reference", "feedforward [0]"]
+    assert found["programs"]["pi"]["commands"] == ["value"]
+    assert 'gain = "0.02 1/bar"' in found["programs"]["pi"]["values"]
+
+
 def test_a_circuit_of_ones_own(vvdp, own, monkeypatch):
     monkeypatch.setenv("VVDP_CACHE", str(own / "cache"))
     shown = vvdp("show", "mine.toml")

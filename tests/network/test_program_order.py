@@ -110,3 +110,23 @@ def test_a_program_reads_a_value_over_time_and_leaves_an_input_open(network):
     command = simulate(circuit.model, circuit.case, STEPPING).command
     assert np.array_equal(np.unique(command.jump.value[1:]), [3.0, 6.0])
     assert np.array_equal(np.unique(command.number.value[1:]), [11.0, 14.0])
+
+
+@pytest.mark.parametrize("seed", range(200))
+def test_any_set_of_programs_without_loops_has_an_order(network, seed):
+    """Each behind what it reads, before what it reads of the last call; as often as one asks."""
+    rng = np.random.default_rng(seed)
+    names = [f"p{i}" for i in range(8)]
+    hidden = list(rng.permutation(names))
+    net = network({})
+    for name in rng.permutation(names):
+        before = hidden[: hidden.index(name)]
+        source = f"{rng.choice(before)}.value" if before and rng.random() < 0.8 else "t"
+        further = {"further": f"{rng.choice(before)}.value"} if before and rng.random() < 0.5 else {}
+        net.program(str(name), ADD_ONE, reads={"value": source, **further})
+    order = [program.name for program in ordered_programs(net)]
+    assert sorted(order) == names
+    for program in net.programs.values():
+        for source in program.reads.values():
+            other = source.partition(".")[0]
+            assert other == "t" or order.index(other) < order.index(program.name)

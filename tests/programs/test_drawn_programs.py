@@ -191,6 +191,48 @@ def test_pulses_may_begin_with_a_constant_duty_ratio():
     assert np.all(run(text).command.pulses.value == 1.0)
 
 
+HALF = """
+from typing import NamedTuple
+
+from vvdp.base.kinds import Fraction, Time
+from vvdp.network.program import ProgramType
+
+
+class Now(NamedTuple):
+    time: Time
+
+
+class Asked(NamedTuple):
+    duty: Fraction
+
+
+def ask(t, memory, reading, settings):
+    return memory, Asked(0.5)
+
+
+HALF = ProgramType(ask, Now, Asked(0.5))
+"""
+
+
+def test_pulses_begin_with_the_first_command_of_another_program(own):
+    """That holds before it is called, at 20 ms: the first pulse is there."""
+    (own / "my_control.py").write_text(HALF)
+    half = '[programs.half]\ntype = "my_control:HALF"\nperiod = "40 ms"\nphase = "20 ms"\n'
+    text = PWM.replace("duty.value", "half.duty").replace("[programs.duty]", f"{half}\n[programs.duty]")
+    found = system(text, own)
+    run = simulate(found.circuit.model, found.circuit.case, found.stepping)
+    within = (100.0 * run.times) % 1.0
+    clear = (np.abs(within - 0.5) > 1e-3) & (np.abs(within - 0.5) < 0.499)
+    assert np.array_equal(run.command.pulses.value[clear], (within < 0.5)[clear])
+
+
+def test_a_table_of_the_time_is_a_schedule():
+    text = '[programs.plan]\ntype = "table"\nreads = "t"\nplaces = ["10 ms", "30 ms"]\nvalues = ["1 lpm", "5 lpm"]\n'
+    found = run(text)
+    flows = np.interp(found.times, [0.010, 0.030], [1e-3 / 60, 5e-3 / 60])
+    assert np.allclose(found.command.plan.value, flows, atol=2.1e-4 / 60)
+
+
 # Mistakes
 
 

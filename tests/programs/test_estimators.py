@@ -9,7 +9,7 @@ from vvdp.base.tables import parsed_table
 from vvdp.control.flow_map import FlowMap, flow_for_duty
 from vvdp.estimation.event_settings import EventFilterValues, event_filter
 from vvdp.network.build import build
-from vvdp.programs.encoders import ShaftEncoder, _encoder_settings
+from vvdp.programs.encoders import ShaftEncoder, encoder_settings
 from vvdp.programs.estimators import (
     CylinderLoad,
     Delivery,
@@ -102,7 +102,7 @@ def test_two_programs_are_the_one_that_joins_them(system):
     assert command.speed.speed[-1] == pytest.approx(30.0 * 2.0 * np.pi, rel=0.05)
     for name in ("angle", "speed", "missed_edges", "innovation"):
         assert np.array_equal(getattr(command.speed, name), getattr(command.encoder, name))
-    assert _encoder_settings(table) == network.programs["edges"].settings
+    assert encoder_settings(table) == network.programs["edges"].settings
 
 
 def test_a_ramp_is_averaged_to_half_a_period_ago():

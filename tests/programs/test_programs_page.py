@@ -36,6 +36,12 @@ def test_the_table_is_that_of_the_library():
     assert found == [row(name, program) for name, program in PROGRAMS.items()]
 
 
+def test_the_python_of_the_page_runs():
+    left = {}
+    exec(re.search(r"```python\n(.*?)```", PAGE, re.DOTALL)[1], left)
+    assert left["settings"].highest == 1.0 and left["kind"].defaults == {"feedforward": 0.0}
+
+
 def test_the_example_runs(tmp_path, monkeypatch, capsys):
     from vvdp.cli.main import main
 

@@ -31,7 +31,8 @@ class EncoderSettings(Params):
     seed: Count
 
 
-def _encoder_settings(table: ShaftEncoder) -> EncoderSettings:
+def encoder_settings(table: ShaftEncoder) -> EncoderSettings:
+    """The settings of an encoder as its step takes them."""
     return EncoderSettings(encoder=encoder_of(table), angle=table.start_angle, seed=table.seed)
 
 
@@ -88,7 +89,7 @@ NOTHING_KNOWN = Estimate(
 )
 ENCODER = GenericProgram(
     ProgramType(encoder_program_step, Shaft, NO_EDGE, ShaftEncoder, encoder_program_start),
-    made=_encoder_settings,
+    made=encoder_settings,
 )
 EVENT_FILTER = GenericProgram(
     ProgramType(filter_step, Reading, NOTHING_KNOWN, WheelFilter, filter_start),

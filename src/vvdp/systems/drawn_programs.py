@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from vvdp.base.errors import Fault, NetworkError, ParameterError
-from vvdp.base.kinds import NUMBER, Kind, Time
+from vvdp.base.kinds import NUMBER, TIME, Kind, Time
 from vvdp.base.params import Params, field_kinds, refused_field
 from vvdp.base.signal import Signal, signal_value
 from vvdp.base.tables import Sourced, Table, fault_at, inner_table, join, nearest, read_sourced, read_values
@@ -108,7 +108,8 @@ class ProgramDrawer(ABC):
         if sampled and called.period not in (0.0, sampled):
             self._fault(f"{part.path}.period", f"{called.period:g} s must be the sample_period, {sampled:g} s")
             return
-        kind, settings = _type_and_settings(part.kind, kind, settings, reads)
+        first = partial(kinds.first_reading, kind, reads)
+        kind, settings = _type_and_settings(part.kind, kind, settings, first)
         calls = {"period": called.period or sampled, "phase": called.phase, "latency": called.latency}
         add = partial(net.program, part.name, kind, settings, reads=reads, sensors=sensors, previous=previous)
         self._try(part.path, partial(add, **calls))
@@ -159,12 +160,25 @@ class Kinds:
         if path is None:
             return written_quantity(entry)
         other, _, key = path.partition(".")
+        if path == "t":
+            return TIME
         if other in self.written:
             kinds = field_kinds(type(self.type_of(other, above).command))
             if key not in kinds:
                 raise NetworkError(f"{part.name}: {other!r} has no {key!r}{nearest(key, list(kinds))}")
             return kinds[key] or PLAIN
         return Places(self.net).quantity(path, part.name).kind
+
+    def first_reading(self, kind: ProgramType, reads: Mapping[str, Source]) -> Any:
+        """What is read of signals and other programs when the run begins; 0 of all else."""
+        found = dict.fromkeys(reads, 0.0)
+        for name, source in reads.items():
+            other, _, key = source.partition(".") if isinstance(source, str) else ("", "", "")
+            if isinstance(source, Signal):
+                found[name] = signal_value(0.0, source)
+            elif other in self.written:
+                found[name] = getattr(self.type_of(other).command, key)
+        return kind.reading(**found)
 
 
 def read_inputs(
@@ -188,9 +202,8 @@ def read_inputs(
             rows.append(row)
             found[name] = row.value
         elif name not in kind.defaults:
-            faults.append(
-                fault_at(origin, f"{part.path}.{name}", 'missing; expected what it reads, such as "inlet.pressure"')
-            )
+            message = 'missing; expected what it reads, such as "inlet.pressure"'
+            faults.append(fault_at(origin, f"{part.path}.{name}", message))
     return found
 
 
@@ -231,18 +244,20 @@ def _path(entry: Any) -> str | None:
 
 
 def _type_and_settings(
-    kind: ProgramType | GenericProgram, own: ProgramType, settings: Any, reads: Mapping[str, Source]
+    kind: ProgramType | GenericProgram, own: ProgramType, settings: Any, first: Callable[[], Any]
 ) -> tuple[ProgramType, Any]:
-    """The program and its settings, as its step takes them, with the command that holds before it is called."""
+    """The program and its settings, as its step takes them, with the command that holds before it is called.
+
+    first  gives what it reads at first
+    """
     if not isinstance(kind, GenericProgram):
         return own, settings
     if kind.made is not None:
         settings = kind.made(settings)
         own = dataclasses.replace(own, settings=type(settings))
-    if kind.first is None:
-        return own, settings
-    values = {name: signal_value(0.0, each) if isinstance(each, Signal) else 0.0 for name, each in reads.items()}
-    return dataclasses.replace(own, command=kind.first(settings, own.reading(**values))), settings
+    if kind.first is not None:
+        own = dataclasses.replace(own, command=kind.first(settings, first()))
+    return own, settings
 
 
 def read_sensors(
