@@ -14,7 +14,7 @@ RUNGS = [
     {"geometry", "estimation", "control"},
     {"simulation"},
     {"network"},
-    {"components"},
+    {"components", "programs"},
     {"systems"},
     {"runs", "studies"},
     {"steady"},

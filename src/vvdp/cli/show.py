@@ -150,11 +150,15 @@ def _components(system: "System") -> "Grid":
 
 
 def _programs(system: "System") -> "Grid":
+    from vvdp.base.params import field_kinds
     from vvdp.cli.screen import grid
+    from vvdp.report.circuit import source_words
 
     table = grid("program", "reads", "called", title="Programs")
     for name, program in system.circuit.network.programs.items():
         period = program.period or system.stepping.sample_period
         called = "at events" if program.type.level else f"every {1e3 * period:g} ms"
-        table.add_row(name, ", ".join(f"{key}: {path}" for key, path in program.reads.items()), called)
+        kinds = field_kinds(program.type.reading)
+        reads = (f"{key}: {source_words(source, kinds[key])}" for key, source in program.reads.items())
+        table.add_row(name, ", ".join(reads), called)
     return table

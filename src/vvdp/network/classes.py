@@ -46,7 +46,7 @@ from vvdp.network.nodes import (
     has_free_air,
     is_held,
 )
-from vvdp.network.paths import Places, StartValue, averaged_flows, flows_of, part_outputs, tank_exchanges
+from vvdp.network.paths import Places, StartValue, averaged_flows, flows_of, part_outputs, paths_of, tank_exchanges
 from vvdp.simulation.values import blank, names
 
 INTEGRALS = {FLOW: TankVolume, PRESSURE_LEVEL: PressureTime, FRACTION: Duration, RATIO: Duration, POWER: Energy}
@@ -151,7 +151,8 @@ class Classes:
     @cached_property
     def program_reads(self) -> tuple[str, ...]:
         """Commands of programs that other programs read."""
-        reads = [path for program in self.network.programs.values() for path in program.reads.values()]
+        programs = self.network.programs.values()
+        reads = [path for program in programs for source in program.reads.values() for path in paths_of(source)]
         return tuple(dict.fromkeys(path for path in reads if path.partition(".")[0] in self.network.programs))
 
     @cached_property

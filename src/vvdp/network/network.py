@@ -9,7 +9,7 @@ from typing import Any
 
 from vvdp.base.errors import NetworkError
 from vvdp.base.kinds import PRESSURE_LEVEL, Kind
-from vvdp.base.params import Params
+from vvdp.base.params import Params, field_kinds
 from vvdp.base.signal import Signal, constant, signal_value
 from vvdp.base.tables import nearest
 from vvdp.fluid.oil import Oil, modulus_at
@@ -73,17 +73,19 @@ class Part:
 class ProgramPart:
     """A program in its place: what it reads, its values, the sensors before it, and when it is called [s].
 
-    `actuators` stand behind it: what becomes of fields of its command on their way to the circuit.
+    `actuators` stand behind it: what becomes of fields of its command on their way to the circuit. With `previous` it
+    reads the commands that other programs gave before this instant.
     """
 
     name: str
     type: ProgramType
     settings: Params | None
-    reads: Mapping[str, str]
+    reads: Mapping[str, Source]
     sensors: Mapping[str, Instrument]
     period: float | None
     phase: float
     latency: float
+    previous: bool = False
     actuators: Mapping[str, Instrument] = field(default_factory=dict)
 
 
@@ -217,22 +219,23 @@ class Network:
         kind: ProgramType,
         settings: Params | None = None,
         *,
-        reads: Mapping[str, str],
+        reads: Mapping[str, Source | float],
         sensors: Mapping[str, Instrument] | None = None,
         period: float | None = None,
         phase: float = 0.0,
         latency: float = 0.0,
+        previous: bool = False,
     ) -> None:
         """Add a program that is called at `phase` and every `period` [s], and acts `latency` [s] later.
 
         `reads` gives the path of each field of its reading: "t", a node's "inlet.pressure", a result "load.flow",
-        another program's "encoder.speed"; `sensors` the instruments through which fields are measured.
+        another program's "encoder.speed" (as it is at this instant, or with `previous` as it was before), or a value
+        over time; `sensors` the instruments through which fields are measured.
         """
         self.check_name(name)
-        fields = set(names(kind.reading))
-        if set(reads) != fields:
-            odd = ", ".join(sorted(set(reads) ^ fields))
-            raise NetworkError(f"{name}: its reading and what `reads` gives differ in {odd}")
+        fields, usual = set(names(kind.reading)), set(kind.defaults)
+        if odd := (set(reads) - fields) | (fields - usual - set(reads)):
+            raise NetworkError(f"{name}: its reading and what `reads` gives differ in {', '.join(sorted(odd))}")
         if unknown := set(sensors or {}) - fields:
             raise NetworkError(f"{name}: a sensor for {', '.join(sorted(unknown))}, which it does not read")
         if kind.settings is not None and not isinstance(settings, kind.settings):
@@ -241,12 +244,18 @@ class Network:
             name=name,
             type=kind,
             settings=settings,
-            reads=dict(reads),
+            reads={field: self._read(name, kind, field, source) for field, source in reads.items()},
             sensors=dict(sensors or {}),
             period=period,
             phase=phase,
             latency=latency,
+            previous=previous,
         )
+
+    def _read(self, name: str, kind: ProgramType, field: str, source: Source | float) -> Source:
+        if isinstance(source, Connection):
+            raise NetworkError(f"{name}.{field}: a program reads one quantity; write a program that combines several")
+        return self._source(name, field, field_kinds(kind.reading)[field], source)
 
     def place(self, name: str, x: float, y: float) -> None:
         """Draw the node or component `name` at a place of the diagram's grid."""

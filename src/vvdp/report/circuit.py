@@ -121,7 +121,8 @@ def _programs(network: Network) -> Iterator[GraphProgram]:
             for key, source in part.inputs.items()
             if any(path.partition(".")[0] == program.name for path in paths_of(source))
         ]
-        yield GraphProgram(program.name, tuple(dict.fromkeys(program.reads.values())), tuple(commands))
+        reads = dict.fromkeys(path for source in program.reads.values() for path in paths_of(source))
+        yield GraphProgram(program.name, tuple(reads), tuple(commands))
 
 
 def source_words(source: Source, kind: Kind | None) -> str:

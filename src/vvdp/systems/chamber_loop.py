@@ -22,6 +22,7 @@ from vvdp.control.storage import loop_balance
 from vvdp.estimation.axial_filter import AxialEstimate, AxialMemory, Phase
 from vvdp.estimation.chamber_observer import ChamberObserver, chamber_observer_start, chamber_observer_step
 from vvdp.estimation.observability import observability_margin
+from vvdp.programs.spool_encoder import WatchMemory, WatchSettings, watch_start, watch_step
 from vvdp.sensing.axial_sensor import AxialSensor, SpoolPlace, axial_sensor_start, axial_sensor_step
 from vvdp.sensing.encoder import Shaft
 from vvdp.sensing.instrument import InstrumentMemory
@@ -40,7 +41,6 @@ from vvdp.systems.axial_loop import (
     sight_of,
     turned_phase,
 )
-from vvdp.systems.spool_encoder import WatchMemory, WatchSettings, watch_start, watch_step
 
 AT_STOP = 0.2e-3
 """So near the stop a spool that the spring presses there is taken to rest at it [m]."""

@@ -49,6 +49,7 @@ from vvdp.systems.fault_tables import FAULTS, FaultReader
 from vvdp.systems.faults import NamedFault, OtherValue, change_entries, change_tables, faulty_network
 from vvdp.systems.options import duration_of, lasting, option_keys, without_other_position
 from vvdp.systems.own_modules import OwnModule, folder_of_saved, own_module
+from vvdp.systems.own_programs import own_code
 from vvdp.systems.spool_travel import rotary_valves
 from vvdp.valve.rotary import RotaryValve
 
@@ -276,7 +277,8 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     _refuse_unknown_tables(function, table, faults)
     content.pop(FAULTS, None)
     lengths = None if function is not None and SHAPE in table_slots(function) else content.pop(SHAPE, None)
-    drawing, failing = _fail(_draw(function, content, table, faults), function, content, table, faults)
+    drawn = _draw(function, content, table, faults, folder)
+    drawing, failing = _fail(drawn, function, content, table, faults, folder)
     network, rows, values = drawing
     if run is not None:
         rows += [row for row in run[1] if (row.key, row.note) != ("longest_step", "default")]  # none
@@ -305,7 +307,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         function=function,
         lengths=lengths,
         faults=failing,
-        module=None if function is None else own_module(str(table.content["circuit"]), folder),
+        module=own_module(str(own_code(table.content)), folder),
     )
 
 
@@ -331,17 +333,19 @@ def saved_system(directory: Directory, name: str, recorded: Any, trust: str = ""
     """
     place = directory.path / "system.toml"
     table = parsed_table(directory.text("system.toml"), str(place))
-    return built_system(table, name, folder_of_saved(table.content.get("circuit"), str(place), recorded, trust))
+    return built_system(table, name, folder_of_saved(own_code(table.content), str(place), recorded, trust))
 
 
-def _draw(function: NetworkFunction | None, content: Mapping[str, Any], table: Table, faults: list[Fault]) -> Drawing:
+def _draw(
+    function: NetworkFunction | None, content: Mapping[str, Any], table: Table, faults: list[Fault], folder: Path
+) -> Drawing:
     """What a file draws, through its function or by itself."""
     if function is not None:
         values, rows = _tables(function, content, table, faults)
         return Drawing(None if faults else _drawn_by(function, values, table, faults), rows, values)
     if set(DRAWN).isdisjoint(content):
         return Drawing(None, [], {})
-    return draw_network(content, table, faults)
+    return draw_network(content, table, faults, folder)
 
 
 def _fail(
@@ -350,6 +354,7 @@ def _fail(
     content: Mapping[str, Any],
     table: Table,
     faults: list[Fault],
+    folder: Path,
 ) -> tuple[Drawing, tuple[NamedFault, ...]]:
     """What a file draws with what it says that fails in it."""
     if drawing.network is None or FAULTS not in table.content or faults:
@@ -359,7 +364,7 @@ def _fail(
 
     def redraw(others: Sequence[OtherValue]) -> Network | None:
         if function is None:
-            return draw_network(change_entries(content, others), table, wrong).network
+            return draw_network(change_entries(content, others), table, wrong, folder).network
         return _drawn_by(function, change_tables(drawing.tables, others), table, wrong)
 
     network = None

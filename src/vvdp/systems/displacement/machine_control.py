@@ -32,6 +32,7 @@ from vvdp.control.reference import Rate, ReferenceFilter
 from vvdp.estimation.load_observer import LoadObserver
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
+from vvdp.programs.spool_encoder import WatchSettings
 from vvdp.sensing.instrument import Instrument, ideal_instrument
 from vvdp.systems.axial_loop import PROGRAM as AXIAL
 from vvdp.systems.axial_loop import UNKNOWN
@@ -51,7 +52,6 @@ from vvdp.systems.displacement.machine_tables import MachineOperation
 from vvdp.systems.displacement.stages import MachineSequence
 from vvdp.systems.displacement.supervision import SpoolSpring, Supervised, Supervision
 from vvdp.systems.gerotor_loop import GerotorLoop, WatchedGerotor, watched_gerotor_start
-from vvdp.systems.spool_encoder import WatchSettings
 
 SAMPLE_PERIOD = 1e-3
 """Of the outer loop [s]."""
@@ -268,6 +268,7 @@ def add_outer_loop(net: Network, loop: MachineLoop, sensors: CylinderSensors, pa
         sensors=instruments(sensors),
         period=loop.law.sample_period,
         latency=sensors.latency,
+        previous=True,
     )
 
 
