@@ -25,7 +25,7 @@ from vvdp.runs.run import RecordedRun
 from vvdp.simulation.balance import LIMIT
 from vvdp.simulation.record import Record
 from vvdp.systems.extras import Extras
-from vvdp.systems.overview import flow_lines, loss_lines, node_lines, power_lines
+from vvdp.systems.overview import circuit_loss_lines, flow_lines, loss_lines, node_lines, power_lines
 
 ROUNDING = 1e-9
 """What is stored counts as nothing below this share of the largest power."""
@@ -59,7 +59,7 @@ def screen_listings(run: RecordedRun) -> tuple[Listing, ...]:
     extras = run.system.extras
     if extras is not None and extras.OVERVIEW:
         return (overview(run, extras),)
-    return node_listing(run), component_listing(run), loss_listing(run)
+    return node_listing(run), component_listing(run), loss_listing(run), *circuit_loss_listings(run).values()
 
 
 def node_listing(run: RecordedRun) -> Listing:
@@ -107,6 +107,17 @@ def loss_listing(run: RecordedRun) -> Listing:
     ]
     note = "Shares are of the power put in."
     return Listing(title="Losses by component", heads=("mean",), rows=tuple(rows), note=note)
+
+
+def circuit_loss_listings(run: RecordedRun) -> dict[str, Listing]:
+    """What the parts that are circuits of their own turn to heat, by name; none where the circuit has none."""
+    rows = []
+    for line in circuit_loss_lines(run.system, run.summary):
+        rows.append(Row(line.component.replace("_", " "), MEAN_POWER, (line.loss,)))
+        rows += [
+            Row(f"of which {name.replace('_', ' ')}", MEAN_POWER, (loss,), is_part=True) for name, loss in line.parts
+        ]
+    return {"circuit-losses": Listing(title="Losses by part", heads=("mean",), rows=tuple(rows))} if rows else {}
 
 
 def computation(run: RecordedRun) -> Listing:

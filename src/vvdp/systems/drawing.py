@@ -43,7 +43,7 @@ from vvdp.base.units import parse, parsed_difference
 from vvdp.components.library import COMPONENTS, PROGRAMS, UsualOil
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.volume import Vessel
-from vvdp.network.assembly import Assembly
+from vvdp.network.assembly import Assembly, InnerCircuit
 from vvdp.network.component import Component
 from vvdp.network.network import ROOM_TEMPERATURE, Network
 from vvdp.network.nodes import Chamber, Load, Rotor
@@ -52,7 +52,7 @@ from vvdp.sensing.instrument import Instrument, ideal_instrument
 from vvdp.systems.bench_tables import Limits
 from vvdp.systems.part_keys import PartType, other_type, part_keys
 
-TABLES = ("oil", "oils", "operation", "nodes", "components", "programs", "limits", "faults", "geometry")
+TABLES = ("oil", "oils", "operation", "nodes", "components", "programs", "parts", "limits", "faults", "geometry")
 DRAWING_WORDS = ("type", "at")
 
 
@@ -195,6 +195,8 @@ class Drawer:
         net = Network(
             oil, temperature=heat.oil_temperature if heat else ROOM_TEMPERATURE, **{n: o for n, o in oils.items() if o}
         )
+        for name, part in self._parts("parts"):
+            self._add_circuit(net, name, part["drawn"])
         for name, part in self._validly_named_parts(net, "nodes"):
             self._add_node(net, name, part, {n: o for n, o in oils.items() if o})
         for name, part in self._validly_named_parts(net, "components"):
@@ -202,6 +204,10 @@ class Drawer:
         for name, part in self._validly_named_parts(net, "programs"):
             self._add_program(net, name, part)
         return None if self.faults else net
+
+    def _add_circuit(self, net: Network, name: str, drawn: Mapping[str, Any]) -> None:
+        net.circuits[name] = InnerCircuit(drawn["source"], drawn["ports"], frozenset(drawn["names"]))
+        self._place(net, name, f"parts.{name}", drawn)
 
     def limits(self) -> Limits | None:
         """What is watched and reported; None where the file says nothing."""

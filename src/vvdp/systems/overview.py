@@ -104,6 +104,15 @@ def loss_lines(system: System, found: Mapping[str, Any]) -> Iterator[LossLine]:
         yield LossLine(name, float(found[f"loss_{name}_W"]), ())
 
 
+def circuit_loss_lines(system: System, found: Mapping[str, Any]) -> Iterator[LossLine]:
+    """What each part that is a circuit of its own turns to heat, whole and by what is in it."""
+    lines = tuple(loss_lines(system, found))
+    for name, circuit in system.circuit.network.circuits.items():
+        inner = (line for line in lines if line.component in circuit.names)
+        parts = tuple((line.component.removeprefix(f"{name}_"), line.loss) for line in inner)
+        yield LossLine(name, float(found[f"loss_{name}_W"]), parts)
+
+
 def power_lines(system: System, found: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
     """What nodes and components give from outside [W]: positive into the circuit."""
     network = system.circuit.network

@@ -1,0 +1,124 @@
+"""One use of a part in a file: the nodes at its ports, what these carry, and the values that it is given."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.tables import fault_at, nearest, suggestion
+from vvdp.components.library import COMPONENTS
+from vvdp.network.assembly import Assembly
+from vvdp.network.component import Role
+from vvdp.systems.drawn_parts import DrawnCircuit
+from vvdp.systems.part_files import PARTS, VALUES, WORDS, PartFile
+from vvdp.systems.part_scopes import Place, Scope, as_table
+
+OIL, SHAFT, ROD = "oil", "a shaft", "a rod"
+CARRIED = {Role.PORT: OIL, Role.SHAFT: SHAFT, Role.SHAFT_SPEED: SHAFT, Role.ROD: ROD}
+HELD = {"shaft": SHAFT, "driven-shaft": SHAFT, "rod": ROD}
+"""What a type of node holds that holds no oil."""
+
+
+def joined_ports(entry: Any) -> dict[str, str]:
+    """The ports of a component in a file, and what each carries."""
+    component = COMPONENTS.get(str(as_table(entry).get("type")))
+    if isinstance(component, Assembly):
+        return dict.fromkeys(component.ports, OIL)
+    return {} if component is None else {port: CARRIED[role] for port, role in component.ports.items()}
+
+
+@dataclass(frozen=True)
+class PartUse:
+    """A part as a file, drawn in a scope, uses it under a name, with what the entry of [parts] says."""
+
+    circuit: DrawnCircuit
+    scope: Scope
+    name: str
+    entry: Mapping[str, Any]
+    file: PartFile
+
+    @property
+    def drawn(self) -> str:
+        """The name of the part in the drawn circuit."""
+        return self.scope.prefix + self.name
+
+    @property
+    def place(self) -> Place:
+        """Where the use stands."""
+        return self.scope.place(f"{PARTS}.{self.name}")
+
+    def inner_scope(self) -> Scope:
+        """The file of the part as it is drawn here; faults where a port is joined to no node."""
+        ports = {port: node for port in self.file.ports if (node := self._joined(port)) is not None}
+        at = fault_at(self.place.table, self.place.path, "")
+        use = f"used as {self.name} at {at.place}:{at.line}" + (f", {self.scope.use}" if self.scope.use else "")
+        return Scope(self.file, f"{self.drawn}_", ports, use, (*self.scope.above, self.file.identity))
+
+    def record(self, inner: Scope) -> dict[str, Any]:
+        """What the drawn circuit keeps of the part; names and values follow when it is drawn."""
+        place = {"at": self.entry["at"]} if "at" in self.entry else {}
+        return {"source": self.file.name, "ports": dict(inner.ports), "names": [], "values": {}, **place}
+
+    def refuse_keys(self) -> None:
+        """A fault for each key that is neither a port nor a value."""
+        offered = tuple(self.file.offered)
+        for key, value in self.entry.items():
+            if key in WORDS or key in self.file.ports or key in offered:
+                continue
+            is_joined = isinstance(value, str) and value.partition(".")[0] in self.scope.names
+            what, known = ("port", self.file.ports) if is_joined else ("value", offered)
+            meant = suggestion(key, (*self.file.ports, *offered)) or (nearest(key, known) if known else "")
+            self.circuit.tell(self.place.below(key), f"{self.file.name} offers no {what} {key!r}{meant}")
+
+    def _joined(self, port: str) -> str | None:
+        """The node of the drawn circuit at a port; None where that is none."""
+        nodes = [each for each in as_table(self.scope.content.get("nodes")) if each not in self.scope.parts]
+        node = self.entry.get(port)
+        if node is None:
+            message = f"port {port!r} is not connected; join it to one of {', '.join(nodes) or 'no node yet'}"
+            self.circuit.tell(self.place, message)
+        elif not isinstance(node, str) or node not in nodes:
+            message = f"port {port!r} ends at {node!r}, which is no node{nearest(str(node), nodes)}"
+            self.circuit.tell(self.place.below(port), message)
+        else:
+            return self.scope.names.get(node)
+        return None
+
+    def check_port(self, port: str, carried: str, inner: Scope) -> None:
+        """A fault where a port carries something that the node there does not hold."""
+        node = self.entry.get(port)
+        if port not in inner.ports or node in self.scope.ports:
+            return
+        kind = str(as_table(self.circuit.tables["nodes"].get(inner.ports[port])).get("type"))
+        if HELD.get(kind, OIL) != carried:
+            words = f"port {port!r} carries {carried}; {node!r} is a {kind.replace('-', ' ')}"
+            self.circuit.tell(self.place.below(port), words)
+
+    def set_values(self, inner: Scope) -> None:
+        """Put each value of the part where it belongs."""
+        values = self.circuit.parts[self.drawn]["values"]
+        for value, targets in self.file.offered.items():
+            values[value] = self._set_value(inner, value, targets)
+
+    def _set_value(self, inner: Scope, value: str, targets: tuple[str, ...]) -> list[str]:
+        """Put one value there: what the use gives, else its default. Returns the paths in the drawn circuit."""
+        default, given = inner.place(f"{VALUES}.{value}"), self.place.below(value)
+        try:
+            paths = [path for target in targets for path in self.circuit.paths(inner, target)]
+        except ParameterError as problem:
+            self.circuit.tell(default, str(problem))
+            return []
+        if not targets:
+            words = 'expected what it sets: a path, such as "components.pump.displacement", or a list of some'
+            self.circuit.tell(default, words)
+        own = as_table(as_table(inner.content[VALUES]).get(value))
+        usual = {key: entry for key, entry in own.items() if key != "sets"}
+        for path in paths:
+            if value in self.entry:
+                entry = self.scope.renamed({value: self.entry[value]}, self.circuit.parts)[value]
+                self.circuit.set(path, entry, given)
+            elif usual:
+                self.circuit.set(path, inner.renamed(usual, self.circuit.parts), default)
+            elif not self.circuit.has(path):
+                self.circuit.places[path] = given
+        return paths
