@@ -1,7 +1,7 @@
 """A circuit while its parts are drawn out: entries by name, the parts, and where each entry stands in a file."""
 
-from collections.abc import Collection, Mapping
-from typing import Any
+from collections.abc import Collection, Iterator, Mapping
+from typing import Any, TypeAlias
 
 from vvdp.base.errors import Fault, ParameterError
 from vvdp.base.tables import nearest
@@ -9,6 +9,9 @@ from vvdp.systems.part_files import DRAWN, GROUPS, PARTS
 from vvdp.systems.part_scopes import Place, Scope, as_table, inner_name
 
 FAULTS = "faults"
+Keys: TypeAlias = tuple[str, ...]
+SIGNAL_WORDS = frozenset(("value", "step", "ramp", "sine", "table", "from"))
+"""Words of which an entry with a value has one."""
 
 
 class DrawnCircuit:
@@ -37,7 +40,7 @@ class DrawnCircuit:
         """Give the entries of a file, `joined` by their paths, the names that they have in the circuit."""
         for path, ports in joined.items():
             group, _, name = path.partition(".")
-            self.tables[group][name] = scope.renamed(self.tables[group][name], self.parts, ports)
+            self.tables[group][name] = scope.rename(self.tables[group][name], self.parts, ports)
 
     def set(self, path: str, entry: Any, place: Place) -> None:
         """Put an entry at a path TABLE.NAME.KEY."""
@@ -50,6 +53,21 @@ class DrawnCircuit:
                 return
         inner[key] = entry
         self.places[path] = place
+
+    def change(self, place: Place, group: str, name: str, entry: Any) -> None:
+        """Change entries inside of a part, `[nodes.supply.inlet]`: what is given, and nothing else."""
+        table = self.tables[group]
+        if not isinstance(entry, Mapping):
+            self.tell(place, f"{entry!r} is not a table")
+        elif name in self.parts:
+            for key, inner in entry.items():
+                self.change(place.below(key), group, f"{name}_{key}", inner)
+        elif name not in table:
+            self.tell(place, f"no such name among the {group}{nearest(name, table) if table else ''}")
+        else:
+            for keys, value in _leaves(entry, table[name]):
+                below = ".".join(keys)
+                self.set(f"{group}.{name}.{below}", value, place.below(below))
 
     def has(self, path: str) -> bool:
         """Whether an entry stands at a path."""
@@ -65,14 +83,14 @@ class DrawnCircuit:
             groups = ", ".join((*GROUPS, PARTS))
             raise ParameterError(f"{target!r} is no path of an entry; expected TABLE.NAME.KEY with a table of {groups}")
         if group == PARTS:
-            return self._offered(scope, rest)
+            return self._value_paths(scope, rest)
         name, _, key = inner_name(scope.prefix + rest, self.parts).partition(".")
         if name not in self.tables[group] or not key:
             own = [each.removeprefix(scope.prefix) for each in self.tables[group] if each.startswith(scope.prefix)]
             raise ParameterError(f"{target!r} leads to none of the {group}{nearest(name, own) if own else ''}")
         return (f"{group}.{name}.{key}",)
 
-    def _offered(self, scope: Scope, path: str) -> tuple[str, ...]:
+    def _value_paths(self, scope: Scope, path: str) -> tuple[str, ...]:
         part, _, value = path.rpartition(".")
         name = inner_name(scope.prefix + part, self.parts)
         if name not in self.parts and part.partition(".")[0] in scope.parts:
@@ -90,21 +108,30 @@ class DrawnCircuit:
         drawn = {group: table for group, table in self.tables.items() if table or group in given}
         found = dict(given) | drawn | {PARTS: {name: {DRAWN: part} for name, part in self.parts.items()}}
         if isinstance(given.get(FAULTS), Mapping):
-            found[FAULTS] = {name: self._faulty(entry) for name, entry in given[FAULTS].items()}
+            found[FAULTS] = {name: _named_fault(entry, self.parts) for name, entry in given[FAULTS].items()}
         return found
 
-    def _faulty(self, entry: Any) -> Any:
-        """A fault whose names are those of the circuit."""
-        if not isinstance(entry, Mapping):
-            return entry
-        found = dict(entry)
-        for key in ("sensor", "actuator", "jams"):
-            if isinstance(found.get(key), str):
-                found[key] = inner_name(found[key], self.parts)
-        if isinstance(found.get("value"), str):
-            group, dot, rest = found["value"].partition(".")
-            part, _, value = rest.rpartition(".")
-            values = as_table(self.parts.get(inner_name(part, self.parts), {}).get("values")) if group == PARTS else {}
-            paths = values.get(value, ())
-            found["value"] = paths[0] if len(paths) == 1 else group + dot + inner_name(rest, self.parts)
-        return found
+
+def _leaves(entry: Mapping[str, Any], before: Any, above: Keys = ()) -> Iterator[tuple[Keys, Any]]:
+    """The values of a table and of those in it, by keys; `before` is what stands in its place now."""
+    for key, value in entry.items():
+        inner = as_table(before).get(key)
+        if isinstance(value, Mapping) and isinstance(inner, Mapping) and SIGNAL_WORDS.isdisjoint(inner):
+            yield from _leaves(value, inner, (*above, key))
+        else:
+            yield (*above, key), value
+
+
+def _named_fault(entry: Any, parts: Mapping[str, Mapping[str, Any]]) -> Any:
+    """An entry of [faults] whose names are those of the drawn circuit."""
+    found = dict(as_table(entry))
+    for key in ("sensor", "actuator", "jams"):
+        if isinstance(found.get(key), str):
+            found[key] = inner_name(found[key], parts)
+    if isinstance(found.get("value"), str):
+        group, dot, rest = found["value"].partition(".")
+        part, _, value = rest.rpartition(".")
+        values = as_table(parts.get(inner_name(part, parts), {}).get("values")) if group == PARTS else {}
+        paths = values.get(value, ())
+        found["value"] = paths[0] if len(paths) == 1 else group + dot + inner_name(rest, parts)
+    return found if isinstance(entry, Mapping) else entry

@@ -6,12 +6,12 @@ like any other; it keeps in `[parts.NAME] drawn` what the part was, so that it c
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
-from vvdp.base.errors import Fault, ParameterError
-from vvdp.base.tables import Table, fault_at, inner_table, nearest, refuse_unknown
+from vvdp.base.errors import ConfigError, Fault, ParameterError
+from vvdp.base.tables import Table, fault_at, inner_table, nearest
 from vvdp.network.network import NAME
 from vvdp.systems.drawn_parts import DrawnCircuit
 from vvdp.systems.part_files import (
@@ -19,7 +19,6 @@ from vvdp.systems.part_files import (
     GROUPS,
     PARTS,
     PORT,
-    TABLES_OF_A_PART,
     VALUES,
     PartFile,
     ports_of,
@@ -27,10 +26,6 @@ from vvdp.systems.part_files import (
 )
 from vvdp.systems.part_scopes import Place, Scope, as_table
 from vvdp.systems.part_uses import PartUse, joined_ports
-
-Keys: TypeAlias = tuple[str, ...]
-SIGNAL_WORDS = frozenset(("value", "step", "ramp", "sine", "table", "from"))
-"""Words of which an entry with a value has one."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +35,7 @@ class Expanded:
     table: Table
     places: Mapping[str, Place]
 
-    def located(self, fault: Fault) -> Fault:
+    def locate(self, fault: Fault) -> Fault:
         """A fault of the drawn circuit at the line of the file where its cause stands."""
         path = fault.key
         while path not in self.places and "." in path:
@@ -51,11 +46,12 @@ class Expanded:
         return (place.below(below) if below else place).fault(fault.message)
 
 
-def expanded(table: Table, folder: Path, faults: list[Fault]) -> Expanded:
+def expand(table: Table, folder: Path) -> Expanded:
     """The circuit of a file with all its parts drawn out; files of parts are looked for in `folder`.
 
-    Faults are appended to `faults`. A circuit without parts is returned as it is.
+    A circuit without parts is returned as it is. Raises ConfigError with all faults of the parts and their uses.
     """
+    faults: list[Fault] = []
     content, file = table.content, Path(table.place).name
     ports = ports_of(content)
     if ports or VALUES in content:
@@ -63,12 +59,19 @@ def expanded(table: Table, folder: Path, faults: list[Fault]) -> Expanded:
         faults.append(fault_at(table, f"nodes.{ports[0]}" if ports else VALUES, words))
     for group in (*GROUPS, PARTS) if PARTS in content else ():
         inner_table(content, group, table, faults)
-    if PARTS not in content or "circuit" in content or faults:
+    _refuse(faults)
+    if PARTS not in content or "circuit" in content:
         return Expanded(table, {})
     top = PartFile(file, table, folder / file)
     circuit = DrawnCircuit(faults)
     Expansion(circuit).draw(Scope(top, above=(top.identity,)))
+    _refuse(faults)
     return Expanded(Table(table.place, circuit.content(content), table.lines), circuit.places)
+
+
+def _refuse(faults: list[Fault]) -> None:
+    if faults:
+        raise ConfigError(list(dict.fromkeys(faults)))
 
 
 class Expansion:
@@ -97,7 +100,7 @@ class Expansion:
         for use, inner in uses:
             use.set_values(inner)
         for change in changes:
-            self._change(*change)
+            self.circuit.change(*change)
 
     def _add(self, scope: Scope, group: str, name: str, entry: Any) -> Mapping[str, str]:
         """Add a node, component or program of a file; what its ports carry."""
@@ -131,38 +134,18 @@ class Expansion:
 
     def _draw_part(self, use: PartUse) -> Scope:
         """Draw the file of a part; the scope in which it was."""
-        use.refuse_keys()
         inner = use.inner_scope()
-        wrong: list[Fault] = []
-        refuse_unknown(inner.content, TABLES_OF_A_PART, "", use.file.table, wrong)
-        for table in TABLES_OF_A_PART[1:]:
-            inner_table(inner.content, table, use.file.table, wrong)
-        self.circuit.faults += [replace(each, message=f"{each.message} ({inner.use})") for each in wrong]
+        use.refuse_keys(inner)
         before = set(self.circuit.taken)
-        self.circuit.parts[use.drawn] = use.record(inner)
+        self.circuit.parts[use.drawn_name] = use.record(inner)
         self.draw(inner)
-        self.circuit.parts[use.drawn]["names"] = [each for each in self.circuit.taken if each not in before]
+        self.circuit.parts[use.drawn_name]["names"] = [each for each in self.circuit.taken if each not in before]
         for port in use.file.ports:
             if carried := self.carried.get((inner.prefix, port)):
                 if use.entry.get(port) in ports_of(use.scope.content):
                     self.carried[use.scope.prefix, use.entry[port]] = carried
                 use.check_port(port, carried, inner)
         return inner
-
-    def _change(self, place: Place, group: str, name: str, entry: Any) -> None:
-        """Change entries inside of a part, `[nodes.supply.inlet]`: what is given, and nothing else."""
-        table = self.circuit.tables[group]
-        if not isinstance(entry, Mapping):
-            self.circuit.tell(place, f"{entry!r} is not a table")
-        elif name in self.circuit.parts:
-            for key, inner in entry.items():
-                self._change(place.below(key), group, f"{name}_{key}", inner)
-        elif name not in table:
-            self.circuit.tell(place, f"no such name among the {group}{nearest(name, table) if table else ''}")
-        else:
-            for keys, value in _leaves(entry, table[name]):
-                below = ".".join(keys)
-                self.circuit.set(f"{group}.{name}.{below}", value, place.below(below))
 
     def _use_drawn(self, scope: Scope, name: str, entry: Mapping[str, Any]) -> None:
         """A part that was drawn before: its values may be set anew."""
@@ -179,7 +162,7 @@ class Expansion:
                 known = nearest(key, list(values)) if values else ""
                 circuit.tell(place.below(key), f"is no value of the part that can be set{known}")
             for path in values.get(key, ()) if key != DRAWN else ():
-                circuit.set(path, scope.renamed({key: value}, circuit.parts)[key], place.below(key))
+                circuit.set(path, scope.rename({key: value}, circuit.parts)[key], place.below(key))
 
 
 def _entries(scope: Scope) -> Iterator[tuple[str, str, Any]]:
@@ -197,13 +180,3 @@ def _has_no_type(entry: Any) -> bool:
 def _is_inside(name: str, parts: Mapping[str, Any]) -> bool:
     """Whether a name is one inside of a part, written with an underscore."""
     return any(name.startswith(f"{part}_") for part in parts)
-
-
-def _leaves(entry: Mapping[str, Any], before: Any, above: Keys = ()) -> Iterator[tuple[Keys, Any]]:
-    """The values of a table and of those in it, by keys; `before` is what stands in its place now."""
-    for key, value in entry.items():
-        inner = as_table(before).get(key)
-        if isinstance(value, Mapping) and isinstance(inner, Mapping) and SIGNAL_WORDS.isdisjoint(inner):
-            yield from _leaves(value, inner, (*above, key))
-        else:
-            yield (*above, key), value

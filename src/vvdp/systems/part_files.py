@@ -43,7 +43,7 @@ class PartFile:
         return ports_of(self.table.content)
 
     @property
-    def offered(self) -> Mapping[str, tuple[str, ...]]:
+    def values(self) -> Mapping[str, tuple[str, ...]]:
         """What each of its values sets: paths in the file."""
         given = self.table.content.get(VALUES, {})
         return {name: targets_of(entry) for name, entry in given.items()} if isinstance(given, Mapping) else {}

@@ -64,7 +64,7 @@ class Scope:
         """The uses of parts in the file."""
         return as_table(self.content.get(PARTS))
 
-    def renamed(self, entry: Any, drawn: Collection[str], joined: Collection[str] = ()) -> Any:
+    def rename(self, entry: Any, drawn: Collection[str], joined: Collection[str] = ()) -> Any:
         """An entry of the file with the names of the drawn circuit.
 
         drawn   the parts of the circuit: a dot after one leads into it
@@ -79,7 +79,7 @@ class Scope:
             if key in UNNAMED
             else self._drawn_name(value, drawn, is_name=True)
             if key in joined and isinstance(value, str)
-            else self.renamed(value, drawn)
+            else self.rename(value, drawn)
             for key, value in entry.items()
         }
 

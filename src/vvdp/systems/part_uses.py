@@ -1,16 +1,16 @@
 """One use of a part in a file: the nodes at its ports, what these carry, and the values that it is given."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from vvdp.base.errors import ParameterError
-from vvdp.base.tables import fault_at, nearest, suggestion
+from vvdp.base.errors import Fault, ParameterError
+from vvdp.base.tables import fault_at, inner_table, nearest, refuse_unknown, suggestion
 from vvdp.components.library import COMPONENTS
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Role
 from vvdp.systems.drawn_parts import DrawnCircuit
-from vvdp.systems.part_files import PARTS, VALUES, WORDS, PartFile
+from vvdp.systems.part_files import PARTS, TABLES_OF_A_PART, VALUES, WORDS, PartFile
 from vvdp.systems.part_scopes import Place, Scope, as_table
 
 OIL, SHAFT, ROD = "oil", "a shaft", "a rod"
@@ -38,7 +38,7 @@ class PartUse:
     file: PartFile
 
     @property
-    def drawn(self) -> str:
+    def drawn_name(self) -> str:
         """The name of the part in the drawn circuit."""
         return self.scope.prefix + self.name
 
@@ -49,19 +49,24 @@ class PartUse:
 
     def inner_scope(self) -> Scope:
         """The file of the part as it is drawn here; faults where a port is joined to no node."""
-        ports = {port: node for port in self.file.ports if (node := self._joined(port)) is not None}
+        ports = {port: node for port in self.file.ports if (node := self._node_at(port)) is not None}
         at = fault_at(self.place.table, self.place.path, "")
         use = f"used as {self.name} at {at.place}:{at.line}" + (f", {self.scope.use}" if self.scope.use else "")
-        return Scope(self.file, f"{self.drawn}_", ports, use, (*self.scope.above, self.file.identity))
+        return Scope(self.file, f"{self.drawn_name}_", ports, use, (*self.scope.above, self.file.identity))
 
     def record(self, inner: Scope) -> dict[str, Any]:
         """What the drawn circuit keeps of the part; names and values follow when it is drawn."""
         place = {"at": self.entry["at"]} if "at" in self.entry else {}
         return {"source": self.file.name, "ports": dict(inner.ports), "names": [], "values": {}, **place}
 
-    def refuse_keys(self) -> None:
-        """A fault for each key that is neither a port nor a value."""
-        offered = tuple(self.file.offered)
+    def refuse_keys(self, inner: Scope) -> None:
+        """A fault for each key that is neither a port nor a value, and for each table that a part does not have."""
+        wrong: list[Fault] = []
+        refuse_unknown(inner.content, TABLES_OF_A_PART, "", self.file.table, wrong)
+        for table in TABLES_OF_A_PART[1:]:
+            inner_table(inner.content, table, self.file.table, wrong)
+        self.circuit.faults += [replace(each, message=f"{each.message} ({inner.use})") for each in wrong]
+        offered = tuple(self.file.values)
         for key, value in self.entry.items():
             if key in WORDS or key in self.file.ports or key in offered:
                 continue
@@ -70,7 +75,7 @@ class PartUse:
             meant = suggestion(key, (*self.file.ports, *offered)) or (nearest(key, known) if known else "")
             self.circuit.tell(self.place.below(key), f"{self.file.name} offers no {what} {key!r}{meant}")
 
-    def _joined(self, port: str) -> str | None:
+    def _node_at(self, port: str) -> str | None:
         """The node of the drawn circuit at a port; None where that is none."""
         nodes = [each for each in as_table(self.scope.content.get("nodes")) if each not in self.scope.parts]
         node = self.entry.get(port)
@@ -96,8 +101,8 @@ class PartUse:
 
     def set_values(self, inner: Scope) -> None:
         """Put each value of the part where it belongs."""
-        values = self.circuit.parts[self.drawn]["values"]
-        for value, targets in self.file.offered.items():
+        values = self.circuit.parts[self.drawn_name]["values"]
+        for value, targets in self.file.values.items():
             values[value] = self._set_value(inner, value, targets)
 
     def _set_value(self, inner: Scope, value: str, targets: tuple[str, ...]) -> list[str]:
@@ -115,10 +120,10 @@ class PartUse:
         usual = {key: entry for key, entry in own.items() if key != "sets"}
         for path in paths:
             if value in self.entry:
-                entry = self.scope.renamed({value: self.entry[value]}, self.circuit.parts)[value]
+                entry = self.scope.rename({value: self.entry[value]}, self.circuit.parts)[value]
                 self.circuit.set(path, entry, given)
             elif usual:
-                self.circuit.set(path, inner.renamed(usual, self.circuit.parts), default)
+                self.circuit.set(path, inner.rename(usual, self.circuit.parts), default)
             elif not self.circuit.has(path):
                 self.circuit.places[path] = given
         return paths
