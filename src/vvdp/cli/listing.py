@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from vvdp.network.assembly import Assembly
     from vvdp.network.component import Component
     from vvdp.network.program import ProgramType
+    from vvdp.systems.part_files import PartFile
 
 
 def systems(
@@ -123,6 +124,7 @@ def _own_systems(folder: Path) -> Iterator[tuple[str, str, str]]:
 NODE_COLUMNS = ("type", "values")
 COMPONENT_COLUMNS = ("type", "ports", "inputs", "values", "outputs", "symbol")
 PROGRAM_COLUMNS = ("type", "reads", "commands", "values")
+PART_COLUMNS = ("type", "ports", "values", "title")
 
 
 def _library(json: bool) -> None:
@@ -131,6 +133,7 @@ def _library(json: bool) -> None:
     from vvdp.components.library import COMPONENTS, PROGRAMS
     from vvdp.network.assembly import Assembly
     from vvdp.systems.drawing import NODES
+    from vvdp.systems.part_files import shipped_part, shipped_parts
 
     nodes = [(name, _values(node.table)) for name, node in NODES.items()]
     parts = [
@@ -138,12 +141,14 @@ def _library(json: bool) -> None:
         for name, part in COMPONENTS.items()
     ]
     programs = [(name, *_program(program)) for name, program in PROGRAMS.items()]
+    circuits = [(name, *_part(shipped_part(name))) for name in shipped_parts()]
     if json:
         print_json(
             {
                 "nodes": _entries(nodes, NODE_COLUMNS[1:]),
                 "components": _entries(parts, COMPONENT_COLUMNS[1:]),
                 "programs": _entries(programs, PROGRAM_COLUMNS[1:]),
+                "parts": _entries(circuits, PART_COLUMNS[1:]),
             }
         )
         return
@@ -151,6 +156,7 @@ def _library(json: bool) -> None:
     title = "Components: [components.NAME] with its type, the node at each port, inputs and values"
     _print(title, COMPONENT_COLUMNS, _lines(parts))
     _print("Programs: [programs.NAME] with its type, values and what it reads", PROGRAM_COLUMNS, _lines(programs))
+    _print("Parts: [parts.NAME] with its type, the node at each port, and values", PART_COLUMNS, _lines(circuits))
     out = console()
     out.print("Values are written with their unit, as in the examples; a value in brackets is the default.")
     out.print('An input is a value, a signal over time, or { from = "NAME.OUTPUT" }.')
@@ -201,6 +207,18 @@ def _example(kind: "Kind | None", usual: Any) -> str:
         return "{ ... }"
     example = f'"{kind.example}"'
     return f"{example} [{value_text(usual, kind)}]" if isinstance(usual, float) else example
+
+
+def _part(part: "PartFile") -> tuple[list[str], list[str], str]:
+    """Ports, values and title."""
+    from vvdp.systems.part_offers import part_ports, part_values
+
+    ports = [f"{port} ({what})" if what not in ("", "oil") else port for port, what in part_ports(part).items()]
+    values = []
+    for name, offered in part_values(part).items():
+        default = f" [{offered.default}]" if offered.default else ""
+        values.append(f"{name} = {_example(offered.kind, None)}{default}")
+    return ports, values, str(part.table.content.get("title", part.name))
 
 
 def _program(program: "ProgramType") -> tuple[list[str], list[str], list[str]]:

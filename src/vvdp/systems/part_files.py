@@ -1,6 +1,6 @@
 """Files of parts: where one is found, and what it offers to the file that uses it: ports and values."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -100,6 +100,20 @@ def _other_files(path: Path) -> str:
     near = suggestion(path.name, [each.name for each in path.parent.glob("*.toml")])
     shipped = suggestion(path.stem, shipped_parts()).removeprefix("; did you mean ")
     return near or (f"; did you mean the shipped part, type = {shipped}" if shipped else "")
+
+
+def used_files(content: Mapping[str, Any], folder: Path) -> Iterator[tuple[Path, Path]]:
+    """The files of parts that a circuit in `folder` needs: each as it is named from there, and where it is.
+
+    Raises ParameterError, ConfigError where one cannot be read.
+    """
+    uses = content.get(PARTS, {})
+    for entry in uses.values() if isinstance(uses, Mapping) else ():
+        file = find_part(entry, folder)
+        if file.path is not None:
+            named = Path(file.name)
+            yield named, file.path
+            yield from ((named.parent / each, path) for each, path in used_files(file.table.content, file.folder))
 
 
 def read_used_part(entry: Mapping[str, Any], folder: Path) -> PartFile:

@@ -13,7 +13,7 @@ from vvdp.systems.drawn_parts import DrawnCircuit
 from vvdp.systems.part_files import PARTS, TABLES_OF_A_PART, VALUES, WORDS, PartFile
 from vvdp.systems.part_scopes import Place, Scope, as_table
 
-OIL, SHAFT, ROD = "oil", "a shaft", "a rod"
+OIL, SHAFT, ROD = "oil", "shaft", "rod"
 CARRIED = {Role.PORT: OIL, Role.SHAFT: SHAFT, Role.SHAFT_SPEED: SHAFT, Role.ROD: ROD}
 HELD = {"shaft": SHAFT, "driven-shaft": SHAFT, "rod": ROD}
 """What a type of node holds that holds no oil."""
@@ -96,7 +96,8 @@ class PartUse:
             return
         kind = str(as_table(self.circuit.tables["nodes"].get(inner.ports[port])).get("type"))
         if HELD.get(kind, OIL) != carried:
-            words = f"port {port!r} carries {carried}; {node!r} is a {kind.replace('-', ' ')}"
+            what = carried if carried == OIL else f"a {carried}"
+            words = f"port {port!r} carries {what}; {node!r} is a {kind.replace('-', ' ')}"
             self.circuit.tell(self.place.below(port), words)
 
     def set_values(self, inner: Scope) -> None:
