@@ -127,8 +127,9 @@ def _sections(run: RecordedRun, bench: RotaryBench | None, course: list[Chart], 
         f"{len(run.system.assumptions)} of {len(run.system.rows)} values are assumptions; the results depend on them."
     )
     shown = (*(chart.name for chart in course), *harmonics)
+    inner = [f"circuit-{part}" for part in run.network.circuits]
     return (
-        Section(title="Circuit", words=(f"Circuit: {run.system.circuit_name}.",), shows=("circuit",)),
+        Section(title="Circuit", words=(f"Circuit: {run.system.circuit_name}.",), shows=("circuit", *inner)),
         Section(title="Key numbers", shows=(*key_listings(run), "nodes", "components")),
         Section(title="Course of the run", shows=shown, starts_page=True),
         Section(title="Losses", shows=(*(chart.name for chart in losses), *of_losses), words=(), starts_page=True),
