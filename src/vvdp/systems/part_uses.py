@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from vvdp.base.errors import Fault, ParameterError
-from vvdp.base.tables import fault_at, inner_table, nearest, refuse_unknown, suggestion
+from vvdp.base.tables import closest_word, fault_at, inner_table, nearest, refuse_unknown, suggestion
 from vvdp.components.library import COMPONENTS
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Role
@@ -47,6 +47,12 @@ class PartUse:
         """Where the use stands."""
         return self.scope.place(f"{PARTS}.{self.name}")
 
+    @property
+    def _unknown(self) -> list[str]:
+        """Keys that are neither ports nor values."""
+        known = {*WORDS, *self.file.ports, *self.file.values}
+        return [key for key in self.entry if key not in known]
+
     def inner_scope(self) -> Scope:
         """The file of the part as it is drawn here; faults where a port is joined to no node."""
         ports = {port: node for port in self.file.ports if (node := self._node_at(port)) is not None}
@@ -67,9 +73,8 @@ class PartUse:
             inner_table(inner.content, table, self.file.table, wrong)
         self.circuit.faults += [replace(each, message=f"{each.message} ({inner.use})") for each in wrong]
         offered = tuple(self.file.values)
-        for key, value in self.entry.items():
-            if key in WORDS or key in self.file.ports or key in offered:
-                continue
+        for key in self._unknown:
+            value = self.entry[key]
             is_joined = isinstance(value, str) and value.partition(".")[0] in self.scope.names
             what, known = ("port", self.file.ports) if is_joined else ("value", offered)
             meant = suggestion(key, (*self.file.ports, *offered)) or (nearest(key, known) if known else "")
@@ -79,6 +84,8 @@ class PartUse:
         """The node of the drawn circuit at a port; None where that is none."""
         nodes = [each for each in as_table(self.scope.content.get("nodes")) if each not in self.scope.parts]
         node = self.entry.get(port)
+        if node is None and port in (closest_word(key, self.file.ports) for key in self._unknown):
+            return None  # what is misspelt is told
         if node is None:
             message = f"port {port!r} is not connected; join it to one of {', '.join(nodes) or 'no node yet'}"
             self.circuit.tell(self.place, message)
