@@ -9,10 +9,12 @@ from vvdp.base.errors import ConfigError
 from vvdp.base.tables import parsed_table, with_settings
 from vvdp.simulation.run import simulate
 from vvdp.simulation.values import flat
+from vvdp.systems.part_files import shipped_part, shipped_parts
+from vvdp.systems.part_offers import part_ports, part_values
 from vvdp.systems.quantities import summary_units
 from vvdp.systems.resolved import resolved_text
 from vvdp.systems.summary import summary
-from vvdp.systems.system import System, built_system, load_system
+from vvdp.systems.system import System, built_system, load_system, source_text
 
 BRAKE = """title = "A throttled chamber"
 
@@ -329,3 +331,20 @@ def test_a_value_that_is_missing_is_asked_for_at_the_use(folder):
     assert faults(folder, MAIN[: MAIN.index("[parts.pair]")] + MAIN[MAIN.index("[run]") :]) == [
         "main.toml:13: parts.one.volume: missing key 'volume', for example \"12.7 cc\""
     ]
+
+
+def test_two_cylinders_need_few_lines_and_are_trusted(ran):
+    lines = [line for line in source_text("two-cylinders").splitlines() if line and not line.startswith("#")]
+    assert len(lines) <= 90
+    found, _ = ran("two-cylinders", until="4 s")
+    assert found["trusted"]
+    assert found["position_max_lift_rod_m"] > 0.2 and found["position_max_swing_rod_m"] > 0.2
+    inside = ("pump", "relief_valve", "valve")
+    assert found["loss_lift_unit_W"] == pytest.approx(sum(found[f"loss_lift_unit_{part}_W"] for part in inside))
+
+
+@pytest.mark.parametrize("name", shipped_parts())
+def test_a_shipped_part_offers_ports_and_values_that_exist(name):
+    part = shipped_part(name)
+    assert all(part_ports(part).values())
+    assert all(each.kind is not None and each.default for each in part_values(part).values())
