@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import ConfigError
-from vvdp.base.tables import parsed_table, with_settings
+from vvdp.base.tables import Table, parsed_table, with_settings
 from vvdp.simulation.run import simulate
 from vvdp.simulation.values import flat
+from vvdp.studies.run import run_study
+from vvdp.studies.study import load_study
 from vvdp.systems.part_files import shipped_part, shipped_parts
 from vvdp.systems.part_offers import part_ports, part_values
 from vvdp.systems.quantities import summary_units
@@ -189,6 +191,18 @@ def test_a_setting_reaches_what_is_inside(folder, setting, path, value):
     assert rows(drawn.read_from(with_settings(drawn.table, [setting])))[path] == pytest.approx(value)
 
 
+def test_a_system_keeps_its_text_when_others_are_read_from_it(folder):
+    drawn = system(folder, MAIN)
+    before = resolved_text(drawn)
+    table = drawn.table
+    content = {
+        **table.content,
+        "parts": {**table.content["parts"], "one": {**table.content["parts"]["one"], "volume": "1 cc"}},
+    }
+    assert rows(drawn.read_from(Table("", content, {})))["nodes.one_chamber.volume"] == pytest.approx(1e-6)
+    assert resolved_text(drawn) == before
+
+
 def test_one_value_may_set_several(folder):
     values = rows(system(folder, MAIN, "parts.one.both_areas=7 mm^2"))
     assert values["components.one_inlet.area"] == pytest.approx(7e-6)
@@ -324,6 +338,28 @@ def test_a_part_of_itself_is_refused_with_the_chain(folder):
 def test_a_part_is_no_system(folder):
     with pytest.raises(ConfigError, match="only a part has this; use the file in another one"):
         load_system(str(folder / "brake.toml"))
+
+
+@pytest.mark.parametrize("name", ["type", "line"])
+def test_a_value_with_the_name_of_another_key_is_refused(folder, name):
+    (folder / "brake.toml").write_text(BRAKE.replace('volume = "nodes', f'{name} = "nodes'))
+    assert f"brake.toml:27: values.{name}: means something else where the part is used" in str(
+        faults(folder, MAIN[: MAIN.index("[parts.pair]")] + MAIN[MAIN.index("[run]") :])
+    )
+
+
+def test_a_study_reaches_the_values_of_a_part(folder):
+    (folder / "main.toml").write_text(MAIN)
+    (folder / "area.toml").write_text(
+        'system = "main.toml"\noutputs = ["loss_one_W", "pressure_mean_pair_left_chamber_Pa"]\n'
+        '[grid]\n"parts.one.inlet_area" = ["2 mm^2", "4 mm^2"]\n'
+        '"nodes.pair.left.chamber.volume" = ["30 cc", "50 cc"]\n'
+    )
+    found = run_study(load_study(folder / "area.toml"), folder / "results")
+    assert list(found.inputs["parts.one.inlet_area"].values) == pytest.approx([2e-6, 2e-6, 4e-6, 4e-6])
+    assert list(found.inputs["nodes.pair.left.chamber.volume"].values) == pytest.approx([30e-6, 50e-6] * 2)
+    losses = found.outputs["loss_one_W"].values
+    assert len(set(losses)) > 1 and np.all(np.isfinite(losses))
 
 
 def test_a_value_that_is_missing_is_asked_for_at_the_use(folder):

@@ -41,7 +41,7 @@ def graph_of(network: Network, title: str, part: str = "") -> Graph:
 
     Circuits in it are one component each; at the ports of a part stand the nodes that it joins.
     """
-    shown = _shown(network, part)
+    shown = _names_in(network, part)
     return Graph(
         title=title,
         nodes=tuple(_node(network, node) for name, node in network.nodes.items() if name in shown),
@@ -59,7 +59,7 @@ def figure_of(part: str) -> str:
     return f"circuit-{part}"
 
 
-def _shown(network: Network, part: str) -> frozenset[str]:
+def _names_in(network: Network, part: str) -> frozenset[str]:
     """The names in the drawing of a network or of a part of it, without what is inside of others there."""
     everything = (*network.nodes, *network.parts, *network.groups, *network.programs, *network.circuits)
     own = network.circuits[part].names if part else frozenset(everything)

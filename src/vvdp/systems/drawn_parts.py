@@ -129,9 +129,28 @@ def _named_fault(entry: Any, parts: Mapping[str, Mapping[str, Any]]) -> Any:
         if isinstance(found.get(key), str):
             found[key] = inner_name(found[key], parts)
     if isinstance(found.get("value"), str):
-        group, dot, rest = found["value"].partition(".")
-        part, _, value = rest.rpartition(".")
-        values = as_table(parts.get(inner_name(part, parts), {}).get("values")) if group == PARTS else {}
-        paths = values.get(value, ())
-        found["value"] = paths[0] if len(paths) == 1 else group + dot + inner_name(rest, parts)
+        paths = _entry_paths(found["value"], parts)
+        found["value"] = paths[0] if len(paths) == 1 else found["value"]
     return found if isinstance(entry, Mapping) else entry
+
+
+def part_settings(content: Mapping[str, Any]) -> dict[str, str]:
+    """The values that the parts of a drawn circuit offer, as keys of `--set`, and the first entry that each sets."""
+    return {
+        f"{PARTS}.{name}.{value}": paths[0]
+        for name, use in as_table(content.get(PARTS)).items()
+        for value, paths in as_table(use)[DRAWN]["values"].items()
+    }
+
+
+def setting_path(content: Mapping[str, Any], setting: str) -> str:
+    """The entry of a drawn circuit that a key of `--set` reaches; the first one of a value that sets several."""
+    return _entry_paths(setting, {name: as_table(use)[DRAWN] for name, use in as_table(content.get(PARTS)).items()})[0]
+
+
+def _entry_paths(path: str, parts: Mapping[str, Mapping[str, Any]]) -> tuple[str, ...]:
+    """The entries that a path with the names of parts leads to."""
+    group, dot, rest = path.partition(".")
+    part, _, value = rest.rpartition(".")
+    values = as_table(as_table(parts.get(inner_name(part, parts))).get("values")) if group == PARTS else {}
+    return tuple(values.get(value, ())) or (group + dot + inner_name(rest, parts),)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from vvdp.base.errors import ConfigError, Fault, ParameterError
-from vvdp.base.tables import Table, fault_at, inner_table, nearest
+from vvdp.base.tables import Table, copy_tables, fault_at, inner_table, nearest
 from vvdp.network.network import NAME
 from vvdp.systems.drawn_parts import DrawnCircuit
 from vvdp.systems.part_files import (
@@ -25,7 +25,7 @@ from vvdp.systems.part_files import (
     read_used_part,
 )
 from vvdp.systems.part_scopes import Place, Scope, as_table
-from vvdp.systems.part_uses import PartUse, joined_ports
+from vvdp.systems.part_uses import PartUse, joined_ports, set_values
 
 
 @dataclass(frozen=True)
@@ -98,13 +98,13 @@ class Expansion:
                 uses.append((use, self._draw_part(use)))
         self.circuit.rename(scope, joined)
         for use, inner in uses:
-            use.set_values(inner)
+            set_values(use, inner)
         for change in changes:
             self.circuit.change(*change)
 
     def _add(self, scope: Scope, group: str, name: str, entry: Any) -> Mapping[str, str]:
         """Add a node, component or program of a file; what its ports carry."""
-        self.circuit.tables[group][scope.prefix + name] = entry
+        self.circuit.tables[group][scope.prefix + name] = copy_tables(entry) if isinstance(entry, Mapping) else entry
         self.circuit.places[f"{group}.{scope.prefix}{name}"] = scope.place(f"{group}.{name}")
         ports = joined_ports(entry) if group == "components" else {}
         own = ports_of(scope.content)

@@ -48,7 +48,7 @@ class PartUse:
         return self.scope.place(f"{PARTS}.{self.name}")
 
     @property
-    def _unknown(self) -> list[str]:
+    def _other_keys(self) -> list[str]:
         """Keys that are neither ports nor values."""
         known = {*WORDS, *self.file.ports, *self.file.values}
         return [key for key in self.entry if key not in known]
@@ -71,9 +71,15 @@ class PartUse:
         refuse_unknown(inner.content, TABLES_OF_A_PART, "", self.file.table, wrong)
         for table in TABLES_OF_A_PART[1:]:
             inner_table(inner.content, table, self.file.table, wrong)
+        names = [*(f"nodes.{port}" for port in self.file.ports), *(f"{VALUES}.{value}" for value in self.file.values)]
+        ends = [name.partition(".")[2] for name in names]
+        for name, end in zip(names, ends, strict=True):
+            if end in WORDS or ends.count(end) > 1:
+                words = "means something else where the part is used; choose another name for the port or value"
+                wrong.append(fault_at(self.file.table, name, words))
         self.circuit.faults += [replace(each, message=f"{each.message} ({inner.use})") for each in wrong]
         offered = tuple(self.file.values)
-        for key in self._unknown:
+        for key in self._other_keys:
             value = self.entry[key]
             is_joined = isinstance(value, str) and value.partition(".")[0] in self.scope.names
             what, known = ("port", self.file.ports) if is_joined else ("value", offered)
@@ -84,7 +90,7 @@ class PartUse:
         """The node of the drawn circuit at a port; None where that is none."""
         nodes = [each for each in as_table(self.scope.content.get("nodes")) if each not in self.scope.parts]
         node = self.entry.get(port)
-        if node is None and port in (closest_word(key, self.file.ports) for key in self._unknown):
+        if node is None and port in (closest_word(key, self.file.ports) for key in self._other_keys):
             return None  # what is misspelt is told
         if node is None:
             message = f"port {port!r} is not connected; join it to one of {', '.join(nodes) or 'no node yet'}"
@@ -107,31 +113,33 @@ class PartUse:
             words = f"port {port!r} carries {what}; {node!r} is a {kind.replace('-', ' ')}"
             self.circuit.tell(self.place.below(port), words)
 
-    def set_values(self, inner: Scope) -> None:
-        """Put each value of the part where it belongs."""
-        values = self.circuit.parts[self.drawn_name]["values"]
-        for value, targets in self.file.values.items():
-            values[value] = self._set_value(inner, value, targets)
 
-    def _set_value(self, inner: Scope, value: str, targets: tuple[str, ...]) -> list[str]:
-        """Put one value there: what the use gives, else its default. Returns the paths in the drawn circuit."""
-        default, given = inner.place(f"{VALUES}.{value}"), self.place.below(value)
-        try:
-            paths = [path for target in targets for path in self.circuit.paths(inner, target)]
-        except ParameterError as problem:
-            self.circuit.tell(default, str(problem))
-            return []
-        if not targets:
-            words = 'expected what it sets: a path, such as "components.pump.displacement", or a list of some'
-            self.circuit.tell(default, words)
-        own = as_table(as_table(inner.content[VALUES]).get(value))
-        usual = {key: entry for key, entry in own.items() if key != "sets"}
-        for path in paths:
-            if value in self.entry:
-                entry = self.scope.rename({value: self.entry[value]}, self.circuit.parts)[value]
-                self.circuit.set(path, entry, given)
-            elif usual:
-                self.circuit.set(path, inner.rename(usual, self.circuit.parts), default)
-            elif not self.circuit.has(path):
-                self.circuit.places[path] = given
-        return paths
+def set_values(use: PartUse, inner: Scope) -> None:
+    """Put each value of a part, as it is used, where it belongs in the drawn circuit."""
+    values = use.circuit.parts[use.drawn_name]["values"]
+    for value, targets in use.file.values.items():
+        values[value] = _set_value(use, inner, value, targets)
+
+
+def _set_value(use: PartUse, inner: Scope, value: str, targets: tuple[str, ...]) -> list[str]:
+    """Put one value there: what the use gives, else its default. Returns the paths in the drawn circuit."""
+    default, given = inner.place(f"{VALUES}.{value}"), use.place.below(value)
+    try:
+        paths = [path for target in targets for path in use.circuit.paths(inner, target)]
+    except ParameterError as problem:
+        use.circuit.tell(default, str(problem))
+        return []
+    if not targets:
+        words = 'expected what it sets: a path, such as "components.pump.displacement", or a list of some'
+        use.circuit.tell(default, words)
+    own = as_table(as_table(inner.content[VALUES]).get(value))
+    usual = {key: entry for key, entry in own.items() if key != "sets"}
+    for path in paths:
+        if value in use.entry:
+            entry = use.scope.rename({value: use.entry[value]}, use.circuit.parts)[value]
+            use.circuit.set(path, entry, given)
+        elif usual:
+            use.circuit.set(path, inner.rename(usual, use.circuit.parts), default)
+        elif not use.circuit.has(path):
+            use.circuit.places[path] = given
+    return paths
