@@ -56,6 +56,11 @@ def test_new_copies_the_files_of_parts(vvdp, here):
     assert "already exists" in vvdp("new", "other", "--from", "elsewhere/main.toml").err
 
 
+def test_show_names_parts_with_their_values(vvdp):
+    shown = vvdp("show", "two-cylinders").out
+    assert "parts.lift_unit.displacement" in shown and "load: lift_line" in shown
+
+
 def test_new_copies_a_shipped_part(vvdp, here):
     assert 'file = "mine.toml"' in vvdp("new", "mine", "--from", "pump-unit").out
     assert 'title = "mine"' in (here / "mine.toml").read_text()

@@ -25,7 +25,14 @@ from vvdp.runs.run import RecordedRun
 from vvdp.simulation.balance import LIMIT
 from vvdp.simulation.record import Record
 from vvdp.systems.extras import Extras
-from vvdp.systems.overview import circuit_loss_lines, flow_lines, loss_lines, node_lines, power_lines
+from vvdp.systems.overview import (
+    circuit_loss_lines,
+    circuit_power_lines,
+    flow_lines,
+    loss_lines,
+    node_lines,
+    power_lines,
+)
 
 ROUNDING = 1e-9
 """What is stored counts as nothing below this share of the largest power."""
@@ -111,12 +118,14 @@ def loss_listing(run: RecordedRun) -> Listing:
 
 def circuit_loss_listings(run: RecordedRun) -> dict[str, Listing]:
     """What the parts that are circuits of their own turn to heat, by name; none where the circuit has none."""
-    rows = []
+    rows, powers = [], dict(circuit_power_lines(run.system, run.summary))
     for line in circuit_loss_lines(run.system, run.summary):
-        rows.append(Row(line.component.replace("_", " "), MEAN_POWER, (line.loss,)))
-        rows += [
-            Row(f"of which {name.replace('_', ' ')}", MEAN_POWER, (loss,), is_part=True) for name, loss in line.parts
-        ]
+        name = line.component.replace("_", " ")
+        rows.append(Row(name, MEAN_POWER, (line.loss,)))
+        inner = ((f"of which {part.replace('_', ' ')}", loss) for part, loss in line.parts)
+        rows += [Row(label, MEAN_POWER, (loss,), is_part=True) for label, loss in inner]
+        if line.component in powers:
+            rows.append(Row(f"{name}, power into the circuit", MEAN_POWER, (powers[line.component],)))
     return {"circuit-losses": Listing(title="Losses by part", heads=("mean",), rows=tuple(rows))} if rows else {}
 
 

@@ -113,6 +113,14 @@ def circuit_loss_lines(system: System, found: Mapping[str, Any]) -> Iterator[Los
         yield LossLine(name, float(found[f"loss_{name}_W"]), parts)
 
 
+def circuit_power_lines(system: System, found: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
+    """What nodes and components in each part that is a circuit of its own give from outside [W], where some do."""
+    powers = dict(power_lines(system, found))
+    for name, circuit in system.circuit.network.circuits.items():
+        if inner := [power for source, power in powers.items() if source in circuit.names]:
+            yield name, sum(inner)
+
+
 def power_lines(system: System, found: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
     """What nodes and components give from outside [W]: positive into the circuit."""
     network = system.circuit.network
