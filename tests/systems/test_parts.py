@@ -220,6 +220,23 @@ def test_what_is_stored_needs_no_file_of_a_part(folder):
     assert resolved_text(again) == resolved_text(drawn)
 
 
+@pytest.mark.parametrize(
+    "before, after",
+    [
+        ('line = "rail"', 'line = "rial"'),
+        ('"nodes.one_chamber.volume"', '"nodes.none.volume"'),
+        ('["nodes.one_chamber.volume"]', "5"),
+        ('names = ["one_', 'names = [1, "one_'),
+        ('source = "brake.toml"', "source = 1"),
+    ],
+)
+def test_a_stored_part_that_was_changed_is_refused(folder, before, after):
+    text = resolved_text(system(folder, MAIN))
+    assert before in text
+    with pytest.raises(ConfigError, match=r"parts.one.drawn: is not what vvdp keeps of a part"):
+        built_system(parsed_table(text.replace(before, after, 1), "system.toml"), "main")
+
+
 def test_names_inside_are_read_with_a_dot(folder):
     text = MAIN + (
         '[programs.watch]\ntype = "unloading"\npilot_pressure = "pair.left.chamber.pressure"\n'

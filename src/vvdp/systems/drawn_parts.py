@@ -103,6 +103,24 @@ class DrawnCircuit:
             raise ParameterError(f"{part} has no value {value!r}{nearest(value, list(values)) if values else ''}")
         return tuple(values[value])
 
+    def is_record(self, drawn: Any) -> bool:
+        """Whether `drawn` is what `content` writes of a part: its nodes and entries are those of the circuit."""
+        match drawn:
+            case {"source": str(), "ports": Mapping() as ports, "names": list(names), "values": Mapping() as values}:
+                nodes = all(isinstance(node, str) and node in self.tables["nodes"] for node in ports.values())
+                return (
+                    nodes
+                    and all(isinstance(name, str) for name in names)
+                    and all(map(self._are_paths, values.values()))
+                )
+        return False
+
+    def _are_paths(self, paths: Any) -> bool:
+        """Whether these are paths of entries of the circuit."""
+        if not isinstance(paths, list) or not all(isinstance(path, str) and path.count(".") > 1 for path in paths):
+            return False
+        return all(path.split(".")[1] in self.tables.get(path.split(".")[0], {}) for path in paths)
+
     def content(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """The circuit in the place of the `given` content of its file."""
         drawn = {group: table for group, table in self.tables.items() if table or group in given}

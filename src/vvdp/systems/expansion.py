@@ -150,12 +150,10 @@ class Expansion:
     def _use_drawn(self, scope: Scope, name: str, entry: Mapping[str, Any]) -> None:
         """A part that was drawn before: its values may be set anew."""
         place, circuit = scope.place(f"{PARTS}.{name}"), self.circuit
-        match entry[DRAWN]:
-            case {"source": str(), "ports": Mapping(), "names": list(), "values": Mapping() as values}:
-                circuit.parts[name] = dict(entry[DRAWN])
-            case _:
-                circuit.tell(place.below(DRAWN), "is not what a drawn part has")
-                return
+        if not circuit.is_record(entry[DRAWN]):
+            circuit.tell(place.below(DRAWN), "is not what vvdp keeps of a part; name its file or type instead")
+            return
+        circuit.parts[name], values = dict(entry[DRAWN]), entry[DRAWN]["values"]
         circuit.take(place, name)
         for key, value in entry.items():
             if key != DRAWN and key not in values:
