@@ -1,6 +1,6 @@
 """A circuit while its parts are drawn out: entries by name, the parts, and where each entry stands in a file."""
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any, TypeAlias
 
 from vvdp.base.errors import Fault, ParameterError
@@ -103,24 +103,6 @@ class DrawnCircuit:
             raise ParameterError(f"{part} has no value {value!r}{nearest(value, list(values)) if values else ''}")
         return tuple(values[value])
 
-    def is_record(self, drawn: Any) -> bool:
-        """Whether `drawn` is what `content` writes of a part: its nodes and entries are those of the circuit."""
-        match drawn:
-            case {"source": str(), "ports": Mapping() as ports, "names": list(names), "values": Mapping() as values}:
-                nodes = all(isinstance(node, str) and node in self.tables["nodes"] for node in ports.values())
-                return (
-                    nodes
-                    and all(isinstance(name, str) for name in names)
-                    and all(map(self._are_paths, values.values()))
-                )
-        return False
-
-    def _are_paths(self, paths: Any) -> bool:
-        """Whether these are paths of entries of the circuit."""
-        if not isinstance(paths, list) or not all(isinstance(path, str) and path.count(".") > 1 for path in paths):
-            return False
-        return all(path.split(".")[1] in self.tables.get(path.split(".")[0], {}) for path in paths)
-
     def content(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """The circuit in the place of the `given` content of its file."""
         drawn = {group: table for group, table in self.tables.items() if table or group in given}
@@ -128,6 +110,22 @@ class DrawnCircuit:
         if isinstance(given.get(FAULTS), Mapping):
             found[FAULTS] = {name: _named_fault(entry, self.parts) for name, entry in given[FAULTS].items()}
         return found
+
+
+def is_record(drawn: Any, tables: Mapping[str, Mapping[str, Any]]) -> bool:
+    """Whether `drawn` is what a drawn circuit keeps of a part, and its nodes and entries are in `tables`."""
+    match drawn:
+        case {"source": str(), "ports": Mapping() as ports, "names": list(names), "values": Mapping() as values}:
+            joined = all(isinstance(node, str) and node in tables["nodes"] for node in ports.values())
+            return joined and all(isinstance(each, str) for each in names) and _are_paths(values.values(), tables)
+    return False
+
+
+def _are_paths(values: Iterable[Any], tables: Mapping[str, Mapping[str, Any]]) -> bool:
+    """Whether each of the values is a list of paths TABLE.NAME.KEY of entries in `tables`."""
+    paths = [path for value in values for path in (value if isinstance(value, list) else [None])]
+    words = [path.split(".") if isinstance(path, str) else [] for path in paths]
+    return all(len(each) > 2 and each[1] in tables.get(each[0], {}) for each in words)
 
 
 def _leaves(entry: Mapping[str, Any], before: Any, above: Keys = ()) -> Iterator[tuple[Keys, Any]]:

@@ -13,7 +13,7 @@ from typing import Any
 from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.tables import Table, copy_tables, fault_at, inner_table, nearest
 from vvdp.network.network import NAME
-from vvdp.systems.drawn_parts import DrawnCircuit
+from vvdp.systems.drawn_parts import DrawnCircuit, is_record
 from vvdp.systems.part_files import (
     DRAWN,
     GROUPS,
@@ -150,7 +150,7 @@ class Expansion:
     def _use_drawn(self, scope: Scope, name: str, entry: Mapping[str, Any]) -> None:
         """A part that was drawn before: its values may be set anew."""
         place, circuit = scope.place(f"{PARTS}.{name}"), self.circuit
-        if not circuit.is_record(entry[DRAWN]):
+        if not is_record(entry[DRAWN], circuit.tables):
             circuit.tell(place.below(DRAWN), "is not what vvdp keeps of a part; name its file or type instead")
             return
         circuit.parts[name], values = dict(entry[DRAWN]), entry[DRAWN]["values"]
