@@ -55,6 +55,11 @@ def test_the_first_file_is_short_and_the_comparison_bites(is_shown):
     assert not is_shown("b", "a\nb") and not is_shown("a", "a\nb") and not is_shown("...\nc", "a\nb")
 
 
+def test_a_pump_unit_needs_few_lines():
+    blocks = {name: text for name, _, text, _ in BLOCK.findall(PAGE) if name}
+    assert len(blocks["unit.toml"].splitlines()) <= 25 and 'type = "pump-unit"' in blocks["unit.toml"]
+
+
 def test_the_readme_shows_the_same_first_file():
     readme = (Path(__file__).parents[2] / "README.md").read_text("utf-8")
     assert BLOCK.search(PAGE)[3] in readme

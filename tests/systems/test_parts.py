@@ -7,12 +7,15 @@ import pytest
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.tables import Table, parsed_table, with_settings
+from vvdp.components.library import COMPONENTS, PROGRAMS
+from vvdp.network.component import Component
 from vvdp.simulation.run import simulate
 from vvdp.simulation.values import flat
 from vvdp.studies.run import run_study
 from vvdp.studies.study import load_study
 from vvdp.systems.part_files import shipped_part, shipped_parts
 from vvdp.systems.part_offers import part_ports, part_values
+from vvdp.systems.part_scopes import UNNAMED
 from vvdp.systems.quantities import summary_units
 from vvdp.systems.resolved import resolved_text
 from vvdp.systems.summary import summary
@@ -401,3 +404,10 @@ def test_a_shipped_part_offers_ports_and_values_that_exist(name):
     part = shipped_part(name)
     assert all(part_ports(part).values())
     assert all(each.kind is not None and each.default for each in part_values(part).values())
+
+
+def test_no_port_or_input_has_the_name_of_a_key_that_is_never_a_name():
+    inputs = {argument.name for each in COMPONENTS.values() if isinstance(each, Component) for argument in each.inputs}
+    ports = {port for each in COMPONENTS.values() for port in each.ports}
+    reads = {field for each in PROGRAMS.values() for field in each.reading._fields}
+    assert not UNNAMED & (inputs | ports | reads)
