@@ -209,6 +209,7 @@ def test_a_system_keeps_its_text_when_others_are_read_from_it(folder):
 def test_one_value_may_set_several(folder):
     values = rows(system(folder, MAIN, "parts.one.both_areas=7 mm^2"))
     assert values["components.one_inlet.area"] == pytest.approx(7e-6)
+    assert values["components.one_outlet.area"] == pytest.approx(7e-6)  # in spite of the default of another value
 
 
 def test_what_is_stored_needs_no_file_of_a_part(folder):

@@ -160,7 +160,7 @@ class Expansion:
                 known = nearest(key, list(values)) if values else ""
                 circuit.tell(place.below(key), f"is no value of the part that can be set{known}")
             for path in values.get(key, ()) if key != DRAWN else ():
-                circuit.set(path, scope.rename({key: value}, circuit.parts)[key], place.below(key))
+                circuit.set(path, scope.rename(value, circuit.parts), place.below(key))
 
 
 def _entries(scope: Scope) -> Iterator[tuple[str, str, Any]]:

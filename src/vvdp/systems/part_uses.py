@@ -115,31 +115,32 @@ class PartUse:
 
 
 def set_values(use: PartUse, inner: Scope) -> None:
-    """Put each value of a part, as it is used, where it belongs in the drawn circuit."""
-    values = use.circuit.parts[use.drawn_name]["values"]
+    """Put the values of a part where they belong in the drawn circuit: all defaults, then what the use gives."""
+    values: dict[str, list[str]] = use.circuit.parts[use.drawn_name]["values"]
     for value, targets in use.file.values.items():
-        values[value] = _set_value(use, inner, value, targets)
+        values[value] = _value_paths(use, inner, value, targets)
+        own = as_table(as_table(inner.content[VALUES]).get(value))
+        default = {key: entry for key, entry in own.items() if key != "sets"}
+        for path in values[value] if default else ():
+            use.circuit.set(path, inner.rename(default, use.circuit.parts), inner.place(f"{VALUES}.{value}"))
+    for value, paths in values.items():
+        place = use.place.below(value)
+        for path in paths:
+            if value in use.entry:
+                use.circuit.set(path, use.scope.rename(use.entry[value], use.circuit.parts), place)
+            elif not use.circuit.has(path):
+                use.circuit.places[path] = place
 
 
-def _set_value(use: PartUse, inner: Scope, value: str, targets: tuple[str, ...]) -> list[str]:
-    """Put one value there: what the use gives, else its default. Returns the paths in the drawn circuit."""
-    default, given = inner.place(f"{VALUES}.{value}"), use.place.below(value)
+def _value_paths(use: PartUse, inner: Scope, value: str, targets: tuple[str, ...]) -> list[str]:
+    """The entries of the drawn circuit that a value sets, with a fault where there are none."""
+    place = inner.place(f"{VALUES}.{value}")
     try:
         paths = [path for target in targets for path in use.circuit.paths(inner, target)]
     except ParameterError as problem:
-        use.circuit.tell(default, str(problem))
+        use.circuit.tell(place, str(problem))
         return []
     if not targets:
         words = 'expected what it sets: a path, such as "components.pump.displacement", or a list of some'
-        use.circuit.tell(default, words)
-    own = as_table(as_table(inner.content[VALUES]).get(value))
-    usual = {key: entry for key, entry in own.items() if key != "sets"}
-    for path in paths:
-        if value in use.entry:
-            entry = use.scope.rename({value: use.entry[value]}, use.circuit.parts)[value]
-            use.circuit.set(path, entry, given)
-        elif usual:
-            use.circuit.set(path, inner.rename(usual, use.circuit.parts), default)
-        elif not use.circuit.has(path):
-            use.circuit.places[path] = given
+        use.circuit.tell(place, words)
     return paths
