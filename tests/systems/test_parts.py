@@ -7,15 +7,15 @@ import pytest
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.tables import Table, parsed_table, with_settings
-from vvdp.components.library import COMPONENTS, PROGRAMS
+from vvdp.components.library import COMPONENTS
 from vvdp.network.component import Component
 from vvdp.simulation.run import simulate
 from vvdp.simulation.values import flat
 from vvdp.studies.run import run_study
 from vvdp.studies.study import load_study
-from vvdp.systems.part_files import shipped_part, shipped_parts
+from vvdp.systems.part_files import PartFile, shipped_part, shipped_parts
 from vvdp.systems.part_offers import part_ports, part_values
-from vvdp.systems.part_scopes import UNNAMED
+from vvdp.systems.part_scopes import UNNAMED, Scope
 from vvdp.systems.quantities import summary_units
 from vvdp.systems.resolved import resolved_text
 from vvdp.systems.summary import summary
@@ -410,5 +410,20 @@ def test_a_shipped_part_offers_ports_and_values_that_exist(name):
 def test_no_port_or_input_has_the_name_of_a_key_that_is_never_a_name():
     inputs = {argument.name for each in COMPONENTS.values() if isinstance(each, Component) for argument in each.inputs}
     ports = {port for each in COMPONENTS.values() for port in each.ports}
-    reads = {field for each in PROGRAMS.values() for field in each.reading._fields}
-    assert not UNNAMED & (inputs | ports | reads)
+    assert not UNNAMED & (inputs | ports)
+
+
+def test_names_are_those_of_the_drawn_circuit_and_other_texts_stay():
+    table = Table("part.toml", {"nodes": {"line": {"type": "port"}, "bowl": {}}, "parts": {"inner": {}}}, {})
+    scope = Scope(PartFile("part.toml", table), "outer_", {"line": "rail"})
+    entry = {"type": "line", "reads": ["line.pressure", "bowl.pressure", "t"], "gain": "0.5 1/bar", "a": "line"}
+    assert scope.rename(entry | {"b": "nowhere", "c": {"from": "other.value"}}, {"outer_inner"}, {"b"}) == {
+        "type": "line",
+        "reads": ["rail.pressure", "outer_bowl.pressure", "t"],
+        "gain": "0.5 1/bar",
+        "a": "rail",
+        "b": "outer_nowhere",
+        "c": {"from": "outer_other.value"},
+    }
+    assert scope.rename("inner.bowl.pressure", {"outer_inner"}) == "outer_inner_bowl.pressure"
+    assert scope.rename({"table": [["0 s", "1"]], "note": "line"}, ()) == {"table": [["0 s", "1"]], "note": "line"}

@@ -217,7 +217,7 @@ def _part(part: "PartFile") -> tuple[list[str], list[str], str]:
     values = []
     for name, offered in part_values(part).items():
         default = f" [{offered.default}]" if offered.default else ""
-        values.append(f"{name} = {_example(offered.kind, None)}{default}")
+        values.append(f"{name} = {_example(offered.kind, None)}{default}" if offered.kind else f"{name}{default}")
     return ports, values, str(part.table.content.get("title", part.name))
 
 

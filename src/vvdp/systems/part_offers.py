@@ -7,7 +7,7 @@ from typing import Any
 from vvdp.base.display import value_text
 from vvdp.base.kinds import Kind
 from vvdp.base.params import default_values, field_kinds
-from vvdp.components.library import COMPONENTS, PROGRAMS
+from vvdp.components.library import COMPONENTS
 from vvdp.network.assembly import Assembly
 from vvdp.systems.drawing import NODES
 from vvdp.systems.part_files import PARTS, VALUES, PartFile, find_part
@@ -63,12 +63,10 @@ def _value_at(file: PartFile, path: str) -> OfferedValue:
 
 
 def _kind(group: str, word: str, key: str) -> tuple[Kind | None, Any]:
-    """Quantity and default of a key of a node, component or program of a type."""
+    """Quantity and default of a key of a node or component of a type; that of a program depends on what it reads."""
     classes: tuple[Any, ...] = ()
     if group == "nodes" and word in NODES:
         classes = (NODES[word].table,)
-    elif group == "programs" and word in PROGRAMS and (settings := PROGRAMS[word].settings):
-        classes = (settings,)
     elif group == "components" and (component := COMPONENTS.get(word)):
         if isinstance(component, Assembly):
             classes = (component.params,)

@@ -72,6 +72,8 @@ class Scope:
         """
         if isinstance(entry, str):
             return self._drawn_name(entry, drawn, is_name=False)
+        if isinstance(entry, list):
+            return [self.rename(each, drawn) for each in entry]
         if not isinstance(entry, Mapping):
             return entry
         return {
