@@ -240,6 +240,15 @@ ENTRIES: Mapping[str, Entry] = {
             Number("mean power at the pump shaft", "power_pump_shaft_W", POWER, "kW"),
         ),
     ),
+    "two-cylinders": Entry(
+        "Two cylinders with different loads on one motor, each with a pump unit of its own, built from two shipped "
+        "[parts](parts.md#an-example).",
+        (
+            Number("mean power at the motor shaft", "power_motor_W", POWER, "kW"),
+            Number("mean loss of the pump unit for the heavy load", "loss_lift_unit_W", POWER, "kW"),
+            Number("mean loss of the pump unit for the light load", "loss_swing_unit_W", POWER, "kW"),
+        ),
+    ),
 }
 
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from vvdp.network.component import Component
     from vvdp.network.program import ProgramType
     from vvdp.programs.generic import GenericProgram
+    from vvdp.systems.part_files import PartFile
 
 
 def systems(
@@ -126,6 +127,7 @@ COMPONENT_COLUMNS = ("type", "ports", "inputs", "values", "outputs", "symbol")
 PROGRAM_COLUMNS = ("type", "reads", "commands", "values")
 UNLIMITED = 1e300
 """A default value from which on it says that there is no limit."""
+PART_COLUMNS = ("type", "ports", "values", "title")
 
 
 def _library(json: bool) -> None:
@@ -135,6 +137,7 @@ def _library(json: bool) -> None:
     from vvdp.network.assembly import Assembly
     from vvdp.programs.library import PROGRAMS
     from vvdp.systems.drawing import NODES
+    from vvdp.systems.part_files import shipped_part, shipped_parts
 
     nodes = [(name, _values(node.table)) for name, node in NODES.items()]
     parts = [
@@ -142,13 +145,14 @@ def _library(json: bool) -> None:
         for name, part in COMPONENTS.items()
     ]
     programs = [(name, *_program(program)) for name, program in PROGRAMS.items()]
+    circuits = [(name, *_part(shipped_part(name))) for name in shipped_parts()]
     if json:
         print_json(
             {
                 "nodes": _entries(nodes, NODE_COLUMNS[1:]),
                 "components": _entries(parts, COMPONENT_COLUMNS[1:]),
                 "programs": _entries(programs, PROGRAM_COLUMNS[1:]),
-                "parts": [],
+                "parts": _entries(circuits, PART_COLUMNS[1:]),
             }
         )
         return
@@ -156,6 +160,7 @@ def _library(json: bool) -> None:
     title = "Components: [components.NAME] with its type, the node at each port, inputs and values"
     _print(title, COMPONENT_COLUMNS, _lines(parts))
     _print("Programs: [programs.NAME] with its type, values and what it reads", PROGRAM_COLUMNS, _lines(programs))
+    _print("Parts: [parts.NAME] with its type, the node at each port, and values", PART_COLUMNS, _lines(circuits))
     out = console()
     out.print("Values are written with their unit, as in the examples; a value in brackets is the default.")
     out.print("Programs of any quantity take the units of their values from what they read; here of a pressure.")
@@ -213,6 +218,18 @@ def _example(kind: "Kind | None", usual: Any) -> str:
     if not isinstance(usual, float):
         return example
     return f"{example} [none]" if abs(usual) >= UNLIMITED else f"{example} [{value_text(usual, kind)}]"
+
+
+def _part(part: "PartFile") -> tuple[list[str], list[str], str]:
+    """Ports, values and title."""
+    from vvdp.systems.part_offers import part_ports, part_values
+
+    ports = [f"{port} ({what})" if what not in ("", "oil") else port for port, what in part_ports(part).items()]
+    values = []
+    for name, offered in part_values(part).items():
+        default = f" [{offered.default}]" if offered.default else ""
+        values.append(f"{name} = {_example(offered.kind, None)}{default}" if offered.kind else f"{name}{default}")
+    return ports, values, str(part.table.content.get("title", part.name))
 
 
 def _program(program: "ProgramType | GenericProgram") -> tuple[list[str], list[str], list[str]]:

@@ -85,7 +85,7 @@ def _print(system: "System") -> None:
 
     out = console()
     tell(f"{system.title}\n{system.name}, circuit {system.circuit_name}\n")
-    for table in (_nodes(system), _components(system), _programs(system)):
+    for table in (_nodes(system), _components(system), _programs(system), _parts(system)):
         if table.rows:
             out.print(table)
     tables = dict.fromkeys(row.table for row in system.rows)
@@ -146,6 +146,20 @@ def _components(system: "System") -> "Grid":
         inputs = {a.name: a.kind for a in part.component.inputs} if part else {}
         given = [f"{key} = {source_words(part.inputs[key], kind)}" for key, kind in inputs.items()] if part else []
         table.add_row(name, kind.replace("_", "-"), ports, ", ".join(given))
+    return table
+
+
+def _parts(system: "System") -> "Grid":
+    """The parts that are circuits of their own."""
+    from vvdp.cli.screen import grid
+    from vvdp.systems.drawn_parts import part_settings
+
+    settings = part_settings(system.content)
+    table = grid("part", "circuit", "ports", "values to be set", title="Parts")
+    for name, circuit in system.circuit.network.circuits.items():
+        ports = ", ".join(f"{port}: {node}" for port, node in circuit.ports.items())
+        values = [key for key in settings if key.rpartition(".")[0] == f"parts.{name}"]
+        table.add_row(name, circuit.source, ports, "\n".join(values))
     return table
 
 

@@ -15,7 +15,7 @@ from vvdp.base.tables import nearest
 from vvdp.fluid.oil import Oil, modulus_at
 from vvdp.hydraulics.pipe import LinePipe
 from vvdp.hydraulics.volume import Vessel
-from vvdp.network.assembly import Assembly, Group
+from vvdp.network.assembly import Assembly, Group, InnerCircuit
 from vvdp.network.component import Component, Role, check_component
 from vvdp.network.nodes import (
     Chamber,
@@ -47,6 +47,7 @@ RESERVED = frozenset(
         *("next_stop", "taken_in", "check", "modes"),
     )
 )
+NAME = re.compile(r"[a-z][a-z0-9_]*")
 NEARLY_VACUUM = 1e3
 """A pressure below this [Pa, absolute] was meant in another unit."""
 JOINS = {
@@ -112,6 +113,7 @@ class Network:
         self.programs: dict[str, ProgramPart] = {}
         self.positions: dict[str, tuple[float, float]] = {}
         self.groups: dict[str, Group] = {}
+        self.circuits: dict[str, InnerCircuit] = {}
         self.extras: Callable[[Any], Any] | None = None
 
     def volume(self, name: str, values: Chamber | Vessel, *, start: Start, oil: Oil | None = None) -> None:
@@ -261,6 +263,12 @@ class Network:
         """Draw the node or component `name` at a place of the diagram's grid."""
         self.positions[name] = (float(x), float(y))
 
+    def parts_inside(self, circuit: str) -> tuple[str, ...]:
+        """Names of the components inside of a circuit that is one part, those of its pipes included."""
+        names = self.circuits[circuit].names
+        pieces = {piece for name, group in self.groups.items() if name in names for piece in group.parts}
+        return tuple(name for name in self.parts if name in names or name in pieces)
+
     def start_value(self, start: Start) -> float:
         """The number of a start value. Raises NetworkError where its path leads nowhere."""
         if not isinstance(start, str):
@@ -286,7 +294,7 @@ class Network:
 
     def check_name(self, name: str) -> None:
         """Raises NetworkError where `name` cannot be given to a further node, component or program."""
-        if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+        if not NAME.fullmatch(name):
             raise NetworkError(f"{name!r} cannot be a name; use small letters, digits and _, beginning with a letter")
         if name in RESERVED or keyword.iskeyword(name):
             raise NetworkError(
@@ -312,6 +320,12 @@ class Network:
         for group, whole in self.groups.items():
             if node in whole.nodes:
                 raise NetworkError(f"{name}: port {port!r} ends at {node!r}, inside of {group!r}")
+        for part, circuit in self.circuits.items():
+            if node in circuit.names and name not in circuit.names:
+                ports = ", ".join(circuit.ports)
+                raise NetworkError(
+                    f"{name}: port {port!r} ends at {node!r}, inside of {part!r}, whose ports are {ports}"
+                )
         return node
 
     def _source(self, name: str, key: str, kind: Kind | None, source: object) -> Source:

@@ -25,7 +25,14 @@ from vvdp.runs.run import RecordedRun
 from vvdp.simulation.balance import LIMIT
 from vvdp.simulation.record import Record
 from vvdp.systems.extras import Extras
-from vvdp.systems.overview import flow_lines, loss_lines, node_lines, power_lines
+from vvdp.systems.overview import (
+    circuit_loss_lines,
+    circuit_power_lines,
+    flow_lines,
+    loss_lines,
+    node_lines,
+    power_lines,
+)
 
 ROUNDING = 1e-9
 """What is stored counts as nothing below this share of the largest power."""
@@ -59,7 +66,7 @@ def screen_listings(run: RecordedRun) -> tuple[Listing, ...]:
     extras = run.system.extras
     if extras is not None and extras.OVERVIEW:
         return (overview(run, extras),)
-    return node_listing(run), component_listing(run), loss_listing(run)
+    return node_listing(run), component_listing(run), loss_listing(run), *circuit_loss_listings(run).values()
 
 
 def node_listing(run: RecordedRun) -> Listing:
@@ -107,6 +114,19 @@ def loss_listing(run: RecordedRun) -> Listing:
     ]
     note = "Shares are of the power put in."
     return Listing(title="Losses by component", heads=("mean",), rows=tuple(rows), note=note)
+
+
+def circuit_loss_listings(run: RecordedRun) -> dict[str, Listing]:
+    """What the parts that are circuits of their own turn to heat, by name; none where the circuit has none."""
+    rows, powers = [], dict(circuit_power_lines(run.system, run.summary))
+    for line in circuit_loss_lines(run.system, run.summary):
+        name = line.component.replace("_", " ")
+        rows.append(Row(name, MEAN_POWER, (line.loss,)))
+        inner = ((f"of which {part.replace('_', ' ')}", loss) for part, loss in line.parts)
+        rows += [Row(label, MEAN_POWER, (loss,), is_part=True) for label, loss in inner]
+        if line.component in powers:
+            rows.append(Row(f"{name}, power into the circuit", MEAN_POWER, (powers[line.component],)))
+    return {"circuit-losses": Listing(title="Losses by part", heads=("mean",), rows=tuple(rows))} if rows else {}
 
 
 def computation(run: RecordedRun) -> Listing:

@@ -33,6 +33,7 @@ from vvdp.studies.results import Doubt, Failure, StudyResults
 from vvdp.studies.store import Finished, finished_cases, opened_store
 from vvdp.studies.study import Settings, Study
 from vvdp.studies.work import Batching, check_same, kept_batches
+from vvdp.systems.drawn_parts import setting_path
 from vvdp.systems.options import lasting
 from vvdp.systems.overview import warnings
 from vvdp.systems.quantities import quantities
@@ -202,7 +203,8 @@ def _names(form: Hashable) -> bytes:
 def _inputs(system: System, settings: Settings) -> dict[str, tuple[float | str, Kind]]:
     """Value [SI] and kind of what a case sets; text for a value that changes over time or is none."""
     rows = {f"{row.table}.{row.key}": row for row in system.rows}
-    return {key: _input(rows[key]) if key in rows else (str(value), NUMBER) for key, value in settings.items()}
+    found = {key: rows.get(setting_path(system.content, key)) for key in settings}
+    return {key: (str(settings[key]), NUMBER) if row is None else _input(row) for key, row in found.items()}
 
 
 def _input(row: Sourced) -> tuple[float | str, Kind]:

@@ -39,7 +39,7 @@ from vvdp.base.tables import (
 from vvdp.components.library import COMPONENTS, UsualOil
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.volume import Vessel
-from vvdp.network.assembly import Assembly
+from vvdp.network.assembly import Assembly, InnerCircuit
 from vvdp.network.component import Component
 from vvdp.network.network import ROOM_TEMPERATURE, Network
 from vvdp.network.nodes import Chamber, Load, Rotor
@@ -47,7 +47,7 @@ from vvdp.systems.bench_tables import Limits
 from vvdp.systems.drawn_programs import ProgramDrawer
 from vvdp.systems.part_keys import PartType, other_type, part_keys
 
-TABLES = ("oil", "oils", "operation", "nodes", "components", "programs", "limits", "faults", "geometry")
+TABLES = ("oil", "oils", "operation", "nodes", "components", "programs", "parts", "limits", "faults", "geometry")
 DRAWING_WORDS = ("type", "at")
 
 
@@ -182,12 +182,18 @@ class Drawer(ProgramDrawer):
         net = Network(
             oil, temperature=heat.oil_temperature if heat else ROOM_TEMPERATURE, **{n: o for n, o in oils.items() if o}
         )
+        for name, part in self._parts("parts"):
+            self._add_circuit(net, name, part["drawn"])
         for name, part in self._validly_named_parts(net, "nodes"):
             self._add_node(net, name, part, {n: o for n, o in oils.items() if o})
         for name, part in self._validly_named_parts(net, "components"):
             self._add_component(net, name, part)
         self._add_programs(net, dict(self._validly_named_parts(net, "programs")))
         return None if self.faults else net
+
+    def _add_circuit(self, net: Network, name: str, drawn: Mapping[str, Any]) -> None:
+        net.circuits[name] = InnerCircuit(drawn["source"], drawn["ports"], frozenset(drawn["names"]))
+        self._place(net, name, f"parts.{name}", drawn)
 
     def limits(self) -> Limits | None:
         """What is watched and reported; None where the file says nothing."""

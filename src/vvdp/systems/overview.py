@@ -105,6 +105,23 @@ def loss_lines(system: System, found: Mapping[str, Any]) -> Iterator[LossLine]:
         yield LossLine(name, float(found[f"loss_{name}_W"]), ())
 
 
+def circuit_loss_lines(system: System, found: Mapping[str, Any]) -> Iterator[LossLine]:
+    """What each part that is a circuit of its own turns to heat, whole and by what is in it."""
+    lines = tuple(loss_lines(system, found))
+    for name, circuit in system.circuit.network.circuits.items():
+        inner = (line for line in lines if line.component in circuit.names)
+        parts = tuple((line.component.removeprefix(f"{name}_"), line.loss) for line in inner)
+        yield LossLine(name, float(found[f"loss_{name}_W"]), parts)
+
+
+def circuit_power_lines(system: System, found: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
+    """What nodes and components in each part that is a circuit of its own give from outside [W], where some do."""
+    powers = dict(power_lines(system, found))
+    for name, circuit in system.circuit.network.circuits.items():
+        if inner := [power for source, power in powers.items() if source in circuit.names]:
+            yield name, sum(inner)
+
+
 def power_lines(system: System, found: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
     """What nodes and components give from outside [W]: positive into the circuit."""
     network = system.circuit.network

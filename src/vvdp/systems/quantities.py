@@ -96,6 +96,8 @@ def _of_parts(system: System) -> Iterator[tuple[str, tuple[Kind, str]]]:
     for name in moving_parts(network):
         for which in ("min", "max"):
             yield f"position_{which}_{name}_m", (POSITION, f"{name.replace('_', ' ')} position, {EXTREMES[which]}")
+    for circuit in network.circuits:
+        yield f"loss_{circuit}_W", (MEAN_POWER, f"{circuit.replace('_', ' ')} loss")
     for whole in network.groups:
         yield f"flow_mean_{whole}_m3_s", (FLOW, f"{whole.replace('_', ' ')} flow, mean")
         yield f"loss_{whole}_W", (MEAN_POWER, f"{whole.replace('_', ' ')} loss")

@@ -181,6 +181,9 @@ def _part_numbers(run: Outcome, system: System) -> Summary:
     for whole, chain in system.circuit.network.groups.items():
         found[f"flow_mean_{whole}_m3_s"] = found[f"flow_mean_{chain.parts[-1]}_m3_s"]
         found[f"loss_{whole}_W"] = float(sum(found[f"loss_{part}_W"] for part in chain.parts))
+    for circuit in system.circuit.network.circuits:
+        inside = system.circuit.network.parts_inside(circuit)
+        found[f"loss_{circuit}_W"] = float(sum(found.get(f"loss_{part}_W", 0.0) for part in inside))
     return found
 
 

@@ -44,6 +44,7 @@ from vvdp.systems.circuits import (
     table_slots,
 )
 from vvdp.systems.drawing import TABLES, Drawing, Temperature, draw_network
+from vvdp.systems.expansion import expand
 from vvdp.systems.extras import Extras
 from vvdp.systems.fault_tables import FAULTS, FaultReader
 from vvdp.systems.faults import NamedFault, OtherValue, change_entries, change_tables, faulty_network
@@ -54,7 +55,7 @@ from vvdp.systems.spool_travel import rotary_valves
 from vvdp.valve.rotary import RotaryValve
 
 HEADINGS = ("title", "circuit")
-DRAWN = ("nodes", "components")
+DRAWN = ("nodes", "components", "parts")
 
 
 SAMPLES_PER_SWING = 20
@@ -271,6 +272,8 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     Raises ConfigError with all its faults.
     """
     faults: list[Fault] = []
+    expansion = expand(table, folder)
+    table = expansion.table
     content = dict(table.content)
     run, method = _run_table(content.pop("run", None), table, faults)
     function = _function(table, folder, faults)
@@ -294,7 +297,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         except (NetworkError, ParameterError) as problem:
             faults.append(_locate_fault(without_class(str(problem)), table))
     if faults or circuit is None or stepping is None or run is None:
-        raise ConfigError(list(dict.fromkeys(faults)))
+        raise ConfigError(list(dict.fromkeys(map(expansion.locate, faults))))
     return System(
         name=name,
         title=str(table.content.get("title", name)),
