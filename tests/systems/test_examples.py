@@ -87,7 +87,7 @@ def block(name: str, language: str) -> str:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_runs_and_is_to_be_trusted(name):
-    found, run = done(name)
+    found = done(name).summary
     assert found["trusted"]
     assert found["finished"]
     assert not found["cavitation_volume"]

@@ -290,9 +290,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     circuit = stepping = None
     if network is not None and run is not None and not faults:
         try:
-            if function is None:
-                check_sense(network)
-            circuit, stepping = build_circuit(network), run[0].stepping(method)
+            circuit, stepping = _sensible_circuit(network, function), run[0].stepping(method)
             _check_temperature(network.temperature, stepping.sample_period)
         except (NetworkError, ParameterError) as problem:
             faults.append(_locate_fault(without_class(str(problem)), table))
@@ -312,6 +310,13 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         faults=failing,
         module=own_module(str(own_code(table.content)), folder),
     )
+
+
+def _sensible_circuit(network: Network, function: NetworkFunction | None) -> Circuit:
+    """The circuit of a network; one that a file draws has to make sense too. Raises NetworkError."""
+    if function is None:
+        check_sense(network)
+    return build_circuit(network)
 
 
 def _refuse_unknown_tables(function: NetworkFunction | None, table: Table, faults: list[Fault]) -> None:
