@@ -1,17 +1,17 @@
 """Up to where the laws of a test bench of the rotary valve hold, and which of its numbers mean something."""
 
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
 
 from vvdp.base.display import percent, with_unit
 from vvdp.base.kinds import DUTY_RATIO, MEAN_POWER, NUMBER, RATIO, TEMPERATURE_DIFFERENCE
-from vvdp.base.signal import signal_value
 from vvdp.fluid.mixture import mean_bulk_modulus
 from vvdp.fluid.oil import density, dynamic_viscosity
+from vvdp.systems.bench_values import BenchValues
+from vvdp.systems.bound import Bound
 from vvdp.systems.load_ripple import estimated_ripple, vessel_capacity
 from vvdp.systems.spool_estimate import estimate_doubts
 from vvdp.systems.spool_travel import duty_travel
-from vvdp.systems.validity import Bound
 from vvdp.valve.gap_flow import sheared_temperature_rise, taylor_number
 from vvdp.valve.geometry import barrier_width
 from vvdp.valve.losses import compression_regime
@@ -27,9 +27,6 @@ from vvdp.valve.validity import (
     WAVE_TRANSITS,
     wave_transits,
 )
-
-if TYPE_CHECKING:
-    from vvdp.systems.bench import RotaryBench
 
 STORED = 0.02
 """Stored power, over the power put in, above which there is no efficiency: given to the load instead, or saved at the
@@ -88,7 +85,7 @@ def transition_loss(beyond_open: float, put_in: float) -> float:
     return beyond_open if beyond_open >= -DUST * abs(put_in) else float("nan")
 
 
-def bench_bounds(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator[Bound]:
+def bench_bounds(bench: BenchValues, found: Mapping[str, Any]) -> Iterator[Bound]:
     """The bounds of the laws of valve and spool at what a run has `found`."""
     low, high = bench.duty_ratio.extremes
     ends = duty_travel(bench.valve)
@@ -101,8 +98,7 @@ def bench_bounds(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator[Bou
         most=ends.high / bench.valve.helix_length + STOP_ROOM,
         kind=DUTY_RATIO,
     )
-    temperature = signal_value(0.0, bench.operation.oil_temperature)
-    rho, mu = density(temperature, bench.oil), dynamic_viscosity(temperature, bench.oil)
+    rho, mu = density(bench.temperature, bench.oil), dynamic_viscosity(bench.temperature, bench.oil)
     yield from _flow_bounds(bench, found, rho, mu)
     yield from _clearance_bounds(bench.valve)
     fastest = max(abs(float(found[f"speed_{end}_spool_rad_s"])) for end in ("min", "max"))
@@ -121,7 +117,7 @@ def bench_bounds(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator[Bou
     )
 
 
-def _flow_bounds(bench: "RotaryBench", found: Mapping[str, Any], rho: float, mu: float) -> Iterator[Bound]:
+def _flow_bounds(bench: BenchValues, found: Mapping[str, Any], rho: float, mu: float) -> Iterator[Bound]:
     """Of the nozzles where oil flows, and of the volumes where the valve switches."""
     flow, frequency = float(found["mean_pump_flow_m3_s"]), abs(float(found["pwm_frequency_Hz"]))
     if flow > 0.0:
@@ -163,7 +159,7 @@ def _bound(label: str, value: float, otherwise: str, **ends: Any) -> Bound:
     return Bound(label=label, otherwise=otherwise, **given)
 
 
-def switching_limits(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator[str]:
+def switching_limits(bench: BenchValues, found: Mapping[str, Any]) -> Iterator[str]:
     """What of switching, pump and air in a run no quasi-steady average knows, a sentence each."""
     if found["averaged_periods"] < 1:
         yield "the valve does not switch"
@@ -177,14 +173,14 @@ def switching_limits(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator
             f"the load line is so stiff that its pressure swings by about {percent(swing)} within a period, above "
             f"{percent(LOAD_SWING)}, where quasi-steady averages take it as constant"
         )
-    if bench.pump.ripple_amplitude > RIPPLE:
-        yield f"the pump's flow pulsates by {percent(bench.pump.ripple_amplitude)}, which is in no quasi-steady average"
+    if bench.ripple_amplitude > RIPPLE:
+        yield f"the pump's flow pulsates by {percent(bench.ripple_amplitude)}, which is in no quasi-steady average"
     if bench.oil.air_fraction > FREE_AIR:
         air = percent(bench.oil.air_fraction)
         yield f"the oil has {air} of free air, whose compression is in no quasi-steady average"
 
 
-def load_swing(bench: "RotaryBench", found: Mapping[str, Any]) -> float:
+def load_swing(bench: BenchValues, found: Mapping[str, Any]) -> float:
     """Estimated swing of the load pressure within a period, over its mean above the tank's [1]; 0 against a source."""
     pressure = float(found["pressure_mean_load_line_Pa"]) + bench.reference
     delivered, frequency = float(found["mean_load_flow_m3_s"]), float(found["pwm_frequency_Hz"])
@@ -195,7 +191,7 @@ def load_swing(bench: "RotaryBench", found: Mapping[str, Any]) -> float:
     return swing / (pressure - bench.tank_pressure)
 
 
-def filling_share(bench: "RotaryBench", found: Mapping[str, Any]) -> float:
+def filling_share(bench: BenchValues, found: Mapping[str, Any]) -> float:
     """Time that filling the inlet up to the load takes over the time in which a port opens, of a run [1]."""
     pressure = float(found["pressure_mean_load_line_Pa"]) + bench.reference
     return compression_regime(
@@ -208,8 +204,11 @@ def filling_share(bench: "RotaryBench", found: Mapping[str, Any]) -> float:
     )
 
 
-def bench_warnings(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator[str]:
-    """What is to be known before the numbers of a bench, in sentences: what they leave out, what the motor takes."""
+def bench_warnings(bench: BenchValues, found: Mapping[str, Any], limits: Iterable[str]) -> Iterator[str]:
+    """What is to be known before the numbers of a bench, in sentences: what they leave out, what the motor takes.
+
+    limits  why the closed forms do not describe the run, a sentence each
+    """
     if found["averaged_periods"] < 1:
         yield "no whole PWM period lies in the averaging window: the means are over plain time"
     put_in = found["input_power_W"] + found["spool_motor_power_W"]
@@ -220,6 +219,6 @@ def bench_warnings(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator[s
     if found["motor_overloaded"]:
         power, rated = found["input_power_W"], found["motor_rated_power_W"]
         yield f"the input power of {power:.4g} W exceeds the motor's {rated:.4g} W"
-    for limit in bench.closed_form_limits(found):
+    for limit in limits:
         yield f"no analytic results: {limit}"
     yield from estimate_doubts(found, bench.averaging_angle)

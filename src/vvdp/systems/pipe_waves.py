@@ -10,8 +10,8 @@ from vvdp.base.kinds import RATIO
 from vvdp.components.pipes import LAYERED_PIPE, PIPE
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import leaves
-from vvdp.systems.bounds import Bound
-from vvdp.systems.system import System
+from vvdp.systems.bound import Bound
+from vvdp.systems.extras import LoadedSystem
 
 ROUGHEST = 0.03
 """Roughness up to which the highest and the lowest pressure of a lossless line are within 3 % of the highest."""
@@ -30,7 +30,7 @@ def roughness(pressures: Array) -> float:
     return float(np.abs(rough).max() / pressures.max())
 
 
-def wave_numbers(system: System, run: Run) -> dict[str, float]:
+def wave_numbers(system: LoadedSystem, run: Run) -> dict[str, float]:
     """The roughness of each pipe of a recorded run, by key."""
     places = {path: place for place, (path, _, _) in enumerate(leaves(run.case.state))}
     return {

@@ -8,15 +8,15 @@ from vvdp.hydraulics.relief_valve import LoadReliefValve, ReliefValve
 from vvdp.network.network import Part
 from vvdp.network.nodes import DrivenShaft, HydraulicNode, Shaft
 from vvdp.systems.bench_tables import Limits
-from vvdp.systems.bounds import Bound
-from vvdp.systems.system import System
+from vvdp.systems.bound import Bound
+from vvdp.systems.extras import LoadedSystem
 
 ABOVE_SETTING = 1.2
 """Pressure above the outside, over that at which a relief valve passes its rated flow, from which one that stays shut
 is a mistake."""
 
 
-def plausible_bounds(system: System, found: Mapping[str, Any]) -> Iterator[Bound]:
+def plausible_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
     """The bounds of what components can take, at what a run has `found`: the nodes that go furthest."""
     limits = system.tables.get("limits") or Limits()
     nodes = system.circuit.network.nodes
@@ -50,13 +50,13 @@ def plausible_bounds(system: System, found: Mapping[str, Any]) -> Iterator[Bound
             yield from _stays_shut(system, found, part, relief)
 
 
-def _highest(system: System, found: Mapping[str, Any], node: str) -> float:
+def _highest(system: LoadedSystem, found: Mapping[str, Any], node: str) -> float:
     """The highest pressure of a node [Pa, absolute]."""
     oil = system.circuit.network.nodes[node].oil  # type: ignore[union-attr]
     return float(found[f"pressure_max_{node}_Pa"]) + float(oil.reference_pressure)
 
 
-def _stays_shut(system: System, found: Mapping[str, Any], part: Part, relief: ReliefValve) -> Iterator[Bound]:
+def _stays_shut(system: LoadedSystem, found: Mapping[str, Any], part: Part, relief: ReliefValve) -> Iterator[Bound]:
     """Of a relief valve through which nothing flowed, the highest pressure at its ports; its setting is its bound."""
     if isinstance(relief, LoadReliefValve) or found.get(f"flow_mean_{part.name}_m3_s", 1.0) != 0.0:
         return

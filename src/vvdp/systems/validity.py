@@ -6,10 +6,10 @@ from typing import Any
 from vvdp.base.kinds import POSITION, PRESSURE_DIFFERENCE, TEMPERATURE
 from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.network.nodes import HydraulicNode
-from vvdp.systems.bounds import Bound as Bound
+from vvdp.systems.bound import Bound
+from vvdp.systems.extras import LoadedSystem
 from vvdp.systems.pipe_waves import wave_bounds
 from vvdp.systems.plausibility import plausible_bounds
-from vvdp.systems.system import System
 from vvdp.valve.validity import CAVITATION_PRESSURE
 
 COLDEST, HOTTEST = 258.15, 373.15
@@ -20,7 +20,7 @@ STOP_GIVES = 0.01
 """Of the stroke, by which end stops may give way: theirs are springs."""
 
 
-def bounds(system: System, found: Mapping[str, Any]) -> Iterator[Bound]:
+def bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
     """The bounds of all laws at what a run has `found`."""
     extras = system.extras
     temperature = system.circuit.network.temperature if extras is None else extras.temperature
@@ -52,7 +52,7 @@ def bounds(system: System, found: Mapping[str, Any]) -> Iterator[Bound]:
         yield from extras.bounds(found)
 
 
-def _strokes(system: System, found: Mapping[str, Any]) -> Iterator[Bound]:
+def _strokes(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
     """Rods within the strokes of their cylinders; what an end stop gives way is none of it."""
     for part in system.circuit.network.parts.values():
         for cylinder in (each for each in part.values if isinstance(each, Cylinder)):
@@ -69,12 +69,12 @@ def _strokes(system: System, found: Mapping[str, Any]) -> Iterator[Bound]:
             )
 
 
-def broken_bounds(system: System, found: Mapping[str, Any]) -> list[str]:
+def broken_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> list[str]:
     """A sentence for every law that is used outside its range; empty where none is."""
     return [bound.sentence for bound in bounds(system, found) if not bound.is_kept]
 
 
-def lowest_pressures(system: System, found: Mapping[str, Any]) -> list[tuple[str, float]]:
+def lowest_pressures(system: LoadedSystem, found: Mapping[str, Any]) -> list[tuple[str, float]]:
     """All nodes with oil, prescribed ones included, and how low they fell [Pa, absolute], the lowest first."""
     nodes = system.circuit.network.nodes.items()
     low = [
@@ -85,12 +85,12 @@ def lowest_pressures(system: System, found: Mapping[str, Any]) -> list[tuple[str
     return sorted(low, key=lambda each: each[1])
 
 
-def lowest_pressure(system: System, found: Mapping[str, Any]) -> tuple[str, float]:
+def lowest_pressure(system: LoadedSystem, found: Mapping[str, Any]) -> tuple[str, float]:
     """The node whose pressure fell lowest, prescribed ones included, and that pressure [Pa, absolute]."""
     return next(iter(lowest_pressures(system, found)), ("", float("nan")))
 
 
-def cavitation_pressure(system: System) -> float:
+def cavitation_pressure(system: LoadedSystem) -> float:
     """Below which the oil of a system is held to cavitate [Pa, absolute]."""
     limits = system.tables.get("limits")
     return CAVITATION_PRESSURE if limits is None else float(limits.cavitation_pressure)

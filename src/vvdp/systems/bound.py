@@ -1,4 +1,4 @@
-"""A bound that a number of a run has to keep."""
+"""A number of a run and the range in which a law holds."""
 
 import math
 from dataclasses import dataclass
