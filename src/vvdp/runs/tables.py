@@ -33,6 +33,7 @@ from vvdp.systems.overview import (
     node_lines,
     power_lines,
 )
+from vvdp.systems.valve_numbers import valve_quantities
 
 ROUNDING = 1e-9
 """What is stored counts as nothing below this share of the largest power."""
@@ -66,7 +67,15 @@ def screen_listings(run: RecordedRun) -> tuple[Listing, ...]:
     extras = run.system.extras
     if extras is not None and extras.OVERVIEW:
         return (overview(run, extras),)
-    return node_listing(run), component_listing(run), loss_listing(run), *circuit_loss_listings(run).values()
+    listings = node_listing(run), component_listing(run), loss_listing(run), *circuit_loss_listings(run).values()
+    return (*listings, *valve_listing(run))
+
+
+def valve_listing(run: RecordedRun) -> tuple[Listing, ...]:
+    """What the rotary valves of a drawn circuit do; empty where it has none."""
+    numbers = dict(valve_quantities(run.system))
+    rows = tuple(Row(label, kind, (run.number(key),)) for key, (kind, label) in numbers.items())
+    return (Listing(title="Rotary valves", heads=("mean",), rows=rows),) if rows else ()
 
 
 def node_listing(run: RecordedRun) -> Listing:

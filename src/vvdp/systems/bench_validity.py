@@ -1,12 +1,12 @@
 """Up to where the laws of a test bench of the rotary valve hold, and which of its numbers mean something."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 from vvdp.base.display import percent, with_unit
 from vvdp.base.kinds import DUTY_RATIO, MEAN_POWER, NUMBER, RATIO, TEMPERATURE_DIFFERENCE
 from vvdp.fluid.mixture import mean_bulk_modulus
-from vvdp.fluid.oil import density, dynamic_viscosity
+from vvdp.fluid.oil import Oil, density, dynamic_viscosity
 from vvdp.systems.bench_values import BenchValues
 from vvdp.systems.bound import Bound
 from vvdp.systems.load_ripple import estimated_ripple, vessel_capacity
@@ -46,6 +46,25 @@ STOP_ROOM = 0.05
 """Share of the helix length by which a spool may go beyond the ends of the duty ratio, to its stops: 1 mm here."""
 HEAT_CONDUCTION = 0.13
 """Thermal conductivity of mineral oil [W/(m K)]."""
+
+
+class ValveReading(NamedTuple):
+    """What the laws of a rotary valve were used at in a run.
+
+    temperature     of the oil at the start [K]
+    flow            mean, that comes to it [m^3/s]
+    pwm_frequency   mean [Hz]
+    inlet_pressure  mean, absolute [Pa]
+    fastest         largest speed of its spool either way [rad/s]
+    """
+
+    valve: RotaryValve
+    oil: Oil
+    temperature: float
+    flow: float
+    pwm_frequency: float
+    inlet_pressure: float
+    fastest: float
 
 
 def efficiency(load_power: float, put_in: float, stored: float) -> float:
@@ -98,59 +117,78 @@ def bench_bounds(bench: BenchValues, found: Mapping[str, Any]) -> Iterator[Bound
         most=ends.high / bench.valve.helix_length + STOP_ROOM,
         kind=DUTY_RATIO,
     )
-    rho, mu = density(bench.temperature, bench.oil), dynamic_viscosity(bench.temperature, bench.oil)
-    yield from _flow_bounds(bench, found, rho, mu)
-    yield from _clearance_bounds(bench.valve)
-    fastest = max(abs(float(found[f"speed_{end}_spool_rad_s"])) for end in ("min", "max"))
+    yield from valve_bounds(_bench_reading(bench, found))
+
+
+def _bench_reading(bench: BenchValues, found: Mapping[str, Any]) -> ValveReading:
+    return ValveReading(
+        valve=bench.valve,
+        oil=bench.oil,
+        temperature=bench.temperature,
+        flow=float(found["mean_pump_flow_m3_s"]),
+        pwm_frequency=float(found["pwm_frequency_Hz"]),
+        inlet_pressure=float(found["pressure_mean_inlet_Pa"]) + bench.reference,
+        fastest=max(abs(float(found[f"speed_{end}_spool_rad_s"])) for end in ("min", "max")),
+    )
+
+
+def valve_bounds(reading: ValveReading, name: str = "") -> Iterator[Bound]:
+    """The bounds of the laws of a rotary valve and its spool; with a `name` where there may be several."""
+    rho, mu = (law(reading.temperature, reading.oil) for law in (density, dynamic_viscosity))
+    of = f" of {name}" if name else ""
+    yield from _flow_bounds(reading, rho, mu, of)
+    yield from _clearance_bounds(reading.valve, of)
     yield _bound(
-        "Taylor number of the clearance",
-        taylor_number(fastest, rho, mu, bench.valve),
+        f"Taylor number of the clearance{of}",
+        taylor_number(reading.fastest, rho, mu, reading.valve),
         "vortices brake the spool more than the linear law of friction",
         most=TAYLOR_NUMBER,
     )
     yield _bound(
-        "warming of the film by its shear",
-        sheared_temperature_rise(fastest, mu, HEAT_CONDUCTION, bench.valve),
+        f"warming of the film{of} by its shear",
+        sheared_temperature_rise(reading.fastest, mu, HEAT_CONDUCTION, reading.valve),
         "friction is less than that of oil at its temperature",
         most=SHEAR_WARMING,
         kind=TEMPERATURE_DIFFERENCE,
     )
 
 
-def _flow_bounds(bench: BenchValues, found: Mapping[str, Any], rho: float, mu: float) -> Iterator[Bound]:
+def _flow_bounds(reading: ValveReading, rho: float, mu: float, of: str) -> Iterator[Bound]:
     """Of the nozzles where oil flows, and of the volumes where the valve switches."""
-    flow, frequency = float(found["mean_pump_flow_m3_s"]), abs(float(found["pwm_frequency_Hz"]))
-    if flow > 0.0:
-        reynolds = float(nozzle_reynolds_number(flow, rho, mu, bench.valve))
+    frequency = abs(reading.pwm_frequency)
+    if reading.flow > 0.0:
+        reynolds = float(nozzle_reynolds_number(reading.flow, rho, mu, reading.valve))
         yield _bound(
-            "Reynolds number of the nozzles", reynolds, "the drop of their flow is no longer quadratic", least=LAMINAR
+            f"Reynolds number of the nozzles{of}",
+            reynolds,
+            "the drop of their flow is no longer quadratic",
+            least=LAMINAR,
         )
     if frequency > 0.0:
-        pressure = float(found["pressure_mean_inlet_Pa"]) + bench.reference
         yield _bound(
-            "pressure waves across the valve during a transition",
-            wave_transits(frequency, pressure, rho, bench.oil, bench.valve),
+            f"pressure waves across the valve{of} during a transition",
+            wave_transits(frequency, reading.inlet_pressure, rho, reading.oil, reading.valve),
             f"at {frequency:.4g} Hz its oil is not under one pressure",
             least=WAVE_TRANSITS,
         )
 
 
-def _clearance_bounds(valve: RotaryValve) -> Iterator[Bound]:
+def _clearance_bounds(valve: RotaryValve, of: str) -> Iterator[Bound]:
     yield _bound(
-        "clearance over radius",
+        f"clearance over radius{of}",
         valve.radial_clearance / valve.spool_radius,
         "leakage and friction are those of a thin film",
         most=CURVATURE,
         kind=RATIO,
     )
     yield _bound(
-        "breadth of the barriers over the clearance",
+        f"breadth of the barriers{of} over the clearance",
         barrier_width(valve) / valve.radial_clearance,
         "the leakage past them is that of a long slot",
         least=SLOT_LENGTH,
         kind=RATIO,
     )
-    yield _bound("eccentricity of the spool", valve.eccentricity, "it touches the sleeve", most=ECCENTRICITY)
+    yield _bound(f"eccentricity of the spool{of}", valve.eccentricity, "it touches the sleeve", most=ECCENTRICITY)
 
 
 def _bound(label: str, value: float, otherwise: str, **ends: Any) -> Bound:

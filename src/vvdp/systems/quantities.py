@@ -21,6 +21,7 @@ from vvdp.network.nodes import HydraulicNode, Rod, Shaft, can_boil, free_air_nam
 from vvdp.network.paths import flows_of, moving_parts
 from vvdp.results.result import Number
 from vvdp.systems.system import System
+from vvdp.systems.valve_numbers import valve_quantities
 
 OF_ANY_RUN: Mapping[str, tuple[Kind, str]] = {
     "duration_s": (DURATION, "simulated time"),
@@ -49,7 +50,7 @@ EXTREMES = {"mean": "mean", "min": "lowest", "max": "highest"}
 def quantities(system: System) -> dict[str, tuple[Kind, str]]:
     """Kind and label of every key that a summary of the system may have."""
     own = {} if system.extras is None else dict(system.extras.QUANTITIES)
-    return dict(OF_ANY_RUN) | dict(_of_nodes(system)) | dict(_of_parts(system)) | own
+    return dict(OF_ANY_RUN) | dict(_of_nodes(system)) | dict(_of_parts(system)) | dict(valve_quantities(system)) | own
 
 
 def summary_units(system: System) -> dict[str, str]:

@@ -27,6 +27,7 @@ from vvdp.systems.extras import Summary as Summary
 from vvdp.systems.pipe_waves import wave_numbers
 from vvdp.systems.system import System
 from vvdp.systems.validity import broken_bounds, cavitation_pressure, lowest_pressure
+from vvdp.systems.valve_numbers import valve_numbers
 
 
 def summary(system: System, run: Run) -> Summary:
@@ -65,6 +66,7 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
         **_node_numbers(run, system),
         **_part_numbers(run, system),
     }
+    found |= valve_numbers(system, _means(run), found)
     balances = _balances(run)
     if system.extras is not None:
         found |= system.extras.simulation_numbers(run, found | balances)
