@@ -82,7 +82,7 @@ class ProgramDrawer(ABC):
         kind = self._type(path, part, types)
         if kind is None:
             return None
-        part = _with_inputs(part, _inputs(kind))
+        part = _with_inputs(part, _own_type(kind))
         return WrittenPart(name, kind, part) if self._has_own_keys(path, part, types) else None
 
     def _add_program(self, net: Network, part: "WrittenPart", kinds: "Kinds") -> None:
@@ -211,14 +211,9 @@ def _own_type(kind: ProgramType | GenericProgram) -> ProgramType:
     return kind.type if isinstance(kind, GenericProgram) else kind
 
 
-def _inputs(kind: ProgramType | GenericProgram) -> tuple[str, ...]:
-    fields: tuple[str, ...] = _own_type(kind).reading._fields  # type: ignore[attr-defined]
-    return fields
-
-
-def _with_inputs(part: Mapping[str, Any], inputs: tuple[str, ...]) -> Mapping[str, Any]:
-    """The keys of a program, where `reads` gives several inputs with these: as a list in their order, or by name."""
-    reads = part.get("reads")
+def _with_inputs(part: Mapping[str, Any], kind: ProgramType) -> Mapping[str, Any]:
+    """The keys of a program, where `reads` gives several inputs with these: a list in their order, by name, or all."""
+    reads, inputs = part.get("reads"), kind.reading._fields  # type: ignore[attr-defined]
     rest = {key: value for key, value in part.items() if key != "reads"}
     open_inputs = [name for name in inputs if name != "time"]
     match reads:
@@ -229,7 +224,7 @@ def _with_inputs(part: Mapping[str, Any], inputs: tuple[str, ...]) -> Mapping[st
         case str() if "reads" not in inputs and len(open_inputs) == 1:
             return {open_inputs[0]: reads, **rest}
         case str() if "reads" not in inputs and "." not in reads:
-            return {name: f"{reads}.{name}" for name in open_inputs} | rest
+            return {name: f"{reads}.{name}" for name in open_inputs if name not in kind.defaults} | rest
     return part
 
 
