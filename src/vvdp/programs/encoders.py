@@ -4,7 +4,7 @@ from dataclasses import fields, replace
 from typing import NamedTuple
 
 from vvdp.base.kinds import Angle, Count, Fraction, Ratio, SignedFraction, Speed, Time
-from vvdp.base.params import Params
+from vvdp.base.params import Params, refuse
 from vvdp.base.signal import signal_value
 from vvdp.estimation.estimator import Estimate, to_estimate
 from vvdp.estimation.event_filter import event_filter_step
@@ -73,6 +73,11 @@ class WheelFilter(EventFilterValues):
 
     sectors: Count
     index_shift: Fraction = 0.0
+
+    def check(self) -> None:
+        super().check()
+        if self.sectors % 1.0:
+            refuse(self, "sectors", "must be a whole number")
 
 
 def filter_settings(table: WheelFilter) -> EventFilter:

@@ -108,11 +108,14 @@ class ProgramDrawer(ABC):
         if sampled and called.period not in (0.0, sampled):
             self._fault(f"{part.path}.period", f"{called.period:g} s must be the sample_period, {sampled:g} s")
             return
-        first = partial(kinds.first_reading, kind, reads)
-        kind, settings = _type_and_settings(part.kind, kind, settings, first)
         calls = {"period": called.period or sampled, "phase": called.phase, "latency": called.latency}
-        add = partial(net.program, part.name, kind, settings, reads=reads, sensors=sensors, previous=previous)
-        self._try(part.path, partial(add, **calls))
+
+        def add() -> None:
+            first = partial(kinds.first_reading, kind, reads)
+            own, values = _type_and_settings(part.kind, kind, settings, first)
+            net.program(part.name, own, values, reads=reads, sensors=sensors, previous=previous, **calls)
+
+        self._try(part.path, add)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -177,7 +180,7 @@ class Kinds:
             if isinstance(source, Signal):
                 found[name] = signal_value(0.0, source)
             elif other in self.written:
-                found[name] = getattr(self.type_of(other).command, key)
+                found[name] = getattr(self.type_of(other).command, key, 0.0)
         return kind.reading(**found)
 
 
