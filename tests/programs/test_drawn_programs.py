@@ -333,6 +333,12 @@ def test_units_of_inputs_and_values(change, line, key, message):
     assert message in found[0][2]
 
 
+def test_a_limit_that_is_not_given_is_no_assumption():
+    text = CONTROL.format(reference="50 bar", gain="0.1 1/bar", lowest="0").replace('lowest = "0"\n', "")
+    keys = [row.key for row in system(text).rows if row.table == "programs.control"]
+    assert "highest" in keys and "lowest" not in keys
+
+
 def test_an_input_of_a_component_takes_no_other_unit():
     text = '[programs.flow]\ntype = "limit"\nreads = "pump.flow"\n'
     valve = PWM.split("[programs.duty]")[0].replace("pulses.value", "flow.value")

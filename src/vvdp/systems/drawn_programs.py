@@ -20,7 +20,7 @@ from vvdp.network.paths import Places
 from vvdp.network.program import ProgramType
 from vvdp.programs.generic import GenericProgram
 from vvdp.programs.library import PROGRAMS
-from vvdp.programs.quantities import INPUT, PLAIN, SECOND, written_quantity
+from vvdp.programs.quantities import INPUT, LARGEST, PLAIN, SECOND, written_quantity
 from vvdp.sensing.instrument import Instrument, ideal_instrument
 from vvdp.systems.own_programs import own_program
 
@@ -69,6 +69,7 @@ class ProgramDrawer(ABC):
         for each in kinds.written.values():
             if not self._has_faults(each.path):
                 self._add_program(net, each, kinds)
+        self.rows[:] = [row for row in self.rows if row.value not in (-LARGEST, LARGEST)]  # no limit is no value
 
     def _written_part(self, name: str, part: Mapping[str, Any]) -> "WrittenPart | None":
         """A program as it stands in the file, with its inputs by name; None where its type or keys are wrong."""
