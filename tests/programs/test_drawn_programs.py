@@ -333,6 +333,12 @@ def test_units_of_inputs_and_values(change, line, key, message):
     assert message in found[0][2]
 
 
+def test_a_limit_that_is_not_given_is_no_assumption():
+    text = CONTROL.format(reference="50 bar", gain="0.1 1/bar", lowest="0").replace('lowest = "0"\n', "")
+    keys = [row.key for row in system(text).rows if row.table == "programs.control"]
+    assert "highest" in keys and "lowest" not in keys
+
+
 def test_an_input_of_a_component_takes_no_other_unit():
     text = '[programs.flow]\ntype = "limit"\nreads = "pump.flow"\n'
     valve = PWM.split("[programs.duty]")[0].replace("pulses.value", "flow.value")
@@ -361,6 +367,31 @@ def test_names():
 def test_keys(text, key, message):
     found = faults(f'[programs.x]\ntype = "sum"\n{text}\n')
     assert any(each[1] == key and message in each[2] for each in found), found
+
+
+ODD = (
+    *("1", "-1", "x.y", "line", "t", "1e400", "0.1 1/bra", "3 K", "", 0, -5, 1.5, True),
+    *([], ["1", "x"], [["1"]], {}, {"from": 3}, {"value": {}}),
+)
+KEYS = [
+    (name, key)
+    for text in (ALL, PWM)
+    for name, part in parsed_table(text, "").content["programs"].items()
+    for key in part
+]
+
+
+@pytest.mark.parametrize(("name", "key"), KEYS)
+def test_odd_values_are_taken_or_refused(name, key):
+    """Nothing but a ConfigError, each with the key's program."""
+    text = HEAD + (ALL if f"programs.{name}]" in ALL else PWM).lstrip()
+    for odd in ODD:
+        table = parsed_table(text, "mine.toml")
+        table.content["programs"][name][key] = odd
+        try:
+            built_system(table, "mine")
+        except ConfigError as refused:
+            assert all(fault.key.startswith(("programs", "components")) for fault in refused.faults), refused
 
 
 # Programs of one's own

@@ -105,6 +105,23 @@ def test_two_programs_are_the_one_that_joins_them(system):
     assert encoder_settings(table) == network.programs["edges"].settings
 
 
+def test_a_threshold_that_is_off_is_led_back_in_a_loop(system):
+    """The encoder reads the threshold of the last call; at 0.6 of the light it is 0.1 too high."""
+    text = SYSTEM.replace("FILTER", filter_lines()).replace('"event-filter"', '"threshold"')
+    adapted = 'type = "threshold"\nthreshold = "0.6"\nramp_slope = "0.05 rad"\nadaptation_gain = "0.1"\ndither = "0.2"'
+    text = text.replace('type = "threshold"', adapted).replace('until = "0.5 s"', 'until = "4 s"')
+    text = text.replace(
+        'reads = "wheel"', 'reads = "wheel"\nthreshold_shift = "speed.threshold_shift"\nprevious = true'
+    )
+    text = text.replace('threshold = "0.5"\nhyst', 'threshold = "0.6"\nhyst')
+    found = built_system(parsed_table(text, "mine.toml"), "mine")
+    command = simulate(found.circuit.model, found.circuit.case, found.stepping).command
+    assert command.speed.threshold[-1000:].mean() == pytest.approx(0.5, abs=0.03)
+    assert command.speed.threshold_shift[-1000:].mean() == pytest.approx(-0.1, abs=0.03)
+    with pytest.raises(ConfigError, match=r"(edges -> speed -> edges|speed -> edges -> speed)"):
+        built_system(parsed_table(text.replace("previous = true", ""), "mine.toml"), "mine")
+
+
 def test_a_ramp_is_averaged_to_half_a_period_ago():
     """Of a spool of two sections at 25 rev/s: periods of 20 ms."""
     settings, memory = Sections(sections=2.0), period_start(None)

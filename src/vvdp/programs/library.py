@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from vvdp.network.program import ProgramType
 from vvdp.programs.arithmetic import PRODUCT, SUM, TABLE
 from vvdp.programs.controllers import PI, PID
-from vvdp.programs.encoders import ENCODER, EVENT_FILTER
+from vvdp.programs.encoders import ENCODER, EVENT_FILTER, THRESHOLD
 from vvdp.programs.estimators import FLOW_MAP, LOAD_OBSERVER, PERIOD_AVERAGE
 from vvdp.programs.filters import LIMIT, LOW_PASS, RATE_LIMIT, REFERENCE
 from vvdp.programs.generic import GenericProgram
@@ -29,6 +29,7 @@ PROGRAMS: Mapping[str, ProgramType | GenericProgram] = {
     "reference": REFERENCE,
     "sum": SUM,
     "table": TABLE,
+    "threshold": THRESHOLD,
     "unloading": UNLOADING,
 }
 """Programs that a system file can name, by their type."""

@@ -6,6 +6,7 @@ A program for any quantity is written with the kinds of this module; `with_kinds
 import re
 from collections import namedtuple
 from collections.abc import Hashable, Mapping
+from dataclasses import replace
 from functools import lru_cache
 from typing import Annotated, Any, NamedTuple, cast
 
@@ -37,7 +38,7 @@ LARGEST = 1e300
 PLAIN = Kind("plain number", "1", -LARGEST, LARGEST, "0.5")
 QUANTITIES = (
     *(PLAIN, PRESSURE_LEVEL, FLOW, POSITION, VELOCITY, FORCE, TORQUE, ANGLE, SPEED, FREQUENCY),
-    *(DURATION, TEMPERATURE, EXCHANGED_POWER, AREA, VOLUME),
+    *(DURATION, TEMPERATURE, replace(EXCHANGED_POWER, name="power in either direction"), AREA, VOLUME),
 )
 """What a command may be, by its unit; another unit is a quantity without a name."""
 DIFFERENCES = {PRESSURE_LEVEL: SIGNED_PRESSURE, TEMPERATURE: TEMPERATURE_DIFFERENCE}

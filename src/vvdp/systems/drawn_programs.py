@@ -20,7 +20,7 @@ from vvdp.network.paths import Places
 from vvdp.network.program import ProgramType
 from vvdp.programs.generic import GenericProgram
 from vvdp.programs.library import PROGRAMS
-from vvdp.programs.quantities import INPUT, PLAIN, SECOND, written_quantity
+from vvdp.programs.quantities import INPUT, LARGEST, PLAIN, SECOND, written_quantity
 from vvdp.sensing.instrument import Instrument, ideal_instrument
 from vvdp.systems.own_programs import own_program
 
@@ -69,6 +69,7 @@ class ProgramDrawer(ABC):
         for each in kinds.written.values():
             if not self._has_faults(each.path):
                 self._add_program(net, each, kinds)
+        self.rows[:] = [row for row in self.rows if row.value not in (-LARGEST, LARGEST)]  # no limit is no value
 
     def _written_part(self, name: str, part: Mapping[str, Any]) -> "WrittenPart | None":
         """A program as it stands in the file, with its inputs by name; None where its type or keys are wrong."""
@@ -82,7 +83,7 @@ class ProgramDrawer(ABC):
         kind = self._type(path, part, types)
         if kind is None:
             return None
-        part = _with_inputs(part, _inputs(kind))
+        part = _with_inputs(part, _own_type(kind))
         return WrittenPart(name, kind, part) if self._has_own_keys(path, part, types) else None
 
     def _add_program(self, net: Network, part: "WrittenPart", kinds: "Kinds") -> None:
@@ -108,11 +109,14 @@ class ProgramDrawer(ABC):
         if sampled and called.period not in (0.0, sampled):
             self._fault(f"{part.path}.period", f"{called.period:g} s must be the sample_period, {sampled:g} s")
             return
-        first = partial(kinds.first_reading, kind, reads)
-        kind, settings = _type_and_settings(part.kind, kind, settings, first)
         calls = {"period": called.period or sampled, "phase": called.phase, "latency": called.latency}
-        add = partial(net.program, part.name, kind, settings, reads=reads, sensors=sensors, previous=previous)
-        self._try(part.path, partial(add, **calls))
+
+        def add() -> None:
+            first = partial(kinds.first_reading, kind, reads)
+            own, values = _type_and_settings(part.kind, kind, settings, first)
+            net.program(part.name, own, values, reads=reads, sensors=sensors, previous=previous, **calls)
+
+        self._try(part.path, add)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -177,7 +181,7 @@ class Kinds:
             if isinstance(source, Signal):
                 found[name] = signal_value(0.0, source)
             elif other in self.written:
-                found[name] = getattr(self.type_of(other).command, key)
+                found[name] = getattr(self.type_of(other).command, key, 0.0)
         return kind.reading(**found)
 
 
@@ -211,14 +215,9 @@ def _own_type(kind: ProgramType | GenericProgram) -> ProgramType:
     return kind.type if isinstance(kind, GenericProgram) else kind
 
 
-def _inputs(kind: ProgramType | GenericProgram) -> tuple[str, ...]:
-    fields: tuple[str, ...] = _own_type(kind).reading._fields  # type: ignore[attr-defined]
-    return fields
-
-
-def _with_inputs(part: Mapping[str, Any], inputs: tuple[str, ...]) -> Mapping[str, Any]:
-    """The keys of a program, where `reads` gives several inputs with these: as a list in their order, or by name."""
-    reads = part.get("reads")
+def _with_inputs(part: Mapping[str, Any], kind: ProgramType) -> Mapping[str, Any]:
+    """The keys of a program, where `reads` gives several inputs with these: a list in their order, by name, or all."""
+    reads, inputs = part.get("reads"), kind.reading._fields  # type: ignore[attr-defined]
     rest = {key: value for key, value in part.items() if key != "reads"}
     open_inputs = [name for name in inputs if name != "time"]
     match reads:
@@ -229,7 +228,7 @@ def _with_inputs(part: Mapping[str, Any], inputs: tuple[str, ...]) -> Mapping[st
         case str() if "reads" not in inputs and len(open_inputs) == 1:
             return {open_inputs[0]: reads, **rest}
         case str() if "reads" not in inputs and "." not in reads:
-            return {name: f"{reads}.{name}" for name in open_inputs} | rest
+            return {name: f"{reads}.{name}" for name in open_inputs if name not in kind.defaults} | rest
     return part
 
 
