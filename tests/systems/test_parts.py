@@ -258,6 +258,12 @@ def test_names_inside_are_read_with_a_dot(folder):
     ]
 
 
+def test_a_fault_jams_what_is_inside():
+    text = source_text("two-cylinders") + '[faults.seized]\njams = "lift.rod"\nforce = "50 kN"\nbegin = "0.3 s"\n'
+    network = built_system(parsed_table(text, "my.toml"), "my").circuit.network
+    assert network.parts["seized"].nodes == {"rod": "lift_rod"}
+
+
 def test_a_value_may_follow_the_circuit_around_the_part(folder):
     text = MAIN.replace("right_volume =", "# ").replace("[run]", '[components.drive]\ntype = "two-way-valve"\n[run]')
     assert any("drive" in fault for fault in faults(folder, text))
