@@ -340,6 +340,7 @@ def test_a_mistake_in_the_use_has_its_line(folder, text, message):
         ('a = "line"', 'a = "rail"', "brake.toml:14: components.inlet: port 'a' ends at 'one_rail'"),
         ('"nodes.chamber.volume"', '"nodes.chambre.volume"', "brake.toml:27: values.volume: 'nodes.chambre.volume'"),
         ('"nodes.chamber.volume"', '"oil.density"', "brake.toml:27: values.volume: 'oil.density' is no path"),
+        ("title", 'circuit = "danger:network"\ntitle', "brake.toml:1: circuit: unknown key"),
         ("[values]", "[limits]", "brake.toml:26: limits: unknown table"),
         ("[nodes.chamber]", "[nodes.third]\ntype = \"port\"\n[nodes.chamber]", "main.toml:13: parts.one: port 'third'"),
     ],
