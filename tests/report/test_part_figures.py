@@ -1,8 +1,9 @@
 """A part in the diagram: one box with its ports, and a drawing of what is in it."""
 
+from vvdp.base.tables import parsed_table
 from vvdp.report.circuit import graph_of
 from vvdp.report.diagram import diagram
-from vvdp.systems.system import load_system
+from vvdp.systems.system import built_system, load_system, source_text
 
 
 def test_a_part_is_one_component_and_has_a_drawing_of_its_own():
@@ -20,3 +21,10 @@ def test_a_part_is_one_component_and_has_a_drawing_of_its_own():
     assert {each.name for each in inner.nodes} == {"lift_line", "tank", "motor", "lift_unit_inlet", "lift_unit_spool"}
     assert '<a href="#figure-circuit-lift_unit">' in diagram(whole)
     assert "<a " not in diagram(inner)
+
+
+def test_what_a_fault_joins_to_a_part_is_drawn_in_it():
+    text = source_text("two-cylinders") + '[faults.seized]\njams = "lift.rod"\nforce = "50 kN"\nbegin = "0.3 s"\n'
+    network = built_system(parsed_table(text, "my.toml"), "my").circuit.network
+    assert "seized" not in {each.name for each in graph_of(network, "whole").components}
+    assert "seized" in {each.name for each in graph_of(network, "lift", "lift").components}

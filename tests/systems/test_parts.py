@@ -17,6 +17,7 @@ from vvdp.systems.part_files import PartFile, shipped_part, shipped_parts
 from vvdp.systems.part_offers import part_ports, part_values
 from vvdp.systems.part_scopes import UNNAMED, Scope
 from vvdp.systems.quantities import summary_units
+from vvdp.systems.ranges import with_ends
 from vvdp.systems.resolved import resolved_text
 from vvdp.systems.summary import summary
 from vvdp.systems.system import System, built_system, load_system, source_text
@@ -258,6 +259,12 @@ def test_names_inside_are_read_with_a_dot(folder):
     ]
 
 
+def test_a_fault_jams_what_is_inside():
+    text = source_text("two-cylinders") + '[faults.seized]\njams = "lift.rod"\nforce = "50 kN"\nbegin = "0.3 s"\n'
+    network = built_system(parsed_table(text, "my.toml"), "my").circuit.network
+    assert network.parts["seized"].nodes == {"rod": "lift_rod"}
+
+
 def test_a_value_may_follow_the_circuit_around_the_part(folder):
     text = MAIN.replace("right_volume =", "# ").replace("[run]", '[components.drive]\ntype = "two-way-valve"\n[run]')
     assert any("drive" in fault for fault in faults(folder, text))
@@ -334,6 +341,7 @@ def test_a_mistake_in_the_use_has_its_line(folder, text, message):
         ('a = "line"', 'a = "rail"', "brake.toml:14: components.inlet: port 'a' ends at 'one_rail'"),
         ('"nodes.chamber.volume"', '"nodes.chambre.volume"', "brake.toml:27: values.volume: 'nodes.chambre.volume'"),
         ('"nodes.chamber.volume"', '"oil.density"', "brake.toml:27: values.volume: 'oil.density' is no path"),
+        ("title", 'circuit = "danger:network"\ntitle', "brake.toml:1: circuit: unknown key"),
         ("[values]", "[limits]", "brake.toml:26: limits: unknown table"),
         ("[nodes.chamber]", "[nodes.third]\ntype = \"port\"\n[nodes.chamber]", "main.toml:13: parts.one: port 'third'"),
     ],
@@ -381,6 +389,17 @@ def test_a_study_reaches_the_values_of_a_part(folder):
     assert list(found.inputs["nodes.pair.left.chamber.volume"].values) == pytest.approx([30e-6, 50e-6] * 2)
     losses = found.outputs["loss_one_W"].values
     assert len(set(losses)) > 1 and np.all(np.isfinite(losses))
+
+
+def test_a_range_inside_of_a_part_is_one_of_the_system(folder):
+    ranged = 'volume = { value = "40 cc", range = ["30 cc", "50 cc"], status = "assumed" }'
+    (folder / "brake.toml").write_text(BRAKE.replace('volume = { value = "40 cc", status = "assumed" }', ranged))
+    drawn = system(folder, MAIN)
+    assert [row.setting for row in drawn.uncertainties] == [
+        f"nodes.{part}_chamber.volume" for part in ("one", "pair_left")
+    ]
+    low = with_ends(drawn, {drawn.uncertainties[1]: 0})
+    assert rows(low)["nodes.pair_left_chamber.volume"] == pytest.approx(30e-6)
 
 
 def test_a_value_that_is_missing_is_asked_for_at_the_use(folder):

@@ -320,12 +320,6 @@ class Network:
         for group, whole in self.groups.items():
             if node in whole.nodes:
                 raise NetworkError(f"{name}: port {port!r} ends at {node!r}, inside of {group!r}")
-        for part, circuit in self.circuits.items():
-            if node in circuit.names and name not in circuit.names:
-                ports = ", ".join(circuit.ports)
-                raise NetworkError(
-                    f"{name}: port {port!r} ends at {node!r}, inside of {part!r}, whose ports are {ports}"
-                )
         return node
 
     def _source(self, name: str, key: str, kind: Kind | None, source: object) -> Source:

@@ -62,10 +62,16 @@ def figure_of(part: str) -> str:
 def _names_in(network: Network, part: str) -> frozenset[str]:
     """The names in the drawing of a network or of a part of it, without what is inside of others there."""
     everything = (*network.nodes, *network.parts, *network.groups, *network.programs, *network.circuits)
-    own = network.circuits[part].names if part else frozenset(everything)
-    deeper = [circuit.names for name, circuit in network.circuits.items() if name in own]
+    own = _members(network, part) if part else frozenset(everything)
+    deeper = [_members(network, name) for name in network.circuits if name in own]
     ports = network.circuits[part].ports.values() if part else ()
     return frozenset((own - inside(network)).difference(*deeper) | {*ports})
+
+
+def _members(network: Network, part: str) -> frozenset[str]:
+    """The names in a part, with what a fault joins to a node in it."""
+    names = network.circuits[part].names
+    return names | {each.name for each in network.parts.values() if not names.isdisjoint(each.nodes.values())}
 
 
 def _circuit(network: Network, name: str, circuit: InnerCircuit) -> GraphComponent:

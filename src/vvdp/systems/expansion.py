@@ -65,6 +65,7 @@ def expand(table: Table, folder: Path) -> Expanded:
     top = PartFile(file, table, folder / file)
     circuit = DrawnCircuit(faults)
     Expansion(circuit).draw(Scope(top, above=(top.identity,)))
+    _refuse_inner_joints(circuit)
     _refuse(faults)
     return Expanded(Table(table.place, circuit.content(content), table.lines), circuit.places)
 
@@ -72,6 +73,18 @@ def expand(table: Table, folder: Path) -> Expanded:
 def _refuse(faults: list[Fault]) -> None:
     if faults:
         raise ConfigError(list(dict.fromkeys(faults)))
+
+
+def _refuse_inner_joints(circuit: DrawnCircuit) -> None:
+    """A fault where a component outside of a part is joined to a node inside of it."""
+    for name, entry in circuit.tables["components"].items():
+        outside = {part: use for part, use in circuit.parts.items() if name not in use["names"]}
+        for port in joined_ports(entry):
+            part = next((part for part, use in outside.items() if entry.get(port) in use["names"]), "")
+            if part:
+                ports = ", ".join(outside[part]["ports"])
+                words = f"port {port!r} ends at {entry[port]!r}, inside of {part!r}, whose ports are {ports}"
+                circuit.tell(circuit.places[f"components.{name}"], words)
 
 
 class Expansion:
