@@ -219,8 +219,7 @@ def circuits(
     from vvdp.systems.displacement.duties import known_cylinder, read_duty, shipped_duties
     from vvdp.systems.displacement.rival_circuits import CIRCUITS, machine_with_valve
 
-    moved = known_cylinder()
-    given = [read_duty(path, *moved) for path in own or ()]
+    given = [read_duty(path, *known_cylinder()) for path in own or ()]
     chosen = [*(_choose("--cycle", cycle, shipped_duties()) if cycle or not given else ()), *given]
     rivals = _choose("--circuit", circuit, (*CIRCUITS, *([machine_with_valve(valve)] if valve else [])))
     if show:

@@ -1,6 +1,7 @@
 """`vvdp fit`."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
@@ -26,14 +27,21 @@ class _Law(NamedTuple):
     fit: "Callable[[Mapping[str, Array], Host | None], Fitted]"
 
 
+@dataclass(frozen=True)
+class Law:
+    """Options: the law that is fitted."""
+
+    law: Annotated[str, typer.Option("--law", metavar="LAW", help="One of drop, jet, leakage.")]
+    part: Annotated[str, typer.Option("--part", metavar="PART", help="What drops: one of centre, nozzle, outlet.")] = (
+        "centre"
+    )
+
+
 @flat("results/fit-LAW-DATE-TIME")
 def fit(
     *,
     table: Annotated[Path, typer.Argument(metavar="TABLE", help="A CSV file with a heading such as `flow [lpm]`.")],
-    law: Annotated[str, typer.Option("--law", metavar="LAW", help="One of drop, jet, leakage.")],
-    part: Annotated[
-        str, typer.Option("--part", metavar="PART", help="What drops: one of centre, nozzle, outlet.")
-    ] = "centre",
+    fitted: Law,
     on: Annotated[
         str | None,
         typer.Option(
@@ -59,11 +67,11 @@ def fit(
     from vvdp.fitting.table import read_columns
     from vvdp.systems.resolved import resolved_text
 
-    chosen = _law(law, part)
+    chosen = _law(fitted.law, fitted.part)
     loaded, host = _host(on, settings)
     found = chosen.fit(read_columns(table, chosen.columns), host)
     result = fit_result(found, readable(table.name), host)
-    directory = output.directory(f"fit-{law}")
+    directory = output.directory(f"fit-{fitted.law}")
     with result_directory(directory, force=output.force) as folder:
         if loaded:
             write_whole(folder / FITTED, _fitted_text(loaded, on or "", settings, found, table))

@@ -93,8 +93,7 @@ def map(  # noqa: A001 - the name of the verb
         say(f"{found.ran} points run in {found.seconds:.2f} s")
     show_result(result, directory, json=work.json, reported=reported)
     if not found.is_finished:
-        missing = found.reasons.count(NOT_RUN)
-        say(f"interrupted with {missing} points to go; rerun the same command to resume")
+        say(f"interrupted with {found.reasons.count(NOT_RUN)} points to go; rerun the same command to resume")
         raise typer.Exit(INTERRUPTED)
     if "untrusted_points" in result.numbers and result.numbers["untrusted_points"].value > 0.0:
         say("the balances of some points do not close; see the column trusted")

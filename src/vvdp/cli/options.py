@@ -154,7 +154,7 @@ def flat(out: str = "") -> Callable[[Callable[..., None]], Callable[..., None]]:
 
     A parameter of the verb whose class is a dataclass stands for one option per field, in its place. A further
     parameter with the name of a field replaces this option; the record then has its default. `out` is the directory
-    that the help of the option --out names.
+    that the help of the option --out names; empty for an option --out of its own.
     """
 
     def spread(verb: Callable[..., None]) -> Callable[..., None]:
@@ -182,8 +182,10 @@ def flat(out: str = "") -> Callable[[Callable[..., None]], Callable[..., None]]:
 
 
 def _parameters(function: Callable[..., Any], out: str) -> dict[str, inspect.Parameter]:
-    """The parameters of a verb or a record, by keyword, with their annotations; that of --out names `out`."""
-    kinds = get_type_hints(function, include_extras=True) | {"out": Annotated[Path | None, out_option(out)]}
+    """The parameters of a verb or a record, by keyword, with annotations; if `out` is not empty, --out names it."""
+    kinds = get_type_hints(function, include_extras=True)
+    if out:
+        kinds["out"] = Annotated[Path | None, out_option(out)]
     return {
         name: each.replace(kind=inspect.Parameter.KEYWORD_ONLY, annotation=kinds[name])
         for name, each in inspect.signature(function).parameters.items()

@@ -29,7 +29,10 @@ from vvdp.systems.axial_loop import (
     RUN,
     AxialCommand,
     AxialSequence,
+    Demand,
+    Observed,
     Stage,
+    Target,
     is_known,
     known_phase,
     next_reference,
@@ -167,10 +170,10 @@ def gerotor_view(
     stage = next_stage(memory.stage, place.time, 1.0, is_known(phase), settings.sequence)
     stage = Stage(stage.number, stage.since, 1.0 if stage.number == HOME or stage.number == LEARN else 0.0)
     flow = memory.settled + (memory.flow - memory.settled) * np.exp(-period / settings.calibration.lag)
-    positions = (wanted, settings.stop_position)
+    target = Target(wanted, settings.stop_position)
     return GerotorView(
         sensor=sensor,
-        reference=next_reference(memory.reference, stage, positions, period, settings.reference),
+        reference=next_reference(memory.reference, stage, target, period, settings.reference),
         stage=stage,
         integral=memory.integral,
         seen=sight_of(signal, phase, stage, flow, 0.0, ALWAYS_SEEN),
@@ -200,8 +203,8 @@ def position_command(
         settled=settled,
         flow=view.seen.flow,
     )
-    seen, asked = (view.seen.phase, view.measured, view.seen.margin), (flow, 101325.0, 0.0)
-    return memory, show(command, view.stage, view.reference, seen, estimate, asked)
+    observed, demand = Observed(view.seen.phase, view.measured, view.seen.margin), Demand(flow, 101325.0, 0.0)
+    return memory, show(command, view.stage, view.reference, observed, estimate, demand)
 
 
 def gerotor_axial_step(

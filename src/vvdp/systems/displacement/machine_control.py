@@ -42,9 +42,11 @@ from vvdp.systems.displacement.inner_loop import LedGerotorPlace, LedPlace, led_
 from vvdp.systems.displacement.machine_loop import (
     IDLE,
     PROGRAM,
+    GerotorMachinePlace,
     MachineLoop,
     MachinePlace,
     SpoolRange,
+    gerotor_machine_step,
     machine_start,
     machine_step,
 )
@@ -256,10 +258,12 @@ def add_outer_loop(net: Network, loop: MachineLoop, sensors: CylinderSensors, pa
         "spool_speed": f"{AXIAL}.spool_speed",
         "spool_measured": f"{AXIAL}.measured",
         "spool_reference": f"{AXIAL}.reference",
-        "chamber_pressure": paths.chamber_pressure or paths.line_pressure,
         "pump_speed": "pump_motor.speed",
     }
-    kind = ProgramType(machine_step, MachinePlace, IDLE, MachineLoop, machine_start)
+    kind = ProgramType(gerotor_machine_step, GerotorMachinePlace, IDLE, MachineLoop, machine_start)
+    if paths.chamber_pressure:
+        kind = ProgramType(machine_step, MachinePlace, IDLE, MachineLoop, machine_start)
+        reads["chamber_pressure"] = paths.chamber_pressure
     net.program(
         PROGRAM,
         kind,
