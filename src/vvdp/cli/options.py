@@ -168,15 +168,15 @@ def flat(out: str = "") -> Callable[[Callable[..., None]], Callable[..., None]]:
             beside = _parameters(records[name], out) if name in records else {name: parameter}
             options |= {key: each for key, each in beside.items() if name not in records or key in own[name]}
 
-        def command(**values: Any) -> None:
+        def call(**values: Any) -> None:
             for name, record in records.items():
                 values[name] = record(**{key: values.pop(key) for key in own[name]})
             verb(**values)
 
-        command.__name__, command.__doc__ = verb.__name__, verb.__doc__
-        command.__signature__ = inspect.Signature(list(options.values()))  # type: ignore[attr-defined]
-        command.__annotations__ = {name: option.annotation for name, option in options.items()}
-        return command
+        call.__name__, call.__doc__ = verb.__name__, verb.__doc__
+        call.__signature__ = inspect.Signature(list(options.values()))  # type: ignore[attr-defined]
+        call.__annotations__ = {name: option.annotation for name, option in options.items()}
+        return call
 
     return spread
 
