@@ -87,7 +87,7 @@ def block(name: str, language: str) -> str:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_runs_and_is_to_be_trusted(name):
-    found = done(name).summary
+    found, _ = done(name)
     assert found["trusted"]
     assert found["finished"]
     assert not found["cavitation_volume"]

@@ -35,6 +35,7 @@ SETTLING = {
     "load-sensing",
     "linear-valves",
     "pilot-check-circuit",
+    "shared-supply",
     "shuttle-circuit",
     "throttle-control",
     "two-cylinders",

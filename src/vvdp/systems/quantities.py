@@ -11,6 +11,7 @@ from vvdp.base.kinds import (
     MEAN_POWER,
     NUMBER,
     POSITION,
+    RATIO,
     SPEED,
     VELOCITY,
     VOLUME,
@@ -102,3 +103,4 @@ def _of_parts(system: System) -> Iterator[tuple[str, tuple[Kind, str]]]:
     for whole in network.groups:
         yield f"flow_mean_{whole}_m3_s", (FLOW, f"{whole.replace('_', ' ')} flow, mean")
         yield f"loss_{whole}_W", (MEAN_POWER, f"{whole.replace('_', ' ')} loss")
+        yield f"wave_roughness_{whole}", (RATIO, f"roughness of the waves in {whole.replace('_', ' ')}")

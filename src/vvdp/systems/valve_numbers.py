@@ -89,8 +89,8 @@ def valve_quantities(system: LoadedSystem) -> Iterator[tuple[str, tuple[Kind, st
     """Kind and label of the numbers of each rotary valve, by key."""
     for valve in placed_valves(system.circuit.network) if system.extras is None else ():
         name, words = valve.name, valve.name.replace("_", " ")
-        yield f"{name}_pwm_frequency_Hz", (FREQUENCY, f"PWM frequency of {words}")
+        yield f"{name}_pwm_frequency_Hz", (FREQUENCY, f"{words} PWM frequency")
         yield f"{name}_load_opening", (FRACTION, f"open fraction of the load port of {words}, mean")
         yield f"{name}_cavitation_share", (FRACTION, f"share of the time in which a port of {words} cavitates")
-        yield f"loss_{name}_full_open_W", (MEAN_POWER, f"loss of {words} as if fully open")
-        yield f"loss_{name}_transition_W", (MEAN_POWER, f"loss of {words} by transition")
+        yield f"loss_{name}_full_open_W", (MEAN_POWER, f"{words} full open loss")
+        yield f"loss_{name}_transition_W", (MEAN_POWER, f"{words} transition loss")
