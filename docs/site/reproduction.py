@@ -8,16 +8,16 @@ import io
 import re
 import sys
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from PIL import Image
 
-from vvdp.reproduction.expectation import FILE, expectation_text, expected_verdicts
+from vvdp.reproduction.expectation import FILE, Expected, expectation_text, expected_rows
 from vvdp.reproduction.item import Item
 from vvdp.reproduction.items import ITEMS
-from vvdp.results.verdict import Verdict
+from vvdp.results.verdict import Evidence, Verdict
 
 DOCS = Path(__file__).parents[1]
 PAGE, PAGES = "reproduction.md", "reproduction"
@@ -50,11 +50,12 @@ def cell(text: str) -> str:
 def item_lines(item: Item, rows: Rows, pictures: Sequence[str]) -> Iterator[str]:
     """An item: its verdicts, then its pictures."""
     yield f"## {item.name}: {item.title}\n"
-    yield "| | source | vvdp | tolerance | verdict | remark |"
-    yield "|---|---|---|---|---|---|"
+    yield "| | kind | source | vvdp | tolerance | verdict | remark |"
+    yield "|---|---|---|---|---|---|---|"
     for row in rows:
         tolerance = ", ".join(filter(None, (row["tolerance"], row["tolerance_source"])))
-        cells = (row["what"], row["source"], row["found"], tolerance, f"*{row['verdict']}*", row["remark"])
+        kind = expected_rows()[row["item"], row["what"]].evidence
+        cells = (row["what"], kind, row["source"], row["found"], tolerance, f"*{row['verdict']}*", row["remark"])
         yield f"| {' | '.join(map(cell, cells))} |"
     yield ""
     for picture in pictures:
@@ -90,6 +91,28 @@ def items_of(chapter: int) -> list[Item]:
     return [item for item in ITEMS if item.chapter == chapter]
 
 
+def verdicts_of(rows: Rows) -> Iterator[tuple[tuple[str, str], str]]:
+    """Item and statement of each line, with its verdict."""
+    for row in rows:
+        yield (row["item"], row["what"]), row["verdict"]
+
+
+def kind_lines(expected: Iterable[Expected]) -> Iterator[str]:
+    """How many statements of each kind have each verdict; below it the headline."""
+    rows = [row for row in expected if not row.is_drawing]
+    counts = Counter((row.evidence, row.verdict) for row in rows)
+    verdicts = [verdict for verdict in Verdict if verdict is not Verdict.DRAWING]
+    yield f"| kind | statements | {' | '.join(verdict.value for verdict in verdicts)} |"
+    yield "|---|" + "---|" * (len(verdicts) + 1)
+    for kind in Evidence:
+        own = [counts[kind.value, verdict.value] for verdict in verdicts]
+        yield f"| {kind.value} | {sum(own)} | {' | '.join(map(str, own))} |"
+    independent = Counter(row.verdict for row in rows if row.is_independent)
+    held = independent[Verdict.REPRODUCED.value]
+    yield f"\n**Of {independent.total()} simulated or computed numbers that are compared with printed numbers and could"
+    yield f"have failed, {held} are reproduced.**"
+
+
 def count_lines(expected: Mapping[tuple[str, str], str]) -> Iterator[str]:
     """How many items and statements each chapter has, and how many of each verdict."""
     chapter_of = {item.name: item.chapter for item in ITEMS}
@@ -118,17 +141,20 @@ def main(folder: Path, docs: Path = DOCS, package: Path = PACKAGE) -> None:
     rows = read_verdicts(folder)
     (docs / PICTURES).mkdir(parents=True, exist_ok=True)
     (docs / PAGES).mkdir(exist_ok=True)
-    found = {row["item"] for row in rows}
+    found, known = {row["item"] for row in rows}, expected_rows()
     for chapter in TITLES:
         names = {item.name for item in items_of(chapter)}
         if names and names <= found:
             own = [row for row in rows if row["item"] in names]
             text = "\n".join(chapter_lines(chapter, own, folder, docs))
             (docs / PAGES / f"chapter-{chapter}.md").write_text(text.rstrip("\n") + "\n", "utf-8")
-            verdicts = {(row["item"], row["what"]): row["verdict"] for row in own}
-            (package / f"chapter_{chapter}" / FILE).write_text(expectation_text(verdicts), "utf-8")
+            kept = {key: known.get(key, Expected())._replace(verdict=verdict) for key, verdict in verdicts_of(own)}
+            (package / f"chapter_{chapter}" / FILE).write_text(expectation_text(kept), "utf-8")
     clear_pictures(docs)
-    text = "\n".join(count_lines(expected_verdicts()))
+    expected_rows.cache_clear()
+    now = expected_rows()
+    lines = (*count_lines({key: row.verdict for key, row in now.items()}), "", *kind_lines(now.values()))
+    text = "\n".join(lines)
     page = (DOCS / PAGE).read_text("utf-8")
     pattern = re.compile(f"{re.escape(BEGIN)}.*{re.escape(END)}", re.DOTALL)
     (docs / PAGE).write_text(pattern.sub(lambda _: f"{BEGIN}\n{text}\n\n{END}", page), "utf-8")

@@ -3,15 +3,18 @@
 import csv
 import io
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from vvdp.base.kinds import PRESSURE_DIFFERENCE, TIME
+from vvdp.base.manifest import open_directory
 from vvdp.cli.main import main
 from vvdp.reproduction import items as known
-from vvdp.reproduction.expectation import expectation_text, expected_verdicts, verdict_changes
+from vvdp.reproduction.expectation import expectation_text, expected_rows, verdict_changes
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
+from vvdp.reproduction.kept import _read_statements
 from vvdp.reproduction.result import verdict_result
 from vvdp.reproduction.runner import reproduce
 from vvdp.results.chart import Chart, Line, Lines
@@ -59,7 +62,7 @@ def test_an_item_writes_picture_and_data_and_the_next_follows_a_failure(tmp_path
 def test_a_stopped_run_names_the_items_that_it_lacks(tmp_path):
     outcomes = list(reproduce([GOOD], tmp_path))
     whole, stopped = (verdict_result(outcomes, [], 1.0, missing) for missing in ([], ["figure-9.3", "section-9.4"]))
-    assert whole.finished and [each.title for each in whole.findings] == [""]
+    assert whole.finished and [each.title for each in whole.findings] == ["", ""]
     first = stopped.findings[0]
     assert not stopped.finished and first.grade is Grade.BAD
     assert (first.title, first.text) == ("Stopped", "2 items missing: figure-9.3, section-9.4.")
@@ -78,6 +81,40 @@ def test_ctrl_c_reports_what_is_missing_and_exits_with_130(capsys, tmp_path, mon
     assert shown["finished"] is False and shown["missing"] == ["section-9.2", "figure-9.1"]
 
 
+def test_a_stopped_run_goes_on_where_it_stopped(capsys, tmp_path, monkeypatch):
+    worked = []
+
+    def counted():
+        worked.append("figure-9.1")
+        return drawn()
+
+    def stopped():
+        raise KeyboardInterrupt
+
+    first, second = (Item(ItemKind.FIGURE, number, "A line", counted) for number in ("9.1", "9.3"))
+    out = tmp_path / "out"
+    for place, work in enumerate((stopped, drawn)):
+        chosen = (first, Item(ItemKind.SECTION, "9.2", "Stopped once", work), second)
+        monkeypatch.setattr(known, "chosen_items", lambda names, chosen=chosen: chosen)
+        with pytest.raises(SystemExit):
+            main(["reproduce", "all", "--json", "--no-report", "--out", str(out)])
+        shown = json.loads(capsys.readouterr().out)
+        assert shown["finished"] is bool(place)
+    assert len(worked) == 2
+    assert [each["item"] for each in shown["items"]] == ["figure-9.1", "section-9.2", "figure-9.3"]
+    assert shown["items"][0] | {"item": ""} == shown["items"][2] | {"item": ""}
+    assert (out / "figure-9.1" / "figure-9.1.svg").is_file()
+
+
+def test_statements_are_read_as_they_were_written(tmp_path):
+    each = number_statement("drop", 1e5, float("nan"), PRESSURE_DIFFERENCE, other=float("inf"), share=0.02, because="x")
+    pair = replace(each, contradiction=("2.6: 1 bar", "2.7: 2 bar"), found=2e5)
+    item = replace(GOOD, work=lambda: Reproduction(statements=(each, pair)))
+    tuple(reproduce([item], tmp_path))
+    found = _read_statements(open_directory(tmp_path / "figure-9.1"))
+    assert repr(found) == repr((each, pair)) and found[1] == pair
+
+
 def test_changes_are_those_of_the_items_that_were_worked_out():
     expected = {("figure-9.1", "drop"): "reproduced", ("figure-9.2", "drop"): "reproduced"}
     assert verdict_changes({("figure-9.1", "drop"): "reproduced"}, expected, ["figure-9.1"]) == []
@@ -90,9 +127,9 @@ def test_changes_are_those_of_the_items_that_were_worked_out():
 
 
 def test_the_expectation_is_written_as_it_is_read():
-    expected = expected_verdicts()
+    expected = expected_rows()
     written = csv.DictReader(io.StringIO(expectation_text(expected)))
-    assert {(row["item"], row["what"]): row["verdict"] for row in written} == expected
+    assert {(row["item"], row["what"]): (row["verdict"], row["evidence"], row["width"]) for row in written} == expected
 
 
 def test_list_as_json(capsys):

@@ -18,12 +18,16 @@ from vvdp.results.verdict import (
     [
         (6.74e5, {}, Verdict.REPRODUCED),
         (6.75e5, {}, Verdict.NOT_REPRODUCED),
-        (6.75e5, {"inconsistency": "its parts make 6.75 bar"}, Verdict.INCONSISTENT),
-        (6.74e5, {"inconsistency": "its parts make 6.75 bar"}, Verdict.REPRODUCED),
-        (6.74e5, {"assumption": "a clearance of 22.5 um"}, Verdict.UNDETERMINED),
+        (6.75e5, {"contradiction": ("2.6: 6.61 bar", "(2.3) to (2.5): 6.75 bar")}, Verdict.INCONSISTENT),
+        (6.74e5, {"contradiction": ("2.6: 6.61 bar", "(2.3) to (2.5): 6.74 bar")}, Verdict.REPRODUCED),
+        (6.75e5, {"inconsistency": "its parts make 6.75 bar"}, Verdict.NOT_REPRODUCED),
+        (6.74e5, {"assumption": "a clearance of 22.5 um", "other": 9.0e5}, Verdict.UNDETERMINED),
+        (9.0e5, {"assumption": "a clearance of 12.7 um", "other": 6.74e5}, Verdict.UNDETERMINED),
+        (6.74e5, {"assumption": "a clearance of 22.5 um", "other": 6.73e5}, Verdict.REPRODUCED),
+        (9.0e5, {"assumption": "a clearance of 12.7 um", "other": 9.1e5}, Verdict.NOT_REPRODUCED),
         (6.74e5, {"calibration": "the arm of the jets"}, Verdict.CALIBRATED),
         (6.75e5, {"calibration": "the arm of the jets"}, Verdict.NOT_REPRODUCED),
-        (9.0e5, {"assumption": "a clearance of 22.5 um"}, Verdict.UNDETERMINED),
+        (9.0e5, {"assumption": "a clearance of 22.5 um"}, Verdict.NOT_REPRODUCED),
     ],
 )
 def test_number_of_6_61_bar_within_2_per_cent(found, more, verdict):

@@ -27,7 +27,7 @@ def reproduce(
     """Reproduce the source dissertation, item by item.
 
     Each figure, table, equation and claimed number stands beside what vvdp finds, with a verdict. Exit code 1 if a
-    verdict is not the expected one.
+    verdict is not the expected one. After Ctrl-C the same command with the same --out goes on where it stopped.
     """
     from vvdp.reproduction.items import ITEMS, chosen_items
 
@@ -45,14 +45,17 @@ def _work(items: "tuple[Item, ...]", directory: Path, force: bool, json: bool, n
     from vvdp.cli.printing import MOST_ROWS, print_result, write_with_report
     from vvdp.cli.screen import print_json, say, tell
     from vvdp.reproduction.expectation import expected_verdicts, verdict_changes, verdicts_of
+    from vvdp.reproduction.kept import stopped_items, take_over
     from vvdp.reproduction.result import json_rows, verdict_result
     from vvdp.reproduction.runner import all_statements, reproduce
     from vvdp.results.result import json_value
 
     began, outcomes = time.perf_counter(), []
-    with result_directory(directory, force=force) as folder:
+    done = {} if force else stopped_items(directory, items)
+    with result_directory(directory, force=force or bool(done)) as folder:
+        take_over(directory, folder, tuple(done))
         try:
-            for outcome in reproduce(items, folder, say):
+            for outcome in reproduce(items, folder, say, done):
                 outcomes.append(outcome)
         except KeyboardInterrupt:
             if not outcomes:

@@ -1,30 +1,65 @@
-"""The verdicts that are expected, and those that have changed.
+"""What is expected of each row, fixed beforehand: its verdict, its kind of evidence, the arithmetic of its tolerance.
 
-`expected.csv` of each chapter has a line for every statement: its item, what it is about, its verdict.
+`expected.csv` of each chapter has a line for every statement: its item, what it is about, its verdict, what it rests
+on, and the width of its tolerance in SI units as arithmetic.
 """
 
 import csv
 import io
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
 from importlib import resources
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from vvdp.reproduction.items import CHAPTERS
-from vvdp.results.verdict import Statement
+from vvdp.results.verdict import Evidence, Statement, Verdict
 
 FILE = "expected.csv"
-HEAD = ("item", "what", "verdict")
-Verdicts: TypeAlias = Mapping[tuple[str, str], str]
+HEAD = ("item", "what", "verdict", "evidence", "width")
+INDEPENDENT = (Evidence.SIMULATED, Evidence.COMPUTED)
+"""What is compared with printed numbers and could have failed."""
+
+
+class Expected(NamedTuple):
+    """What is expected of a row; `evidence` is empty for a row that is in no list."""
+
+    verdict: str = ""
+    evidence: str = ""
+    width: str = ""
+
+    @property
+    def is_drawing(self) -> bool:
+        """Whether the row states nothing that could hold or fail."""
+        return self.verdict == Verdict.DRAWING.value
+
+    @property
+    def is_independent(self) -> bool:
+        """Whether the row compares a result with a printed number, and could have failed."""
+        return self.evidence in INDEPENDENT
+
+    def reason(self, statement: Statement) -> str:
+        """Why the tolerance of a row is what it is, with its arithmetic."""
+        return ": ".join(filter(None, (statement.because, self.width))) or "no tolerance"
+
+
+Key: TypeAlias = tuple[str, str]
+Verdicts: TypeAlias = Mapping[Key, str]
 """The verdict of each statement, by its item and what it is about."""
 
 
-def expected_verdicts() -> Verdicts:
-    """What the committed lists say."""
+@cache
+def expected_rows() -> Mapping[Key, Expected]:
+    """What the committed lists say, by item and what a statement is about."""
     return {
-        (row["item"], row["what"]): row["verdict"]
+        (row["item"], row["what"]): Expected(row["verdict"], row["evidence"], row["width"])
         for chapter in CHAPTERS
         for row in csv.DictReader(io.StringIO(resources.files(chapter).joinpath(FILE).read_text("utf-8")))
     }
+
+
+def expected_verdicts() -> Verdicts:
+    """The verdicts of the committed lists."""
+    return {key: row.verdict for key, row in expected_rows().items()}
 
 
 def verdicts_of(statements: Iterable[tuple[str, Statement]]) -> Verdicts:
@@ -42,10 +77,10 @@ def verdict_changes(found: Verdicts, expected: Verdicts, items: Sequence[str]) -
     return lines
 
 
-def expectation_text(verdicts: Verdicts) -> str:
+def expectation_text(rows: Mapping[Key, Expected]) -> str:
     """The list as a file has it."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(HEAD)
-    writer.writerows((item, what, verdict) for (item, what), verdict in verdicts.items())
+    writer.writerows((*key, *row) for key, row in rows.items())
     return text.getvalue()

@@ -2,14 +2,18 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from vvdp.base.kinds import COUNT
+from vvdp.reproduction.expectation import Expected, expected_rows
 from vvdp.reproduction.runner import VERB, Outcome, all_statements
 from vvdp.results.result import Column, Finding, Grade, Number, Result, Table
-from vvdp.results.verdict import Statement, Verdict, verdict_table
+from vvdp.results.verdict import Evidence, Statement, Verdict, verdict_table
+
+Rows: TypeAlias = Sequence[tuple[str, Statement]]
+"""Statements, each under the name of its item."""
 
 
 def _count_words(count: int, noun: str) -> str:
@@ -45,18 +49,49 @@ def verdict_result(
         system="wang2017",
         references=("wang2017",),
         tables={"chapters": chapter_table(outcomes), "verdicts": verdict_table(statements)},
-        numbers={"item_count": Number(float(len(outcomes)), COUNT, "items"), **numbers},
+        numbers={"item_count": Number(float(len(outcomes)), COUNT, "items"), **numbers, **evidence_counts(statements)},
         findings=(
             *stop_finding(missing),
             Finding(
                 text=f"{_count_words(len(outcomes), 'item')}, {_count_words(len(statements), 'statement')}: {words}."
             ),
+            Finding(text=headline(statements)),
             *(Finding(text=text, grade=Grade.BAD) for text in failures),
             *(Finding(text=text, grade=Grade.BAD, title="Verdict changed") for text in changes),
         ),
         seconds=seconds,
         finished=not missing,
     )
+
+
+def _kind_of(item: str, statement: Statement) -> Expected:
+    return expected_rows().get((item, statement.what), Expected())
+
+
+def evidence_counts(statements: Rows) -> dict[str, Number]:
+    """How many statements of each kind there are, drawings left out; and of those that compare a result with a
+    printed number, how many there are and how many are reproduced."""
+    kinds = [(_kind_of(item, each), each.verdict) for item, each in statements]
+    counts = Counter(kind.evidence for kind, verdict in kinds if verdict is not Verdict.DRAWING)
+    independent = [verdict for kind, verdict in kinds if kind.is_independent]
+    return {
+        **{
+            f"{each.name.lower()}_evidence_count": Number(float(counts[each.value]), COUNT, f"kind: {each.value}")
+            for each in Evidence
+        },
+        "independent_count": Number(float(len(independent)), COUNT, "simulated or computed, against a printed number"),
+        "independent_reproduced_count": Number(
+            float(independent.count(Verdict.REPRODUCED)), COUNT, "of which reproduced"
+        ),
+    }
+
+
+def headline(statements: Rows) -> str:
+    """How many results stand against printed numbers and could have failed, and how many of them are reproduced."""
+    counts = evidence_counts(statements)
+    total, held = (int(counts[f"independent{each}_count"].value) for each in ("", "_reproduced"))
+    text = f"{_count_words(total, 'simulated or computed number')} compared with printed numbers that could have failed"
+    return f"{text}: {held} reproduced."
 
 
 def chapter_table(outcomes: Sequence[Outcome]) -> Table:
@@ -76,6 +111,7 @@ def json_rows(outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
 
 
 def _json_row(item: str, each: Statement) -> dict[str, Any]:
+    kind = _kind_of(item, each)
     return {
         "item": item,
         "what": each.what,
@@ -84,6 +120,8 @@ def _json_row(item: str, each: Statement) -> dict[str, Any]:
         "unit": "" if each.is_drawing else each.kind.unit,
         "tolerance": each.tolerance,
         "tolerance_source": each.because,
+        "evidence": kind.evidence,
+        "reason": kind.reason(each),
         "verdict": each.verdict.value,
         "remark": each.remark,
     }

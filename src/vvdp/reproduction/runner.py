@@ -1,12 +1,14 @@
 """Works items out one after the other, writes what each gives, and goes on where one fails."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 from vvdp.base.files import list_all, write_whole
 from vvdp.report.chosen import write_figure
 from vvdp.reproduction.item import Item, Reproduction
+from vvdp.reproduction.kept import write_statements
 from vvdp.results.result import Result
 from vvdp.results.store import write_result
 from vvdp.results.verdict import Statement, missing_statement, verdict_table
@@ -29,12 +31,21 @@ class Outcome:
         return tuple((self.item.name, each) for each in self.reproduction.statements)
 
 
-def reproduce(items: Sequence[Item], folder: Path, say: Callable[[str], None] = quiet) -> Iterator[Outcome]:
+def reproduce(
+    items: Sequence[Item],
+    folder: Path,
+    say: Callable[[str], None] = quiet,
+    done: Mapping[str, Reproduction] = MappingProxyType({}),
+) -> Iterator[Outcome]:
     """Works the items out, writes each into a folder of its own name below `folder`, and yields what came of it.
 
-    `say` hears which item is begun. An item that fails is an outcome as well, and the next one follows.
+    `say` hears which item is begun. An item that fails is an outcome as well, and the next one follows. Items that are
+    `done` already, by name, are not worked out again, and their folders are left to the caller.
     """
     for place, item in enumerate(items, 1):
+        if item.name in done:
+            yield Outcome(item, done[item.name])
+            continue
         say(f"{place} of {len(items)}: {item.name}, {item.title}")
         outcome = _outcome(item)
         write_item(folder / item.name, outcome)
@@ -62,6 +73,8 @@ def write_item(folder: Path, outcome: Outcome) -> None:
         charts={chart.name: chart for chart in found.charts},
     )
     write_result(folder, result, "", ("vvdp", VERB, item.name))
+    if not outcome.failure:
+        write_statements(folder, found.statements)
     for chart in found.charts:
         for form in ("svg", "png"):
             write_figure(folder / f"{chart.name}.{form}", chart, result)

@@ -27,14 +27,28 @@ class Verdict(StrEnum):
     DRAWING = "drawing, nothing to reproduce"
 
 
+class Evidence(StrEnum):
+    """What a statement rests on, and so what it proves if it holds."""
+
+    INPUT = "input"
+    IDENTITY = "identity"
+    ARITHMETIC = "arithmetic of printed numbers"
+    BOUND = "bound"
+    CALIBRATED = "calibrated"
+    SIMULATED = "simulated"
+    COMPUTED = "computed"
+    MEASURED = "measured"
+
+
 @dataclass(frozen=True, kw_only=True)
 class Statement:
     """What a source states, and what was found. `number_statement` and its kin make one.
 
-    It holds where `found` [SI] lies between `low` and `high`, or outside by `tolerance` at most; `because` says where
-    the tolerance comes from. `source` and `result` are words that stand for the numbers. Where the text leaves the
-    number open, `assumption` is what decides it; where the source contradicts itself, `inconsistency` says how. Where
-    something was chosen by the printed number, `calibration` says what: that it then holds is no evidence.
+    It holds if `found` [SI] lies between `low` and `high`, or outside by `tolerance` at most; `because` says where
+    the tolerance comes from. `source` and `result` are words that stand for the numbers. `other` is what a second run
+    finds under another `assumption` that the text allows. `contradiction` holds two printed statements that exclude
+    each other, each as "place: words". If something was chosen by the printed number, `calibration` names it. All
+    other texts are remarks: they change no verdict.
     """
 
     what: str
@@ -42,12 +56,14 @@ class Statement:
     low: float = -math.inf
     high: float = math.inf
     found: float = math.nan
+    other: float | None = None
     tolerance: float = 0.0
     because: str = ""
     source: str = ""
     result: str = ""
     assumption: str = ""
     inconsistency: str = ""
+    contradiction: tuple[str, str] | None = None
     calibration: str = ""
     note: str = ""
     is_drawing: bool = False
@@ -55,18 +71,21 @@ class Statement:
     @property
     def holds(self) -> bool:
         """Whether what was found is what the source says."""
-        return self.low - self.tolerance <= self.found <= self.high + self.tolerance
+        return self._allows(self.found)
+
+    def _allows(self, value: float) -> bool:
+        return bool(self.low - self.tolerance <= value <= self.high + self.tolerance)
 
     @property
     def verdict(self) -> Verdict:
-        """The verdict that follows from the numbers, and from what is known of the text."""
+        """The verdict that follows from the numbers, from a second run and from what is printed twice."""
         if self.is_drawing:
             return Verdict.DRAWING
-        if self.assumption:
+        if self.other is not None and self._allows(self.other) is not self.holds:
             return Verdict.UNDETERMINED
         if self.holds:
             return Verdict.CALIBRATED if self.calibration else Verdict.REPRODUCED
-        return Verdict.INCONSISTENT if self.inconsistency else Verdict.NOT_REPRODUCED
+        return Verdict.INCONSISTENT if self.contradiction else Verdict.NOT_REPRODUCED
 
     @property
     def source_text(self) -> str:
@@ -99,10 +118,11 @@ class Statement:
     @property
     def remark(self) -> str:
         """What there is to say about the verdict."""
-        assumed = f"decided by: {self.assumption}" if self.assumption else ""
-        inconsistency = "" if self.holds else self.inconsistency
+        assumed = f"assumed: {self.assumption}" if self.assumption else ""
+        second = "" if self.other is None else f"a second run finds {with_unit(self.other, self.kind)}"
         calibrated = f"chosen by it: {self.calibration}" if self.calibration else ""
-        return "; ".join(filter(None, (assumed, calibrated, inconsistency, self.note)))
+        against = () if self.holds else (self.inconsistency, " against ".join(self.contradiction or ()))
+        return "; ".join(filter(None, (assumed, second, calibrated, *against, self.note)))
 
 
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")

@@ -147,9 +147,10 @@ def _statements(numbers: Mapping[str, float], highest: float) -> tuple[Statement
                 FREQUENCY,
                 high=highest,
                 source="a rotary valve takes much less power",
-                assumption=f"a linear spool of {words}",
+                other=numbers[f"equal_power_{second}_spool_Hz"],
+                assumption=f"a linear spool of {words}; in the second run the other spool",
             )
-            for name, words in moved
+            for (name, words), (second, _) in zip(moved, moved[::-1], strict=True)
         ),
     )
 

@@ -224,7 +224,7 @@ def driving_claim(
 def _statements(d: Driving, as_it_is: Array, scaled: Array) -> Iterator[Statement]:
     """What the source says of a driven spool, of this valve and of one that keeps the same ripple by itself."""
     source = "where the flow varies, driving the spool is more efficient"
-    same = d.self_loss / d.best_loss
+    same, kept = d.self_loss / d.best_loss, float(scaled[-1] / as_it_is[-1])
     if np.isfinite(same).any():
         yield bound_statement(
             "loss of the self-spinning spool over that of the driven one, mean over the flows",
@@ -232,16 +232,18 @@ def _statements(d: Driving, as_it_is: Array, scaled: Array) -> Iterator[Statemen
             RATIO,
             low=1.0,
             source=source,
-            assumption="one and the same valve, whatever its ripple",
+            other=kept if np.isfinite(kept) else None,
+            assumption="one and the same valve; in the second run one that keeps the ripple by itself",
         )
     if np.isfinite(scaled).all():
         yield bound_statement(
             "loss of an open valve that keeps the ripple by itself over that of this one",
-            float(scaled[-1] / as_it_is[-1]),
+            kept,
             RATIO,
             low=1.0,
             source=source,
-            assumption="the same ripple from a quarter of the flow on",
+            other=float(np.nanmean(same)) if np.isfinite(same).any() else None,
+            assumption="the same ripple from a quarter of the flow on; in the second run one and the same valve",
         )
 
 

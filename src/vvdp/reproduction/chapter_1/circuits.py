@@ -177,7 +177,7 @@ def _analogue_statements(hydraulic: Analogue, electrical: float) -> tuple[Statem
             RATIO,
             share=0.02,
             source="a DC-DC boost converter",
-            because="ripple of the output",
+            because="2 % (ours): ripple of the output",
             note="its current rests in every period: (1 + √(1 + 4 d²/K))/2 with K = 2 L f/R, not 1/(1 − d)",
         ),
         number_statement(
@@ -187,7 +187,7 @@ def _analogue_statements(hydraulic: Analogue, electrical: float) -> tuple[Statem
             GAUGE_PRESSURE,
             share=0.2,
             source="the hydro-mechanical analogue",
-            because="drops of tube and valves, which the electrical one has not",
+            because="20 % (ours): drops of tube and valves, which the electrical one has not",
         ),
     )
 

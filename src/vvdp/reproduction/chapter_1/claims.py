@@ -55,6 +55,7 @@ def section_1_4() -> Reproduction:
         3.0,
         source="chapter 5 (abstract)",
         inconsistency="it is chapter 3, as section 1.4 has it; chapter 5 has the external drive",
+        contradiction=("abstract: the sensing is in chapter 5", "1.4: it is in chapter 3"),
     )
     return Reproduction(statements=(chapter, *found.statements), tables=found.tables, charts=found.charts)
 

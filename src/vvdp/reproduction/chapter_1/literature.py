@@ -116,9 +116,9 @@ def _consistent_numbers() -> tuple[Statement, ...]:
             2.5,
             AMPLIFIED[1] / AMPLIFIED[0],
             RATIO,
-            tolerance=0.01,
+            tolerance=1e-9,
             source="0.6 mm to 1.5 mm",
-            because="digits",
+            because="rounding",
         ),
     )
 
@@ -183,7 +183,7 @@ def section_1_3() -> Reproduction:
                 SPOOL,
                 LENGTH,
                 tolerance=5e-5,
-                because="digits",
+                because="half of the last printed digit",
                 source="2.54 cm, as in 3.2",
                 note="as much as the spool's diameter",
             ),

@@ -29,6 +29,7 @@ def equation_2_1() -> Reproduction:
                 result="no",
                 source="−ΔP",
                 inconsistency="∇P is in N/m³ as the other terms, ΔP in Pa/m²: −∇P is meant",
+                contradiction=("(2.1): ρ (v · ∇) v, in N/m³", "(2.1): −ΔP, in Pa/m²"),
             ),
         )
     )
@@ -57,8 +58,8 @@ def section_2_2() -> Reproduction:
                 here.FLOW,
                 flow,
                 FLOW,
-                share=0.01,
-                because="digits",
+                tolerance=0.5 * here.LPM,
+                because="half of the last printed digit",
                 note="both hold with a volumetric efficiency of 97.5 %, which is not printed",
             ),
             bound_statement(
@@ -93,16 +94,16 @@ def section_2_3() -> Reproduction:
                 here.VISCOSITY,
                 viscosity,
                 DYNAMIC_VISCOSITY,
-                share=0.002,
-                because="digits",
+                tolerance=5e-5,
+                because="half of the last printed digit",
             ),
             number_statement(
                 "kinematic viscosity that density and viscosity make",
                 44.2e-6,
                 here.VISCOSITY / here.DENSITY,
                 KINEMATIC_VISCOSITY,
-                share=0.002,
-                because="digits",
+                tolerance=5e-8,
+                because="half of the last printed digit",
                 source="DTE 25: 44.2 mm²/s (data sheets of such oils)",
             ),
             _density_statement(float(density(WARM, oil))),
@@ -116,9 +117,10 @@ def _density_statement(found: float) -> Statement:
         here.DENSITY,
         found,
         NUMBER,
-        share=1e-3,
-        because="digits",
-        assumption="that 876 kg/m³ belong to 40 °C, as is said; if to 15 °C, as in data sheets, it is 861 kg/m³",
+        tolerance=0.5,
+        because="half of the last printed digit",
+        other=861.0,
+        assumption="that 876 kg/m³ belong to 40 °C, as is said; in the second run to 15 °C, as in data sheets",
     )
 
 

@@ -144,9 +144,16 @@ def section_3_5() -> Reproduction:
     """The numbers of the simulated case, and what follows from them."""
     speed = TURN * published.TURNS
     statements = (
-        number_statement("25 Hz as speed", 157.1, speed, RAD_S, tolerance=0.05, because="digits"),
         number_statement(
-            "resolution of the wheel", 0.785, published.SECTOR, ANGLE_ERROR, tolerance=5e-4, because="digits"
+            "25 Hz as speed", 157.1, speed, RAD_S, tolerance=0.05, because="half of the last printed digit"
+        ),
+        number_statement(
+            "resolution of the wheel",
+            0.785,
+            published.SECTOR,
+            ANGLE_ERROR,
+            tolerance=5e-4,
+            because="half of the last printed digit",
         ),
         bound_statement(
             "time of the light's transition",
@@ -154,6 +161,7 @@ def section_3_5() -> Reproduction:
             TIME,
             high=published.LIGHT_TIME,
             inconsistency="5 mm of light on sectors of 8 mm take 5/8 of a sector's 5 ms",
+            contradiction=("3.5: 1.5 ms at 25 Hz", "3.2: 5 mm of light on sectors of 8 mm"),
         ),
         bound_statement(
             "edges in 0.1 s",
@@ -177,7 +185,7 @@ def _noise_statements(speed: float) -> tuple[Statement, ...]:
             sampling**2 / 3.0 + light**2 / 4.0,
             ANGULAR_VARIANCE,
             tolerance=digits,
-            because="digits",
+            because="half of the last printed digit",
             note="with a²/4 for the triangle, as printed",
         ),
         number_statement(
@@ -186,8 +194,9 @@ def _noise_statements(speed: float) -> tuple[Statement, ...]:
             sampling**2 / 3.0 + light**2 / 6.0,
             ANGULAR_VARIANCE,
             tolerance=digits,
-            because="digits",
+            because="half of the last printed digit",
             inconsistency="a symmetric triangle on ±a has a²/6, not a²/4 (docs/errata.md)",
+            contradiction=("3.3: a triangular density on ±a", "(3.4): a variance of a²/4"),
         ),
         number_statement(
             "bound of the measurement noise",
@@ -195,8 +204,9 @@ def _noise_statements(speed: float) -> tuple[Statement, ...]:
             sampling + light,
             ANGLE_ERROR,
             tolerance=5e-3,
-            because="digits",
+            because="half of the last printed digit",
             inconsistency="the bounds of 3.3 with 1 ms and 1.5 ms make 0.196 rad",
+            contradiction=("3.5: 0.36 rad", "3.3: the bounds of both noises, with 1 ms and 1.5 ms"),
         ),
     )
 

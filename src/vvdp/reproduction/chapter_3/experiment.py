@@ -179,8 +179,8 @@ def section_3_6() -> Reproduction:
                 PUMP_FLOW,
                 flow,
                 FLOW,
-                share=0.01,
-                because="digits",
+                tolerance=0.5 * LPM,
+                because="half of the last printed digit",
                 note="both hold with a volumetric efficiency of 97.5 %, which is not printed",
             ),
             number_statement(
@@ -189,7 +189,7 @@ def section_3_6() -> Reproduction:
                 40.0 / 60.0 * FAST_FLOW,
                 FLOW,
                 tolerance=0.05 * LPM,
-                because="digits",
+                because="half of the last printed digit",
             ),
             bound_statement(
                 "time constant of the spool",

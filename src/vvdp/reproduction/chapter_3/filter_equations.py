@@ -98,6 +98,7 @@ def equation_3_4() -> Reproduction:
             tolerance=TOLERANCE,
             because=ROUNDING,
             inconsistency="a symmetric triangle has 1/6; it is no normal density either (docs/errata.md)",
+            contradiction=("3.3: a triangular density on ±a", "(3.4): a variance of a²/4"),
         ),
     )
 
@@ -116,6 +117,7 @@ def equation_3_5() -> Reproduction:
             high=TOLERANCE,
             source="for t(k−m) < t < t(k−1)",
             inconsistency="the update is at τ, half a sample later (docs/errata.md)",
+            contradiction=("(3.5): for t(k−m) < t < t(k−1)", "(3.3): the measurement is of τ(j), after t(k−1)"),
         ),
     )
 
@@ -203,6 +205,7 @@ def equation_3_9() -> Reproduction:
             low=2.0,
             source="Hᵀ R⁻¹ H is added to P⁻¹",
             inconsistency="with the column H = (1 0)ᵀ that is a number; H R⁻¹ Hᵀ is meant (docs/errata.md)",
+            contradiction=("(3.3): H = (1 0)ᵀ", "(3.9): P⁻¹ + Hᵀ R⁻¹ H"),
         ),
     )
 
@@ -225,8 +228,9 @@ def section_3_3() -> Reproduction:
         fastest,
         TIME,
         tolerance=5e-5,
-        because="digits",
+        because="half of the last printed digit",
         inconsistency="1/(8 · 40 Hz) is 3.125 ms",
+        contradiction=("3.3: 2.9 ms at 40 Hz", "3.2: 8 sectors"),
     )
     seen = bound_statement(
         "samples in that time at 1 kHz", fastest / SAMPLE, NUMBER, low=1.0, source="1 kHz sees every edge"
@@ -246,6 +250,7 @@ def section_3_3() -> Reproduction:
         TIME,
         high=SAMPLE,
         inconsistency="5 mm of light on sectors of 8 mm take 5/8 of a sector's time: 2.0 to 3.9 ms",
+        contradiction=("3.3: within 1 ms", "3.2: 5 mm of light on sectors of 8 mm"),
     )
     return _one(sector, seen, variance, light, _friction())
 
@@ -259,6 +264,7 @@ def _friction() -> Statement:
         high=2.0,
         source="friction goes with the square of the speed",
         inconsistency="it is linear in (2.9) and 2.5; friction power goes with the square (docs/errata.md)",
+        contradiction=("3.3: the square of the speed", "(2.9): linear in the speed"),
     )
 
 

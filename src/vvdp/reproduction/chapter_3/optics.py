@@ -121,7 +121,7 @@ def figure_3_4() -> Reproduction:
                 ramp,
                 FRACTION,
                 tolerance=0.01,
-                because="points of the curve",
+                because="a hundredth (ours): points of the curve",
                 source="5 mm of light on sectors of 8 mm: 0.625",
             ),
         ),
@@ -149,6 +149,7 @@ def _delay(kind: str, threshold: str, delay: float) -> Statement:
         high=high,
         source=words,
         inconsistency="the sign belongs to one kind of edge; section 7.3 has it alternate, which is right",
+        contradiction=("3.2: a low threshold delays the edges", "7.3: the error switches signs for every measurement"),
     )
 
 
@@ -244,7 +245,7 @@ def section_3_2() -> Reproduction:
                 25e-3,
                 LENGTH,
                 tolerance=0.5e-3,
-                because="digits of the shorter number",
+                because="half of the last digit of the shorter number",
                 source="25.4 mm (3.1), 2.5 cm (3.2)",
             ),
             bound_statement(

@@ -289,7 +289,9 @@ def equation_4_12() -> Reproduction:
                 DURATION,
                 share=1e-9,
                 inconsistency="the integral of 1 over a turn is T",
+                contradiction=("(4.12): M₁₁ = 1", "(4.11): the integral over T"),
                 source="1",
+                because=ROUNDING,
             ),
             number_statement(
                 "determinant, 1e-15",
@@ -299,6 +301,7 @@ def equation_4_12() -> Reproduction:
                 share=1e-9,
                 because=ROUNDING,
                 inconsistency="T (T/2)^n",
+                contradiction=("(4.12): det M = (T/2)^n", "(4.11): the integral over T"),
             ),
         )
     )
@@ -336,8 +339,8 @@ def section_4_2() -> Reproduction:
                 13.0,
                 spool,
                 FREQUENCY,
-                share=0.1,
-                because="oil temperature",
+                tolerance=0.5,
+                because="half of the last printed digit",
                 note="oil of 27 °C would give 13 Hz, by the balance of torques; section 2.5 has 24 Hz",
             ),
             number_statement(

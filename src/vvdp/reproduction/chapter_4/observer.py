@@ -28,6 +28,7 @@ def equation_4_3() -> Reproduction:
                 sizes[0],
                 COUNT,
                 inconsistency="50 with the position: one sample of a period follows from its mean of zero",
+                contradiction=("4.2.2: 50 states", "(4.3): N − 1 states"),
             ),
             number_statement("states with the position, 25 Hz and 2 ms (4.5.1)", 20, sizes[1] + 1, COUNT),
         )
@@ -59,6 +60,7 @@ def equation_4_6() -> Reproduction:
                 tolerance=1e-9,
                 because=ROUNDING,
                 inconsistency="C A^N is C again; the row displayed is that of C A^(N−1)",
+                contradiction=("(4.6): C A^N as the last row", "(4.6): the rows as displayed, and their determinant"),
             ),
         )
     )
@@ -92,6 +94,7 @@ def equation_4_16() -> Reproduction:
                 high=1e-6,
                 source="a trapezoid",
                 inconsistency="in (4.16) the branches take mod(t, 5), their ramps mod(t, 1)",
+                contradiction=("(4.16): ramps over mod(t, 1)", "(4.16): branches by mod(t, 5)"),
             )
             for begin in (1.0, 4.0)
         )
@@ -133,7 +136,7 @@ def equation_4_13() -> Reproduction:
                 1.0 / kept,
                 RATIO,
                 tolerance=1e-3,
-                because="settled",
+                because="a thousandth (ours): settled",
             ),
         )
     )
@@ -152,6 +155,7 @@ def equation_4_18() -> Reproduction:
                 high=0.0,
                 source="A_dyn is negative definite",
                 inconsistency="its first entry is 0, so it cannot be for any gains; it is Hurwitz",
+                contradiction=("4.4: A_dyn is negative definite", "(4.18): A_dyn, whose first entry is 0"),
             ),
             bound_statement(
                 "largest real part of its eigenvalues, 1/s",

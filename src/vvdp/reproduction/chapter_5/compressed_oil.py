@@ -177,6 +177,7 @@ def equation_5_14() -> Reproduction:
                 share=1e-9,
                 because="rounding",
                 inconsistency="a mass ρV fills the volume V, so W_m is W_V over the density",
+                contradiction=("below (5.14): W_m = ρ W_V", "5.3: W_V = W/V and W_m = W/m"),
             ),
         )
     )
@@ -226,6 +227,8 @@ def equation_5_36() -> Reproduction:
                 NUMBER,
                 share=1e-6,
                 inconsistency="ε is W_V over the error squared, 1/(2 β̄)",
+                contradiction=("(5.36): ε P̃² ≥ W_V/P̃²", "(5.36): W_V/P̃² = 1/(2 β̄)"),
+                because="quadrature",
             ),
             bound_statement(
                 "softness 1/B between the ends' moduli",

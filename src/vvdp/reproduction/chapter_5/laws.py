@@ -50,6 +50,7 @@ def equation_5_1() -> Reproduction:
                 low=HELIX * 1e-3,
                 source="the full range of the duty ratio: 20.32 mm (chapter 4)",
                 inconsistency="spring, preload and area of 5.2 allow a third of it; 220 psi would do",
+                contradiction=("5.7.1: 190 psi and the full range of the duty ratio", "5.2: spring, preload and area"),
             ),
             number_statement(
                 "pressure that holds the plunger at 0",
@@ -163,8 +164,16 @@ def equation_5_47() -> Reproduction:
                 share=1e-9,
                 because=ROUNDING,
                 inconsistency="it is the integral of φ₁₂², with a minus",
+                contradiction=("(5.47): Ψ₂₂ = ∫φ₂₂²", "(5.44): the output is the position"),
             ),
-            number_statement("the same by quadrature, 1e-6", 1e6 * by_quadrature, 1e6 * found, NUMBER, share=1e-6),
+            number_statement(
+                "the same by quadrature, 1e-6",
+                1e6 * by_quadrature,
+                1e6 * found,
+                NUMBER,
+                share=1e-6,
+                because="quadrature",
+            ),
         )
     )
 

@@ -123,7 +123,7 @@ def _mean_openings(run: Run, printed: Run) -> tuple[Statement, ...]:
             run.number("return_opening_mean"),
             FRACTION,
             tolerance=0.05,
-            because="it is shut at reversals",
+            because="half of the last printed digit",
             source="the nominal opening is 80 %",
         ),
         number_statement(
@@ -132,9 +132,10 @@ def _mean_openings(run: Run, printed: Run) -> tuple[Statement, ...]:
             printed.number("return_opening_mean"),
             FRACTION,
             tolerance=0.05,
-            because="it is shut at reversals",
+            because="half of the last printed digit",
             source="the same, with (6.28) as printed",
             inconsistency="(6.28) leaves out the expected flow that (6.30) has",
+            contradiction=("(6.28): −λ_Q Q̂", "(6.30): with the expected flow"),
         ),
     )
 
@@ -252,14 +253,16 @@ def section_6_5() -> Reproduction:
     machine = machine_run()
     return Reproduction(
         statements=(
-            number_statement("cap area", 20.26e-4, cylinder.area_a, AREA, share=1e-9),
+            number_statement("cap area", 20.26e-4, cylinder.area_a, AREA, share=1e-9, because="rounding"),
             number_statement(
                 "rod side's area, called rod area",
                 10.77e-4,
                 cylinder.area_b,
                 AREA,
                 share=1e-9,
-                assumption="as the annulus: a rod of that area would leave 9.49 cm²",
+                other=cylinder.area_a - 10.77e-4,
+                assumption="as the annulus; in the second run as the rod",
+                because="rounding",
             ),
             bound_statement(
                 "flow that 21.6 cm in 4 s take on the cap side",
@@ -267,7 +270,8 @@ def section_6_5() -> Reproduction:
                 FLOW,
                 high=40e-3 / 60.0,
                 source="within the pump's 40 lpm",
-                assumption="4 s are one way",
+                other=2.0 * cylinder.area_a * speed,
+                assumption="4 s are one way; in the second run both ways",
             ),
             bound_statement(
                 "PWM frequency of the valve in the machine",

@@ -62,6 +62,7 @@ def equation_6_4() -> Reproduction:
                 share=1e-9,
                 because=ROUNDING,
                 inconsistency="the brace holds β, which (6.15), (6.16) and (6.19) have beside L",
+                contradiction=("(6.4): β within the brace of L", "(6.15): β beside L"),
             ),
         )
     )
@@ -83,6 +84,7 @@ def equation_6_10() -> Reproduction:
                 share=1e-9,
                 because=ROUNDING,
                 inconsistency="d enters (6.1) with +, and so + e_v d; (6.18), (6.20) and (6.21) likewise",
+                contradiction=("(6.10): −e_v d", "(6.1): d with +"),
             ),
         )
     )
@@ -125,6 +127,7 @@ def equation_6_11() -> Reproduction:
                 low=0.0,
                 source="h has an inverse",
                 inconsistency="with + the slope changes its sign at mid stroke; A₁ ln(·) − A₂ ln(·) rises",
+                contradiction=("(6.11): h with +", "(6.12): the inverse of h"),
             ),
             number_statement(
                 "β times the slope of h as built",
@@ -183,6 +186,7 @@ def equation_6_19() -> Reproduction:
                 share=1e-9,
                 because=ROUNDING,
                 inconsistency="(6.19) multiplies u_rob by β, so u_rob itself has none",
+                contradiction=("below (6.20): u_rob = −K_rob β F̃", "(6.19): u_rob times β"),
             ),
         )
     )
@@ -208,6 +212,7 @@ def equation_6_21() -> Reproduction:
                 high=settings.gains.pressure_rate,
                 source="λ₃ + K_rob > γ_F",
                 inconsistency="|r| and 1/L are missing",
+                contradiction=("(6.21): γ_F alone", "(6.20): the term with r and L"),
                 note="K_rob may be 0",
             ),
             bound_statement(
@@ -248,9 +253,10 @@ def equation_6_28() -> Reproduction:
                 printed,
                 FRACTION,
                 tolerance=0.02,
-                because="the same law otherwise",
+                because="0.02 (ours): the same law otherwise",
                 source="that of (6.30), with the expected flow",
                 inconsistency="(6.28) leaves out the flow that (6.30) has, and two names stand for one estimate",
+                contradiction=("(6.28): −λ_Q Q̂", "(6.30): with the expected flow"),
             ),
         )
     )
@@ -308,6 +314,7 @@ def equation_6_34() -> Reproduction:
                 low=1e-9,
                 source="the pressure rises again",
                 inconsistency="(6.34) asks for none there; a boost of 0.5 lpm is built in",
+                contradiction=("6.4, mode 2: the pressure rises again", "(6.34): no flow where the piston stands"),
             ),
             bound_statement(
                 "flow less what the piston sweeps, moving at 5 cm/s",
@@ -336,6 +343,10 @@ def equation_6_40() -> Reproduction:
                 low=0.0,
                 source="the pressure falls",
                 inconsistency="printed as an upper bound of u",
+                contradiction=(
+                    "below (6.40): an upper bound of u",
+                    "6.4, mode 5: the throttling valve reduces the pressure",
+                ),
             ),
             bound_statement(
                 "what it lets out while the piston goes the other way, ζ_u = 1.2",
@@ -348,9 +359,8 @@ def equation_6_40() -> Reproduction:
                 "the same, ζ_u = 0.5",
                 half,
                 FLOW,
-                low=0.0,
-                source="the pressure falls for any ζ_u above 0",
-                inconsistency="it takes ζ_u above 1 where the piston moves against the command",
+                high=0.0,
+                source="ζ_u > 1: with less it does not fall",
             ),
         )
     )

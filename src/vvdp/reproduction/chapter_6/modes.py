@@ -168,7 +168,13 @@ def where_two_apply(random: np.random.Generator) -> tuple[float, float, float, f
     return float(random.choice((low + band, high - band))), float(returned), 1.0, 0.0
 
 
-def _jump(what: str, law: Law, places: Callable[..., tuple[float, float, float, float]], why: str = "") -> Statement:
+def _jump(
+    what: str,
+    law: Law,
+    places: Callable[..., tuple[float, float, float, float]],
+    contradiction: tuple[str, str] | None = None,
+    note: str = "",
+) -> Statement:
     return bound_statement(
         what,
         largest_jump(law, places),
@@ -176,7 +182,8 @@ def _jump(what: str, law: Law, places: Callable[..., tuple[float, float, float, 
         high=LARGEST_JUMP,
         source="the control efforts are continuous",
         because="a thousandth of a lpm over 2 mPa (ours)",
-        inconsistency=why,
+        contradiction=contradiction,
+        note=note,
     )
 
 
@@ -188,10 +195,10 @@ def _statements() -> tuple[Statement, ...]:
             "jump of the flow between modes 3 and 3.5, as printed",
             printed_actuation,
             at_return_bound,
-            "mode 3.5 cites (6.34) in place of (6.36)",
+            ("6.4, mode 3.5: u₂ from (6.34)", "6.4, continuity: with mode 3.5 the efforts are continuous"),
         ),
         _jump("the same, (6.36) cited", cited_mode_3, at_return_bound),
-        _jump("jump where both pressures leave their range, (6.36) cited", cited_mode_3, where_two_apply, both),
+        _jump("jump where both pressures leave their range, (6.36) cited", cited_mode_3, where_two_apply, note=both),
         _jump("the same, blended as built", guarded_actuation, where_two_apply),
     )
 

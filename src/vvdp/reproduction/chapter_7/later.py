@@ -90,7 +90,7 @@ def figure_7_2() -> Reproduction:
             float(late.mean()),
             FRACTION,
             tolerance=0.02,
-            because="noise of the light at a gain of 0.05",
+            because="0.02 (ours): noise of the light at a gain of 0.05",
             source="converges to the true threshold",
         ),
         bound_statement(
@@ -149,7 +149,7 @@ def _learning() -> tuple[Statement, ...]:
             believed,
             FORCE,
             share=0.05,
-            because="friction is believed as it is, the modulus is not learned (ours)",
+            because="5 % (ours): friction is known as it is, the modulus is not learned",
             source="the load of the simulation",
         ),
         bound_statement(
@@ -174,7 +174,7 @@ def section_7_3() -> Reproduction:
                 TURN / float(np.mean(np.diff(at))),
                 NUMBER,
                 tolerance=0.05,
-                because="swing of the speed within a turn",
+                because="0.05 (ours): swing of the speed within a turn",
             ),
             bound_statement(
                 "duty ratio of the wave less 0.5",
