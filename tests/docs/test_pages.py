@@ -72,7 +72,7 @@ def test_the_first_run_ends_as_the_readme_says():
         r"([\d.]+) lpm of": round(found["mean_load_flow_m3_s"] * 6e4, 1),
         r"at (\d+) bar": round(found["pressure_mean_load_line_Pa"] / 1e5),
         r"Of ([\d.]+) kW": round(found["input_power_W"] / 1e3, 1),
-        r"(\d+) % arrive": round(100.0 * found["efficiency"]),
+        r"([\d.]+) % arrive": round(100.0 * found["efficiency"], 1),
         r"take (\d+) W and": round(found["loss_nozzle_W"], -1),
         r"during (\d+) % of each": round(200.0 * transition_fraction(system.tables["valve"]), -1),
         r"relief valve (\d+) W": round(found["loss_relief_valve_W"], -1),
