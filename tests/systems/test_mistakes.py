@@ -47,7 +47,6 @@ REFUSED = {
         {"nodes.spare": {"type": "volume", "volume": "1 l", "start": "0 bar"}}, "nodes.spare", "joined to nothing",
     ),
     "a shaft joined to nothing": ({"nodes.spare": {"type": "shaft"}}, "nodes.spare", "joined to nothing"),
-    "a tank joined to nothing": ({"nodes.spare": {"type": "tank"}}, "nodes.spare", "joined to nothing"),
     "a rod joined to nothing": ({"nodes.spare": {"type": "rod", "mass": "1 kg"}}, "nodes.spare", "joined to nothing"),
     "a volume without oil": ({"nodes.line.volume": "0 l"}, "nodes.line", "0 m^3"),
     "a port that is no node": ({"components.load.b": "tnak"}, "components.load", "'tnak', which is no node"),

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from vvdp.base.errors import NetworkError
 from vvdp.hydraulics.relief_valve import ReliefValve
 from vvdp.network.network import Network, Part
-from vvdp.network.nodes import Chamber, OilVolume, Rod, Shaft, Tank
+from vvdp.network.nodes import Chamber, OilVolume, Rod, Shaft
 from vvdp.network.paths import takes_surplus
 
 
@@ -16,9 +16,10 @@ def check_sense(network: Network) -> None:
 
 
 def _idle_nodes(network: Network) -> Iterator[str]:
+    """Nodes with a state that nothing joins; a tank or a source may wait for a study that joins it."""
     joined = {node for part in network.parts.values() for node in part.nodes.values()}
     for name, node in network.nodes.items():
-        if isinstance(node, OilVolume | Tank | Shaft | Rod) and name not in joined:
+        if isinstance(node, OilVolume | Shaft | Rod) and name not in joined:
             yield f"{name} is joined to nothing; join a component to it, or leave it out"
 
 
