@@ -8,7 +8,9 @@ import pytest
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.tables import Table
+from vvdp.network.sense import idle_nodes
 from vvdp.simulation.run import simulate
+from vvdp.systems.overview import warnings
 from vvdp.systems.summary import summary
 from vvdp.systems.system import System, built_system
 from vvdp.systems.validity import broken_bounds
@@ -43,11 +45,6 @@ REFUSED = {
     ),
     "both ports at one node": ({"components.load.b": "line"}, "components.load", "has all its ports at 'line'"),
     "a pump from a node to itself": ({"components.pump.inlet": "line"}, "components.pump", "all its ports at 'line'"),
-    "a volume joined to nothing": (
-        {"nodes.spare": {"type": "volume", "volume": "1 l", "start": "0 bar"}}, "nodes.spare", "joined to nothing",
-    ),
-    "a shaft joined to nothing": ({"nodes.spare": {"type": "shaft"}}, "nodes.spare", "joined to nothing"),
-    "a rod joined to nothing": ({"nodes.spare": {"type": "rod", "mass": "1 kg"}}, "nodes.spare", "joined to nothing"),
     "a volume without oil": ({"nodes.line.volume": "0 l"}, "nodes.line", "0 m^3"),
     "a port that is no node": ({"components.load.b": "tnak"}, "components.load", "'tnak', which is no node"),
     "a port left open": ({"components.load.b": None}, "components.load", "port 'b' is open"),
@@ -143,3 +140,19 @@ def test_its_result_is_not_to_be_trusted_and_says_why(mistake):
     found = summary(system, simulate(system.model, system.case, system.stepping))
     assert not found["trusted"]
     assert any(re.search(sentence, told) for told in broken_bounds(system, found)), broken_bounds(system, found)
+
+
+@pytest.mark.parametrize(
+    "node",
+    [{"type": "volume", "volume": "1 l", "start": "0 bar"}, {"type": "shaft", "inertia": "1 kg*m^2"},
+     {"type": "rod", "mass": "1 kg"}],
+)  # fmt: skip
+def test_a_node_that_nothing_joins_is_told(node):
+    system = drawn(changed({"nodes.spare": node}))
+    found = summary(system, simulate(system.model, system.case, system.stepping))
+    assert any("spare is joined to nothing" in told for told in warnings(system, found))
+
+
+def test_a_tank_may_wait_for_a_study_that_joins_it():
+    system = drawn(changed({"nodes.spare": {"type": "tank"}}))
+    assert list(idle_nodes(system.circuit.network)) == []

@@ -11,16 +11,16 @@ from vvdp.network.paths import takes_surplus
 
 def check_sense(network: Network) -> None:
     """Raises NetworkError where a part can do nothing, or where what it does is not told by the network."""
-    for fault in (*_idle_nodes(network), *_empty_volumes(network), *_short_circuits(network), *_surplus(network)):
+    for fault in (*_empty_volumes(network), *_short_circuits(network), *_surplus(network)):
         raise NetworkError(fault)
 
 
-def _idle_nodes(network: Network) -> Iterator[str]:
+def idle_nodes(network: Network) -> Iterator[str]:
     """Nodes with a state that nothing joins; a tank or a source may wait for a study that joins it."""
     joined = {node for part in network.parts.values() for node in part.nodes.values()}
     for name, node in network.nodes.items():
         if isinstance(node, OilVolume | Shaft | Rod) and name not in joined:
-            yield f"{name} is joined to nothing; join a component to it, or leave it out"
+            yield name
 
 
 def _empty_volumes(network: Network) -> Iterator[str]:

@@ -10,6 +10,7 @@ from vvdp.base.units import ATMOSPHERE
 from vvdp.network.network import Network, Part
 from vvdp.network.nodes import HydraulicNode, Rod, Shaft
 from vvdp.network.paths import flows_of, moving_parts
+from vvdp.network.sense import idle_nodes
 from vvdp.simulation.outcome import SETTLED
 from vvdp.systems.spool_travel import travel_warnings
 from vvdp.systems.summary import is_closed
@@ -137,6 +138,8 @@ def warnings(system: System, found: Mapping[str, Any]) -> Iterator[str]:
     if not found["finished"]:
         yield f"the run was interrupted at {found['duration_s']:.6g} s"
     yield from broken_bounds(system, found)
+    for node in idle_nodes(system.circuit.network):
+        yield f"{node} is joined to nothing: is a component missing?"
     reference = system.circuit.network.oil.reference_pressure
     if abs(reference - ATMOSPHERE) > 1.0:
         yield (
