@@ -262,7 +262,7 @@ ENTRIES: Mapping[str, Entry] = {
         "A PI controller holds the speed of a motor by the axial position of the rotary valve, while the load doubles. "
         "Built from a shipped [part](parts.md) and [programs](programs.md).",
         (
-            Number("mean speed of the motor", "speed_mean_wheel_rad_s", SPEED, "rpm"),
+            Number("mean speed of the motor", "speed_mean_flywheel_rad_s", SPEED, "rpm"),
             Number("mean power at the pump shaft", "power_drive_W", POWER, "kW"),
             Number("mean loss of the pump unit", "loss_unit_W", POWER, "kW"),
         ),
