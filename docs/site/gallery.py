@@ -240,6 +240,33 @@ ENTRIES: Mapping[str, Entry] = {
             Number("mean power at the pump shaft", "power_pump_shaft_W", POWER, "kW"),
         ),
     ),
+    "two-cylinders": Entry(
+        "Two cylinders with different loads on one motor, each with a pump unit of its own, built from two shipped "
+        "[parts](parts.md#an-example).",
+        (
+            Number("mean power at the motor shaft", "power_motor_W", POWER, "kW"),
+            Number("mean loss of the pump unit for the heavy load", "loss_lift_unit_W", POWER, "kW"),
+            Number("mean loss of the pump unit for the light load", "loss_swing_unit_W", POWER, "kW"),
+        ),
+    ),
+    "shared-supply": Entry(
+        "Two cylinders take turns on one pump unit, a proportional valve and a directional valve each, built from "
+        "shipped [parts](parts.md).",
+        (
+            Number("mean power at the motor shaft", "power_motor_W", POWER, "kW"),
+            Number("mean loss of the pump unit", "loss_unit_W", POWER, "kW"),
+            Number("PWM frequency of the unit", "unit_pwm_frequency_Hz", FREQUENCY, "Hz"),
+        ),
+    ),
+    "transmission-speed-control": Entry(
+        "A PI controller holds the speed of a motor by the axial position of the rotary valve, while the load doubles. "
+        "Built from a shipped [part](parts.md) and [programs](programs.md).",
+        (
+            Number("mean speed of the motor", "speed_mean_flywheel_rad_s", SPEED, "rpm"),
+            Number("mean power at the pump shaft", "power_drive_W", POWER, "kW"),
+            Number("mean loss of the pump unit", "loss_unit_W", POWER, "kW"),
+        ),
+    ),
 }
 
 

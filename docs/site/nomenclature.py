@@ -18,7 +18,7 @@ from vvdp.base.params import Params, field_kinds, field_types
 
 PAGE = Path(__file__).parents[1] / "nomenclature.md"
 ROOMS = ("fluid", "valve", "hydraulics", "sensing", "geometry", "estimation", "control")
-ROOMS += ("network", "components", "systems", "simulation")
+ROOMS += ("network", "components", "programs", "systems", "simulation")
 ROW = re.compile(r"^\| `(\w+)` \| ([^|]*) \| ([^|]*) \| ([^|]*) \|$")
 
 

@@ -11,7 +11,9 @@ vvdp.open("results/...")    # what a command has written
 
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from vvdp.base.version import VERSION
+
+__version__ = VERSION
 __all__ = ["Result", "Run", "System", "VvdpError", "load", "open"]
 
 if TYPE_CHECKING:

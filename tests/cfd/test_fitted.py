@@ -6,7 +6,7 @@ from tests.cfd.conftest import say
 
 from vvdp.cfd import rail
 from vvdp.cfd.kept import kept_study
-from vvdp.cli.cfd_place import write_fitted
+from vvdp.cli.cfd_place import Method, write_fitted
 from vvdp.geometry.shape_tables import given_shape
 from vvdp.systems.system import load_system
 from vvdp.valve.torque import equilibrium_speed, inlet_torque, pwm_frequency
@@ -38,7 +38,7 @@ def test_one_after_the_other_gives_one_system_with_its_shape(tmp_path):
     for place, laws in enumerate(LAWS):
         folder = tmp_path / str(place)
         folder.mkdir()
-        write_fitted(folder, system, None if place else "rail-b", [*own, *settings(laws)])
+        write_fitted(folder, system, Method(shape=None if place else "rail-b", settings=own), settings(laws))
         system, own = str(folder / "fitted.toml"), []
     loaded, plain = load_system(system), load_system("prototype")
     found = {row.key: (row.status, row.note) for row in loaded.rows if row.note == NOTE}

@@ -13,7 +13,7 @@ from vvdp.cfd import rail
 from vvdp.cfd.case import Fluid
 from vvdp.cfd.rail import RailOrder, outlets, rail_case, turned_rail
 from vvdp.cfd.snapping import SURFACE
-from vvdp.cli.cfd_place import rail_order
+from vvdp.cli.cfd_place import Method, Valve, rail_order
 from vvdp.geometry.domains import rail_domain
 from vvdp.geometry.measure import rail_mouths
 from vvdp.geometry.shape import perpendicular_area
@@ -150,7 +150,7 @@ def test_a_terminal_is_told_the_same(made):
 
 @pytest.mark.parametrize(("grid", "cells"), [("fine", 16.0), ("16", 16.0), ("28.5", 28.5)])
 def test_a_grid_is_a_name_or_cells_per_radius(grid, cells):
-    assert rail_order("prototype", None, None, grid, "k-epsilon")[1].grid == cells
+    assert rail_order(Valve("prototype", grid), Method())[1].grid == cells
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,8 @@ import json
 import pytest
 from tests.words import wording
 
-from vvdp.components.library import COMPONENTS, PROGRAMS
+from vvdp.components.library import COMPONENTS
+from vvdp.programs.library import PROGRAMS
 from vvdp.simulation.results import read_results
 from vvdp.systems.drawing import NODES
 
@@ -248,6 +249,14 @@ def test_the_library_is_listed(vvdp):
     assert 'displacement = "22.8 cc/rev"' in said
     assert 'opening = "0.5" [1]' in said
     assert "rod (rod)" in said and "shaft (shaft)" in said
+
+
+def test_the_library_as_json(vvdp):
+    found = json.loads(vvdp("list", "--components", "--json").out)
+    assert {"components", "programs", "parts"} <= found.keys()
+    assert found["programs"]["pi"]["reads"] == ["reads", "reference", "feedforward [0]"]
+    assert found["programs"]["pi"]["commands"] == ["value"]
+    assert 'gain = "0.02 1/bar"' in found["programs"]["pi"]["values"]
 
 
 def test_a_circuit_of_ones_own(vvdp, own, monkeypatch):

@@ -31,7 +31,7 @@ def test_the_page_does_what_it_says(vvdp, here, changed, is_shown):
         assert answer.code == (3 if "results/rough" in block else 0), answer.err
         assert is_shown(shown, answer.out), (block, answer.out)
         ran += 1
-    assert ran == 10
+    assert ran == 11
     assert (here / "results" / "limits" / "report.html").is_file()
     _mistakes(vvdp, here / "press.toml")
 
@@ -53,6 +53,11 @@ def test_the_first_file_is_short_and_the_comparison_bites(is_shown):
     assert first[1] == "press.toml" and len(first[3].splitlines()) == 12
     assert is_shown("...\nb\n", "a\nb") and is_shown("a\n...\n", "a\nb") and is_shown("a 1.0e-10", "a -2.0e-11")
     assert not is_shown("b", "a\nb") and not is_shown("a", "a\nb") and not is_shown("...\nc", "a\nb")
+
+
+def test_a_pump_unit_needs_few_lines():
+    blocks = {name: text for name, _, text, _ in BLOCK.findall(PAGE) if name}
+    assert len(blocks["unit.toml"].splitlines()) <= 25 and 'type = "pump-unit"' in blocks["unit.toml"]
 
 
 def test_the_readme_shows_the_same_first_file():

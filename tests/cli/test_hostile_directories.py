@@ -300,6 +300,54 @@ def test_a_module_that_differs_is_told_and_runs_only_when_trusted(vvdp, here, ow
     assert ("Our own figure" in trusted.out) == (how != "gone")
 
 
+OWN_PROGRAM = """
+from typing import NamedTuple
+
+from vvdp.base.kinds import Pressure
+from vvdp.network.program import ProgramType
+
+
+class Seen(NamedTuple):
+    pressure: Pressure
+
+
+def show(t, memory, reading, settings):
+    return memory, reading
+
+
+SHOW = ProgramType(show, Seen, Seen(1e5))
+"""
+PROGRAMMED = """
+[nodes]
+tank = { type = "tank" }
+rail = { type = "volume", volume = "100 cc", start = "0 bar" }
+[components]
+pump = { type = "flow-source", a = "tank", b = "rail", flow = "20 lpm" }
+load = { type = "orifice", a = "rail", b = "tank", area = "4 mm^2" }
+[programs.shown]
+type = "my_pump:SHOW"
+reads = "rail.pressure"
+[run]
+until = "10 ms"
+"""
+
+
+def test_a_module_with_a_program_is_under_the_same_rule(vvdp, here):
+    module = here / "my_pump.py"
+    module.write_text(OWN_PROGRAM)
+    (here / "mine.toml").write_text(PROGRAMMED)
+    answer = vvdp("run", "mine.toml", "--out", "M", "--no-report")
+    assert answer.code == 0, answer.err
+    assert json.loads((here / "M" / "meta.json").read_text())["module"]["name"] == "my_pump"
+    assert TOLD not in vvdp("plot", "M", "--list").err
+    module.write_text(OWN_PROGRAM + "\nimport pathlib; pathlib.Path('ran').write_text('ran')\n")
+    answer = vvdp("plot", "M", "--list")
+    assert answer.code == 0 and TOLD in answer.err and TRUST in answer.err
+    assert not (here / "ran").exists()
+    assert vvdp("plot", "M", "--list", "--trust", "my_pump").code == 0
+    assert (here / "ran").exists()
+
+
 def test_a_system_file_in_a_result_directory_runs_no_code_beside_it(vvdp, here, own_run):
     (here / "my_pump.py").rename(here / "other.py")
     assert (own_run / "my_pump.py").is_file()  # the copy that says how it was

@@ -180,6 +180,7 @@ def test_verbs_that_list_and_write_print_json(vvdp, here):
     assert json.loads(vvdp("new", "mine", "--from", "prototype", "--json").out) == {
         "system": "mine",
         "out": "mine.toml",
+        "parts": [],
     }
     listed = json.loads(vvdp("list", "--json").out)
     assert "prototype" in listed["systems"]

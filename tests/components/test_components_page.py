@@ -5,7 +5,7 @@ from pathlib import Path
 
 from vvdp.base.display import value_text
 from vvdp.base.params import default_values, field_kinds
-from vvdp.components.library import COMPONENTS, PROGRAMS
+from vvdp.components.library import COMPONENTS
 from vvdp.generator.source import known_text
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Component, Role
@@ -54,20 +54,15 @@ def row(name, component):
 
 
 def tables():
-    """The lines of the tables that the library determines: nodes, components, programs."""
+    """The lines of the tables that the library determines: nodes and components."""
     nodes = [f"| `{name}` | {', '.join(values(node.table))} |" for name, node in NODES.items()]
     parts = [row(name, component) for name, component in COMPONENTS.items()]
-    programs = [
-        f"| `{name}` | {', '.join(p.reading._fields)} | {', '.join(type(p.command)._fields)} "
-        f"| {', '.join(values(p.settings))} |"
-        for name, p in PROGRAMS.items()
-    ]
-    return [[re.sub(r" +", " ", line) for line in table] for table in (nodes, parts, programs)]
+    return [[re.sub(r" +", " ", line) for line in table] for table in (nodes, parts)]
 
 
 def test_the_tables_are_those_of_the_library():
     found = [table.splitlines() for table in re.findall(r"^\|---.*\n((?:\|.*\n)+)", PAGE, re.MULTILINE)]
-    assert found[1:4] == tables()
+    assert found[1:3] == tables()
 
 
 def test_every_word_of_a_component_is_described():

@@ -51,14 +51,6 @@ from vvdp.components.switching_valves import (
     switching_valve,
     two_way_valve,
 )
-from vvdp.components.unloading import (
-    UnloadingMemory,
-    UnloadingReading,
-    UnloadingSettings,
-    unloading_level,
-    unloading_start,
-    unloading_step,
-)
 from vvdp.fluid.mixture import fluid_state
 from vvdp.hydraulics.check_valve import CheckState, CheckValve
 from vvdp.hydraulics.compensated_throttle import CompensatedThrottle
@@ -72,6 +64,14 @@ from vvdp.hydraulics.reducing_valve import ReducingValve
 from vvdp.hydraulics.relief_valve import ReliefState, ReliefValve, ShockValve
 from vvdp.hydraulics.seat_valve import SeatValve
 from vvdp.hydraulics.switching_valve import SpoolState
+from vvdp.programs.unloading import (
+    UnloadingMemory,
+    UnloadingReading,
+    UnloadingSettings,
+    unloading_level,
+    unloading_start,
+    unloading_step,
+)
 
 ROOT = 1.0004**-0.25  # signed_root(1e6, 2e4) over 1000
 FOUR_WAY = {"conductance": 1e-6, "overlap": 0.05, "transition_pressure": 2e4, "lag": 8e-3}

@@ -1,4 +1,4 @@
-"""A package imports only from rungs below its own, and light packages stay light."""
+"""A package imports only from rungs below its own, no module imports itself by way of others, light ones stay light."""
 
 import ast
 import subprocess
@@ -14,7 +14,7 @@ RUNGS = [
     {"geometry", "estimation", "control"},
     {"simulation"},
     {"network"},
-    {"components"},
+    {"components", "programs"},
     {"systems"},
     {"runs", "studies"},
     {"steady"},
@@ -24,6 +24,8 @@ RUNGS = [
     {"reproduction"},
     {"cli"},
 ]
+FACE = "api"
+"""The rung of the package itself: `import vvdp` brings what its face offers."""
 RUNG = {package: i for i, packages in enumerate(RUNGS) for package in packages}
 HEAVY = {"llvmlite", "h5py", "matplotlib", "scipy", "pint", "casadi", "rich", "typer"}
 # Modules that exist only for a library, and are themselves imported only where it is needed.
@@ -37,6 +39,9 @@ MADE_FOR = {
     ("simulation/lane_values.py", "llvmlite"),
     ("simulation/stored_record.py", "h5py"),
 }
+READER = {"arrays", "body", "expressions", "joining", "operations", "statements", "unit", "words"}
+RECURSIVE = {frozenset(f"vvdp.generator.{name}" for name in READER)}
+"""The reader of a language: statements hold expressions, and a call in an expression reads the statements it calls."""
 FIRST_RUNGS = {package for packages in RUNGS[:5] for package in packages}
 
 
@@ -56,8 +61,34 @@ def imports(path: Path, *, top_level_only: bool) -> set[str]:
 
 def climbs(importer: str, imported: set[str]) -> set[str]:
     """What a package named `importer` may not import of `imported`."""
-    packages = {name.split(".")[1] for name in imported if name.startswith("vvdp.")}
-    return {p for p in packages if p in RUNG and p != importer and RUNG[p] >= RUNG[importer]}
+    named = {(name.split(".") + [FACE])[1] for name in imported if name.split(".")[0] == "vvdp"}
+    packages = {name if name in RUNG else FACE for name in named}
+    return {p for p in packages if p != importer and RUNG[p] >= RUNG[importer]}
+
+
+def module_name(path: Path, source: Path) -> str:
+    """Dotted name of the module in a file."""
+    parts = (source.name, *path.relative_to(source).with_suffix("").parts)
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def imported_modules(imported: set[str], modules: set[str]) -> set[str]:
+    """The modules that imports name, by themselves or by what they define."""
+    return {name if name in modules else name.rpartition(".")[0] for name in imported} & modules
+
+
+def cycles(graph: dict[str, set[str]]) -> set[frozenset[str]]:
+    """Groups of modules each of which comes to all others of its group by imports."""
+    reach = {}
+    for start in graph:
+        found, rest = set(), [start]
+        while rest:
+            new = graph[rest.pop()] - found
+            found |= new
+            rest += new
+        reach[start] = found
+    groups = (frozenset(m for m in reach[start] if start in reach[m]) for start in graph if start in reach[start])
+    return set(groups)
 
 
 def files(source: Path) -> list[tuple[str, Path]]:
@@ -81,7 +112,22 @@ def test_no_package_climbs(source):
 def test_a_climb_and_a_step_aside_would_be_seen():
     assert climbs("valve", {"vvdp.simulation.run"}) == {"simulation"}
     assert climbs("valve", {"vvdp.hydraulics.flow"}) == {"hydraulics"}
+    assert climbs("simulation", {"vvdp"}) == climbs("simulation", {"vvdp.__version__"}) == {"api"}
+    assert climbs("reproduction", {"vvdp"}) == set()
     assert climbs("simulation", {"vvdp.hydraulics.flow", "vvdp.base.kinds", "numpy"}) == set()
+
+
+def test_no_module_imports_itself_by_way_of_others(source):
+    """Imports for types and within functions count too; the package's face, which loads when asked, does not."""
+    paths = {module_name(path, source): path for path in source.glob("*/**/*.py")}
+    graph = {name: imported_modules(imports(path, top_level_only=False), {*paths}) for name, path in paths.items()}
+    assert cycles(graph) == RECURSIVE
+
+
+def test_a_cycle_would_be_seen():
+    graph = {"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": {"a"}, "e": {"e"}}
+    assert cycles(graph) == {frozenset("bc"), frozenset("e")}
+    assert imported_modules({"p.m.Name", "p.m", "p.n", "numpy"}, {"p.m", "p.n"}) == {"p.m", "p.n"}
 
 
 def test_heavy_libraries_are_loaded_where_they_are_used(source):

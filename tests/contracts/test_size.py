@@ -94,7 +94,6 @@ def too_large(source) -> dict[str, list[Size]]:
     return found
 
 
-VERB = "the options of a verb, one each as the command line has them, and the few lines from them to the answer"
 GOES_BY = "what is known of a record while it goes by, one state; or a sentence for each thing that it may show"
 COMPILED = (
     "compiled code: its state is plain arrays and numbers, and a record for each call would cost more than it tells"
@@ -110,42 +109,6 @@ FACADE = "one value with what it can be asked, each answer a few lines"
 CHOICE = "one branch for each case of a closed list"
 ALLOWED = {
     "base.units._to_si": CHOICE,
-    "cli.cfd.centre": VERB,
-    "cli.cfd.designs": VERB,
-    "cli.cfd.grids": VERB,
-    "cli.cfd.openings": VERB,
-    "cli.cfd.rail": VERB,
-    "cli.cfd.sweep": VERB,
-    "cli.cfd.turbine": VERB,
-    "cli.cfd_parts.period": VERB,
-    "cli.cfd_parts.sleeve": VERB,
-    "cli.cfd_parts.valve": VERB,
-    "cli.compare.circuits": VERB,
-    "cli.compare.controllers": VERB,
-    "cli.compare.estimators": VERB,
-    "cli.design._run": VERB,
-    "cli.design.levers": VERB,
-    "cli.design.optimum": VERB,
-    "cli.design.pareto": VERB,
-    "cli.design.temperature": VERB,
-    "cli.design.tolerance": VERB,
-    "cli.estimate.estimate": VERB,
-    "cli.fit.fit": VERB,
-    "cli.export.write_c_folder": VERB,
-    "cli.geometry.geometry": VERB,
-    "cli.observability.observability": VERB,
-    "cli.map.map": VERB,
-    "cli.plot.plot": VERB,
-    "cli.rig._run": VERB,
-    "cli.rig.claims": VERB,
-    "cli.rig.derived_capacity": VERB,
-    "cli.rig.pressure_drop": VERB,
-    "cli.rig.pump": VERB,
-    "cli.rig.ripple": VERB,
-    "cli.rig.step": VERB,
-    "cli.robust.robust": VERB,
-    "cli.run.run": VERB,
-    "cli.study.study": VERB,
     "comparison.loop_trials.compare_controllers": ONE_CALL,
     "comparison.trials.compare": ONE_CALL,
     "components.directed_flows.directed_source": LAW,

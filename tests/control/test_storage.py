@@ -12,7 +12,7 @@ from vvdp.control.backstepping import backstepping_law, best_pressure_weight
 from vvdp.control.chamber import ChamberReading, chamber_volume, volume_compliance
 from vvdp.control.orifice import valve_command, valve_flow
 from vvdp.control.passivity import passivity_law, printed_passivity_law
-from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step, trapezoid
+from vvdp.control.reference import Pauses, Reference, ReferenceFilter, reference_at_rest, reference_step, trapezoid
 from vvdp.control.storage import (
     StorageBalance,
     estimation_storage,
@@ -129,7 +129,10 @@ def sampled(law, drive, gains, period=1e-3):
 
     The command is held over the sample.
     """
-    signal, settings = trapezoid(START, 5.25e-3, (0.15, 0.15), 0.05, periods=1), ReferenceFilter(filter_rate=250.0)
+    signal, settings = (
+        trapezoid(START, 5.25e-3, Pauses(0.15, 0.15), 0.05, periods=1),
+        ReferenceFilter(filter_rate=250.0),
+    )
     reference, y, errors, excesses = reference_at_rest(START), np.array([START, 0.0, BALANCED]), [], []
     for k in range(round(0.4 / period)):
         wanted = law(reference, ChamberReading(*y), gains, drive).flow

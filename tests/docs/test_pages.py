@@ -71,19 +71,12 @@ def test_the_first_run_ends_as_the_readme_says():
         r"at ([\d.]+) Hz": round(found["pwm_frequency_Hz"], 1),
         r"([\d.]+) lpm of": round(found["mean_load_flow_m3_s"] * 6e4, 1),
         r"at (\d+) bar": round(found["pressure_mean_load_line_Pa"] / 1e5),
-        r"Of ([\d.]+) kW": round(found["input_power_W"] / 1e3, 1),
-        r"(\d+) % arrive": round(100.0 * found["efficiency"]),
+        r"of the ([\d.]+) kW": round(found["input_power_W"] / 1e3, 1),
+        r"([\d.]+) % of the [\d.]+ kW": round(100.0 * found["efficiency"], 1),
         r"take (\d+) W and": round(found["loss_nozzle_W"], -1),
         r"during (\d+) % of each": round(200.0 * transition_fraction(system.tables["valve"]), -1),
         r"relief valve (\d+) W": round(found["loss_relief_valve_W"], -1),
     }
-    for setting, pattern in (
-        ("relief_valve.opening_time=15 ms", r"leave (\d+) %"),
-        ("valve.lap_ratio=0.5", r"nozzles (\d+) %"),
-    ):
-        system = load_system("prototype", [setting])
-        found = summary(system, simulate(system.model, system.case, system.stepping))
-        said[pattern] = round(100.0 * found["efficiency"])
     for pattern, value in said.items():
         assert float(re.search(pattern, " ".join(section.split()))[1].replace(" ", "")) == value, pattern
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from vvdp.estimation.doubt import DECIDED, LONGEST, carry_on, is_settled, no_doubt
+from vvdp.estimation.doubt import DECIDED, LONGEST, NumberedEdge, carry_on, is_settled, no_doubt
 from vvdp.estimation.event_filter import event_filter_step
 from vvdp.estimation.event_memory import event_filter_start
 from vvdp.estimation.event_settings import event_filter
@@ -45,7 +45,7 @@ def test_odds_are_those_of_two_records():
         for time, seen, counted in zip(times, silent, stood, strict=True):
             belief, other = (predict(each, time - before, q) for each in (belief, doubt.belief))
             nu, S, before = counted - belief.angle, belief.angle_variance + R, time
-            doubt = carry_on(doubt, other, (0.0, seen), R, nu * nu / S + np.log(S))
+            doubt = carry_on(doubt, other, NumberedEdge(0.0, seen), R, nu * nu / S + np.log(S))
             belief = update(belief, nu, R)
         assert doubt.odds == pytest.approx(exact, rel=1e-9) and doubt.edges == 5.0
 
@@ -53,8 +53,8 @@ def test_odds_are_those_of_two_records():
 def test_what_missed_edges_cost_is_a_likelihood():
     """p = 1/20 of two more missed edges: the odds fall by ln 20 beside what the innovations say."""
     doubt, prior = no_doubt(AngleSpeed(0.0, 1.0, 1.0, 0.0, 1.0))._replace(odds=0.0), AngleSpeed(0.0, 1.0, 1.0, 0.0, 1.0)
-    assert carry_on(doubt, prior, (1.0, 0.0), 1.0, np.log(2.0)).odds == pytest.approx(0.0, abs=1e-15)
-    told = carry_on(doubt, prior, (1.0, 0.0), 1.0, np.log(2.0) + 2.0 * np.log(0.05))
+    assert carry_on(doubt, prior, NumberedEdge(1.0, 0.0), 1.0, np.log(2.0)).odds == pytest.approx(0.0, abs=1e-15)
+    told = carry_on(doubt, prior, NumberedEdge(1.0, 0.0), 1.0, np.log(2.0) + 2.0 * np.log(0.05))
     assert told.odds == pytest.approx(-np.log(20.0))
 
 

@@ -27,13 +27,13 @@ from vvdp.components.pump_unit import PumpUnit, UnitJoints, add_pump_unit
 from vvdp.components.resistances import ORIFICE
 from vvdp.components.self_acting_valves import CHECK_VALVE
 from vvdp.components.switching_valves import MODULATED_TWO_WAY_VALVE, ModulatedTwoWayValve
-from vvdp.components.unloading import UNLOADING, UnloadingSettings
 from vvdp.hydraulics.seat_valve import SeatValve
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.build import build
 from vvdp.network.network import Network
 from vvdp.network.nodes import Connection
 from vvdp.network.program import ProgramType
+from vvdp.programs.unloading import UNLOADING, UnloadingSettings
 from vvdp.sensing.instrument import ideal_instrument
 from vvdp.simulation.balance import balance
 from vvdp.simulation.run import Run, Stepping, simulate

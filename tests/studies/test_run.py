@@ -95,7 +95,7 @@ def test_the_same_value_in_other_words_is_the_same_case(tmp_path: Path) -> None:
 def test_a_newer_version_or_other_equations_run_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     run_study(STUDY, tmp_path)
     with monkeypatch.context() as patch:
-        patch.setattr("vvdp.__version__", "99")
+        patch.setattr(running, "VERSION", "99")
         assert len(read_study(STUDY, tmp_path).missing) == 4
     monkeypatch.setattr(running, "link", lambda *_: SimpleNamespace(digest="other equations"))
     assert len(read_study(STUDY, tmp_path).missing) == 4

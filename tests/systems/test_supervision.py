@@ -1,5 +1,7 @@
 """What watches the whole machine, on signals made by hand: nothing is told of a healthy one, each fault by its name."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -58,13 +60,13 @@ def sight(t, rng, **changes):
     return MachineSight(**(values | changes))
 
 
-def told(fault, begin=1.0, until=1.3):
+def told(fault, begin=1.0, until=1.3, settings=SETTINGS):
     """Name of the alarm and after how long it is told [s], with `fault(t)` from `begin` on; None without."""
     rng, memory = np.random.default_rng(7), supervision_start()
     for k in range(round(until / H)):
         t = k * H
         first = {"watched": 0.0} if k == 0 else {}
-        memory = supervise(memory, sight(t, rng, **(first | (fault(t) if t >= begin else {}))), SETTINGS)
+        memory = supervise(memory, sight(t, rng, **(first | (fault(t) if t >= begin else {}))), settings)
         if memory.alarm.alarm:
             return WATCHED[int(memory.alarm.alarm) - 1], memory.alarm.time - begin
     return None
@@ -93,6 +95,21 @@ def test_the_return_pressure_by_hand():
 
 def test_nothing_is_told_of_a_healthy_machine():
     assert told(lambda t: {}, until=20.0) is None
+
+
+def test_a_machine_without_a_chamber_has_no_reading_of_it():
+    """Its other sensors are watched as before; no spring is compared."""
+    settings = replace(SETTINGS, spring=replace(SPRING, stiffness=0.0))
+    none = {"chamber_pressure": np.nan}
+    frozen, lost = CircuitPressures(1e6, 4.7e5, 10e5), CircuitPressures(0.0, 5e5, 10e5)
+    assert told(lambda t: none, begin=0.0, until=5.0, settings=settings) is None
+    for fast, name in ((frozen, WATCHED[3]), (lost, WATCHED[1])):
+        moved = {"line_pressure": fast.line_pressure, "pressure_b": fast.pressure_b}
+
+        def fault(t, fast=fast, moved=moved):
+            return none | {"fast": fast._replace(**{key: value + t for key, value in moved.items()})}
+
+        assert told(fault, settings=settings)[0] == name
 
 
 FAULTS = {

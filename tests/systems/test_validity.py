@@ -11,10 +11,10 @@ from vvdp.base.kinds import NUMBER
 from vvdp.simulation.outcome import averaging_window
 from vvdp.simulation.run import simulate
 from vvdp.systems.bench_validity import STORED, efficiency, efficiency_doubt, transition_loss
+from vvdp.systems.bound import Bound
 from vvdp.systems.overview import warnings
 from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system, shipped_systems
-from vvdp.systems.validity import Bound
 
 pytestmark = pytest.mark.heavy
 
@@ -35,8 +35,10 @@ SETTLING = {
     "load-sensing",
     "linear-valves",
     "pilot-check-circuit",
+    "shared-supply",
     "shuttle-circuit",
     "throttle-control",
+    "two-cylinders",
 }
 """Shipped systems whose runs are transients: their means are those of the window."""
 

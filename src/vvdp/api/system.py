@@ -15,6 +15,7 @@ from vvdp.base.kinds import Kind
 from vvdp.base.tables import with_settings
 from vvdp.runs.simulate import run_system
 from vvdp.systems import system as systems
+from vvdp.systems.drawn_parts import setting_path
 from vvdp.systems.options import lasting, without_other_position
 
 Value = float | str | list[float] | Mapping[str, Any]
@@ -30,13 +31,13 @@ class System(systems.System):
 
         >>> system.with_values(operation={"duty_ratio": 0.4, "oil_temperature": "50 degC"})
 
-        A number is SI, and a pressure absolute; a text has its unit. Raises ConfigError naming every fault.
+        A number is SI, and a pressure absolute; a text has its unit. A value that a part offers is
+        `parts={"supply.displacement": ...}`. Raises ConfigError naming every fault.
         """
-        known = {(row.table, row.key): row.kind for row in self.rows}
+        known = {row.setting: row.kind for row in self.rows}
+        given = {f"{table}.{key}": value for table, values in tables.items() for key, value in values.items()}
         settings = [
-            f"{table}.{key}={_setting(value, known.get((table, key)))}"
-            for table, values in tables.items()
-            for key, value in values.items()
+            f"{key}={_setting(value, known.get(setting_path(self.content, key)))}" for key, value in given.items()
         ]
         try:
             table = with_settings(without_other_position(self.table, settings), settings)

@@ -1,7 +1,7 @@
 """`vvdp cfd`."""
 
+from dataclasses import dataclass, replace
 from enum import StrEnum
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -9,23 +9,18 @@ import typer
 from vvdp.base.extras import require_solids
 from vvdp.cli.cfd_place import (
     Flow,
-    Grid,
-    Model,
+    Method,
     Place,
-    Shape,
     Stub,
-    Where,
+    Valve,
+    Work,
     centre_order,
     rail_order,
     stretch,
     turbine_order,
-    workplace,
-    write_and_report,
     write_fitted,
 )
-from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers
-from vvdp.cli.options import AsJson, NoReport, Restart, Settings, SystemName, Verb, out_option, parsed_option
-from vvdp.cli.printing import show_result
+from vvdp.cli.options import Verb, flat, parsed_option
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -57,21 +52,13 @@ Flows = Annotated[
 
 
 @app.command(cls=Verb)
+@flat("results/cfd-rail-SYSTEM-GRID")
 def rail(
-    system: SystemName,
-    grid: Grid = "coarse",
+    *,
+    valve: Valve,
     flow: Flow = "",
-    model: Model = "k-epsilon",
-    shape: Shape = None,
-    settings: Settings = None,
-    cores: Cores = None,
-    on: On = HERE,
-    workers: Workers = None,
-    sbatch: Sbatch = None,
-    out: Annotated[Path | None, out_option("results/cfd-rail-SYSTEM-GRID")] = None,
-    force: Restart = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    method: Method,
+    work: Work,
 ) -> None:
     """Compute drop and flow split of the inlet rail.
 
@@ -79,35 +66,23 @@ def rail(
     finished is not computed again.
     """
     require_solids()
-    from vvdp.base.kinds import FLOW
     from vvdp.cfd.rail_result import VERB, rail_result
     from vvdp.cfd.rail_study import run_rails
 
-    loaded, order, told = rail_order(system, settings, shape, grid, model)
-    order = order._replace(flow=parsed_option("--flow", flow, FLOW)) if flow else order
-    where = Where(on, workers, cores, sbatch)
-    with workplace(VERB, out, f"rail-{loaded.name}-{grid}", where, force=force) as place:
+    loaded, order, told = rail_order(valve, method, flow)
+    with work.place(VERB, f"rail-{loaded.name}-{valve.grid}") as place:
         (run,) = run_rails({"": order}, *place)
-    reported = write_and_report(place.directory, loaded, rail_result(order, run, told), no_report=no_report)
-    show_result(reported.result, place.directory, json=json, reported=reported.page, names=("found", "flow"))
+    work.finish(place, loaded, rail_result(order, run, told), "found", "flow")
 
 
 @app.command(cls=Verb)
+@flat("results/cfd-sweep-SYSTEM-GRID")
 def sweep(
-    system: SystemName,
-    grid: Grid = "coarse",
+    *,
+    valve: Valve,
     flow: Flows = None,
-    model: Model = "k-epsilon",
-    shape: Shape = None,
-    settings: Settings = None,
-    cores: Cores = None,
-    on: On = HERE,
-    workers: Workers = None,
-    sbatch: Sbatch = None,
-    out: Annotated[Path | None, out_option("results/cfd-sweep-SYSTEM-GRID")] = None,
-    force: Restart = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    method: Method,
+    work: Work,
 ) -> None:
     """Fit laws to the drop of the inlet rail over the flow.
 
@@ -120,15 +95,14 @@ def sweep(
     from vvdp.cfd.rail_study import run_rails
     from vvdp.cfd.sweep_result import VERB, fitted_settings, sweep_result
 
-    loaded, order, told = rail_order(system, settings, shape, grid, model)
+    loaded, order, told = rail_order(valve, method)
     flows = stretch("--flow", flow, FLOW, LEAST_FLOW) if flow else tuple(share * order.flow for share in USUAL_SHARES)
-    where = Where(on, workers, cores, sbatch)
-    with workplace(VERB, out, f"sweep-{loaded.name}-{grid}", where, force=force) as place:
+    with work.place(VERB, f"sweep-{loaded.name}-{valve.grid}") as place:
         orders = {with_unit(each, FLOW): order._replace(flow=each) for each in flows}
         runs = run_rails(orders, *place)
-    reported = write_and_report(place.directory, loaded, sweep_result(order, runs, told), no_report=no_report)
-    write_fitted(place.directory, system, shape, [*(settings or ()), *fitted_settings(reported.result)])
-    show_result(reported.result, place.directory, json=json, reported=reported.page, names=("fits", "sweep"))
+    result = sweep_result(order, runs, told)
+    write_fitted(place.directory, valve.system, method, fitted_settings(result))
+    work.finish(place, loaded, result, "fits", "sweep")
 
 
 class Part(StrEnum):
@@ -140,8 +114,10 @@ class Part(StrEnum):
 
 
 @app.command(cls=Verb)
+@flat("results/cfd-grids-SYSTEM")
 def grids(
-    system: SystemName,
+    *,
+    valve: Valve,
     part: Annotated[Part, typer.Option("--part", metavar="PART", help="One of rail, centre, turbine.")] = Part.RAIL,
     grid: Annotated[
         str,
@@ -150,17 +126,8 @@ def grids(
         ),
     ] = "fine",
     flow: Flow = "",
-    model: Model = "k-epsilon",
-    shape: Shape = None,
-    settings: Settings = None,
-    cores: Cores = None,
-    on: On = HERE,
-    workers: Workers = None,
-    sbatch: Sbatch = None,
-    out: Annotated[Path | None, out_option("results/cfd-grids-SYSTEM")] = None,
-    force: Restart = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    method: Method,
+    work: Work,
 ) -> None:
     """Compute a part of the valve on three grids and tell how far the drop is off.
 
@@ -169,19 +136,15 @@ def grids(
     computed again.
     """
     require_solids()
-    from vvdp.base.kinds import FLOW
     from vvdp.cfd.grids_result import VERB, grids_result
     from vvdp.cfd.rail import three_grids
 
-    loaded, order, about = rail_order(system, settings, shape, grid, model)
-    order = order._replace(flow=parsed_option("--flow", flow, FLOW)) if flow else order
+    loaded, order, about = rail_order(replace(valve, grid=grid), method, flow)
     orders = {name: order._replace(grid=cells) for name, cells in three_grids(order.grid).items()}
-    where = Where(on, workers, cores, sbatch)
-    with workplace(VERB, out, f"grids-{loaded.name}", where, force=force) as place:
+    with work.place(VERB, f"grids-{loaded.name}") as place:
         found = _on_grids(part, orders, about, place)
     result = grids_result(order, found, tuple(orders), about)
-    reported = write_and_report(place.directory, loaded, result, no_report=no_report)
-    show_result(reported.result, place.directory, json=json, reported=reported.page, names=("convergence", "grids"))
+    work.finish(place, loaded, result, "convergence", "grids")
 
 
 def _on_grids(
@@ -207,24 +170,17 @@ def _on_grids(
 
 
 @app.command(cls=Verb)
+@flat("results/cfd-designs-SYSTEM-GRID")
 def designs(
-    system: SystemName,
-    grid: Grid = "coarse",
+    *,
+    valve: Valve,
     flow: Flow = "",
     shape: Annotated[
         list[str] | None,
         typer.Option("--shape", metavar="NAME|FILE", help="Shapes, two or more (default: the five published)."),
     ] = None,
-    model: Model = "k-epsilon",
-    settings: Settings = None,
-    cores: Cores = None,
-    on: On = HERE,
-    workers: Workers = None,
-    sbatch: Sbatch = None,
-    out: Annotated[Path | None, out_option("results/cfd-designs-SYSTEM-GRID")] = None,
-    force: Restart = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    method: Method,
+    work: Work,
 ) -> None:
     """Compute several shapes of the inlet rail side by side.
 
@@ -232,20 +188,16 @@ def designs(
     again.
     """
     require_solids()
-    from vvdp.base.kinds import FLOW
     from vvdp.cfd.designs_result import VERB, designs_result
     from vvdp.cfd.rail_study import run_rails
 
     names = _shapes(shape)
-    found = {name: rail_order(system, settings, name, grid, model) for name in names}
-    loaded, first, told = found[names[0]]
-    rate = parsed_option("--flow", flow, FLOW) if flow else first.flow
-    orders = {name: order._replace(flow=rate) for name, (_, order, _) in found.items()}
-    where = Where(on, workers, cores, sbatch)
-    with workplace(VERB, out, f"designs-{loaded.name}-{grid}", where, force=force) as place:
+    found = {name: rail_order(valve, replace(method, shape=name), flow) for name in names}
+    loaded, _, told = found[names[0]]
+    orders = {name: order for name, (_, order, _) in found.items()}
+    with work.place(VERB, f"designs-{loaded.name}-{valve.grid}") as place:
         runs = run_rails(orders, *place)
-    reported = write_and_report(place.directory, loaded, designs_result(orders, runs, told), no_report=no_report)
-    show_result(reported.result, place.directory, json=json, reported=reported.page, names=("designs",))
+    work.finish(place, loaded, designs_result(orders, runs, told), "designs")
 
 
 def _shapes(given: list[str] | None) -> tuple[str, ...]:
@@ -259,30 +211,29 @@ def _shapes(given: list[str] | None) -> tuple[str, ...]:
     return names
 
 
-@app.command(cls=Verb)
-def centre(
-    system: SystemName,
-    grid: Grid = "coarse",
-    flow: Flows = None,
-    angle: Annotated[
-        str, typer.Option("--angle", metavar="ANGLE", help="Spool angle; at 0 the nozzles are open.")
-    ] = "0 deg",
+@dataclass(frozen=True)
+class Section:
+    """Options: the centre section that is computed."""
+
+    angle: Annotated[str, typer.Option("--angle", metavar="ANGLE", help="Spool angle; at 0 the nozzles are open.")] = (
+        "0 deg"
+    )
     diameter: Annotated[
         list[str] | None,
         typer.Option("--diameter", metavar="D", help="Spool diameters, lengths along it as they are (repeatable)."),
-    ] = None,
-    stub: Stub = "",
-    model: Model = "k-epsilon",
-    shape: Shape = None,
-    settings: Settings = None,
-    cores: Cores = None,
-    on: On = HERE,
-    workers: Workers = None,
-    sbatch: Sbatch = None,
-    out: Annotated[Path | None, out_option("results/cfd-centre-SYSTEM-GRID")] = None,
-    force: Restart = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    ] = None
+    stub: Stub = ""
+
+
+@app.command(cls=Verb)
+@flat("results/cfd-centre-SYSTEM-GRID")
+def centre(
+    *,
+    valve: Valve,
+    flow: Flows = None,
+    section: Section,
+    method: Method,
+    work: Work,
 ) -> None:
     """Fit laws to the drop of the centre section over the flow.
 
@@ -297,45 +248,36 @@ def centre(
     from vvdp.cfd.centre_result import VERB, centre_result, fitted_settings
     from vvdp.cfd.centre_study import run_centre
 
-    loaded, rail, told = rail_order(system, settings, shape, grid, model)
-    order = centre_order(rail, parsed_option("--angle", angle, ANGLE), stub)
+    loaded, rail, told = rail_order(valve, method)
+    order = centre_order(rail, parsed_option("--angle", section.angle, ANGLE), section.stub)
     flows = stretch("--flow", flow, FLOW, LEAST_FLOW) if flow else tuple(share * rail.flow for share in USUAL_SHARES)
-    diameters = [parsed_option("--diameter", text, LENGTH) for text in diameter or ()]
+    diameters = [parsed_option("--diameter", text, LENGTH) for text in section.diameter or ()]
     wide = [scale_radially(order, each) for each in diameters] or [order]
     orders = {
         f"{with_unit(2.0 * each.valve.spool_radius, LENGTH)}, {with_unit(rate, FLOW)}": each._replace(flow=rate)
         for each in wide
         for rate in flows
     }
-    where = Where(on, workers, cores, sbatch)
-    with workplace(VERB, out, f"centre-{loaded.name}-{grid}", where, force=force) as place:
+    with work.place(VERB, f"centre-{loaded.name}-{valve.grid}") as place:
         runs = run_centre(orders, *place)
-    reported = write_and_report(place.directory, loaded, centre_result(runs, told), no_report=no_report)
-    write_fitted(place.directory, system, shape, [*(settings or ()), *fitted_settings(reported.result)])
-    show_result(reported.result, place.directory, json=json, reported=reported.page, names=("fits", "runs"))
+    result = centre_result(runs, told)
+    write_fitted(place.directory, valve.system, method, fitted_settings(result))
+    work.finish(place, loaded, result, "fits", "runs")
 
 
 @app.command(cls=Verb)
+@flat("results/cfd-openings-SYSTEM-GRID")
 def openings(
-    system: SystemName,
-    grid: Grid = "coarse",
+    *,
+    valve: Valve,
     flow: Flow = "",
     angle: Annotated[
         list[str] | None,
         typer.Option("--angle", metavar="ANGLE", help="Spool angle, two or more (default: 16.5 deg and 21 deg)."),
     ] = None,
     stub: Stub = "",
-    model: Model = "k-epsilon",
-    shape: Shape = None,
-    settings: Settings = None,
-    cores: Cores = None,
-    on: On = HERE,
-    workers: Workers = None,
-    sbatch: Sbatch = None,
-    out: Annotated[Path | None, out_option("results/cfd-openings-SYSTEM-GRID")] = None,
-    force: Restart = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    method: Method,
+    work: Work,
 ) -> None:
     """Compute effective area and torque of partly open nozzles.
 
@@ -344,20 +286,17 @@ def openings(
     """
     require_solids()
     from vvdp.base.display import with_unit
-    from vvdp.base.kinds import ANGLE, FLOW
+    from vvdp.base.kinds import ANGLE
     from vvdp.cfd.centre_study import run_centre
     from vvdp.cfd.openings_result import VERB, both_ways, openings_result
 
-    loaded, rail, told = rail_order(system, settings, shape, grid, model)
+    loaded, rail, told = rail_order(valve, method, flow)
     order = centre_order(rail, 0.0, stub)
-    order = order._replace(flow=parsed_option("--flow", flow, FLOW)) if flow else order
     angles = both_ways(_two_or_more("--angle", angle or ["16.5 deg", "21 deg"], ANGLE))
-    where = Where(on, workers, cores, sbatch)
-    with workplace(VERB, out, f"openings-{loaded.name}-{grid}", where, force=force) as place:
+    with work.place(VERB, f"openings-{loaded.name}-{valve.grid}") as place:
         orders = {with_unit(each, ANGLE): order._replace(angle=each) for each in angles}
         runs = run_centre(orders, *place)
-    reported = write_and_report(place.directory, loaded, openings_result(runs, told), no_report=no_report)
-    show_result(reported.result, place.directory, json=json, reported=reported.page, names=("fits", "angles"))
+    work.finish(place, loaded, openings_result(runs, told), "fits", "angles")
 
 
 def _two_or_more(option: str, given: list[str], kind: "Kind") -> list[float]:
@@ -371,9 +310,10 @@ def _two_or_more(option: str, given: list[str], kind: "Kind") -> list[float]:
 
 
 @app.command(cls=Verb)
+@flat("results/cfd-turbine-SYSTEM-GRID")
 def turbine(
-    system: SystemName,
-    grid: Grid = "coarse",
+    *,
+    valve: Valve,
     flow: Annotated[
         list[str] | None,
         typer.Option("--flow", metavar="FLOW", help="Flow (repeatable; default: that of the pump)."),
@@ -382,17 +322,8 @@ def turbine(
         tuple[str, str, int],
         typer.Option("--speed", metavar="FROM TO COUNT", help="Spool speeds, 3 or more."),
     ] = ("0 rpm", "1500 rpm", 3),
-    model: Model = "k-epsilon",
-    shape: Shape = None,
-    settings: Settings = None,
-    cores: Cores = None,
-    on: On = HERE,
-    workers: Workers = None,
-    sbatch: Sbatch = None,
-    out: Annotated[Path | None, out_option("results/cfd-turbine-SYSTEM-GRID")] = None,
-    force: Restart = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    method: Method,
+    work: Work,
 ) -> None:
     """Compute torque and drop of the outlet turbine over the speed.
 
@@ -406,7 +337,7 @@ def turbine(
     from vvdp.cfd.turbine_result import VERB, fitted_settings, turbine_result
     from vvdp.cfd.turbine_study import run_turbine
 
-    loaded, rail, told = rail_order(system, settings, shape, grid, model)
+    loaded, rail, told = rail_order(valve, method)
     order = turbine_order(rail)
     flows = [parsed_option("--flow", text, FLOW) for text in flow or ()] or [rail.flow]
     speeds = stretch("--speed", speed, SPEED, 0.0)
@@ -415,9 +346,8 @@ def turbine(
         for rate in flows
         for each in speeds
     }
-    where = Where(on, workers, cores, sbatch)
-    with workplace(VERB, out, f"turbine-{loaded.name}-{grid}", where, force=force) as place:
+    with work.place(VERB, f"turbine-{loaded.name}-{valve.grid}") as place:
         runs = run_turbine(orders, *place)
-    reported = write_and_report(place.directory, loaded, turbine_result(runs, told), no_report=no_report)
-    write_fitted(place.directory, system, shape, [*(settings or ()), *fitted_settings(reported.result)])
-    show_result(reported.result, place.directory, json=json, reported=reported.page, names=("fits", "runs"))
+    result = turbine_result(runs, told)
+    write_fitted(place.directory, valve.system, method, fitted_settings(result))
+    work.finish(place, loaded, result, "fits", "runs")

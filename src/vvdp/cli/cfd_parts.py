@@ -1,26 +1,12 @@
 """`vvdp cfd sleeve` and `valve`: parts of the valve beside the whole; `vvdp cfd period`: a spool that turns."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from vvdp.base.extras import require_solids
-from vvdp.cli.cfd_place import (
-    Flow,
-    Grid,
-    Model,
-    Shape,
-    Where,
-    centre_order,
-    rail_order,
-    turbine_order,
-    workplace,
-    write_and_report,
-)
-from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers
-from vvdp.cli.options import AsJson, NoReport, Restart, Settings, SystemName, out_option, parsed_option
-from vvdp.cli.printing import show_result
+from vvdp.cli.cfd_place import Flow, Method, Valve, Work, centre_order, rail_order, turbine_order
+from vvdp.cli.options import flat, parsed_option
 
 if TYPE_CHECKING:
     from vvdp.base.kinds import Kind
@@ -28,21 +14,13 @@ if TYPE_CHECKING:
     from vvdp.cfd.section import Plane
 
 
+@flat("results/cfd-sleeve-SYSTEM-GRID")
 def sleeve(
-    system: SystemName,
-    grid: Grid = "coarse",
+    *,
+    valve: Valve,
     flow: Flow = "",
-    model: Model = "k-epsilon",
-    shape: Shape = None,
-    settings: Settings = None,
-    cores: Cores = None,
-    on: On = HERE,
-    workers: Workers = None,
-    sbatch: Sbatch = None,
-    out: Annotated[Path | None, out_option("results/cfd-sleeve-SYSTEM-GRID")] = None,
-    force: Restart = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    method: Method,
+    work: Work,
 ) -> None:
     """Compute the sleeve without its spool beside the inlet rail alone.
 
@@ -50,35 +28,23 @@ def sleeve(
     computed again.
     """
     require_solids()
-    from vvdp.base.kinds import FLOW
     from vvdp.cfd.parts_result import SLEEVE, sleeve_parts, sleeve_result
     from vvdp.cfd.parts_study import run_parts
 
-    loaded, order, told = rail_order(system, settings, shape, grid, model)
-    order = order._replace(flow=parsed_option("--flow", flow, FLOW)) if flow else order
-    where = Where(on, workers, cores, sbatch)
-    with workplace(SLEEVE, out, f"sleeve-{loaded.name}-{grid}", where, force=force) as place:
+    loaded, order, told = rail_order(valve, method, flow)
+    with work.place(SLEEVE, f"sleeve-{loaded.name}-{valve.grid}") as place:
         runs = run_parts(sleeve_parts(order), _middle(order), *place)
-    reported = write_and_report(place.directory, loaded, sleeve_result(order, runs, told), no_report=no_report)
-    show_result(reported.result, place.directory, json=json, reported=reported.page, names=("found", "parts"))
+    work.finish(place, loaded, sleeve_result(order, runs, told), "found", "parts")
 
 
+@flat("results/cfd-valve-SYSTEM-GRID")
 def valve(
-    system: SystemName,
-    grid: Grid = "coarse",
+    *,
+    valve: Valve,
     flow: Flow = "",
     speed: Annotated[str, typer.Option("--speed", metavar="SPEED", help="Speed of the spool.")] = "1440 rpm",
-    model: Model = "k-epsilon",
-    shape: Shape = None,
-    settings: Settings = None,
-    cores: Cores = None,
-    on: On = HERE,
-    workers: Workers = None,
-    sbatch: Sbatch = None,
-    out: Annotated[Path | None, out_option("results/cfd-valve-SYSTEM-GRID")] = None,
-    force: Restart = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    method: Method,
+    work: Work,
 ) -> None:
     """Compute the whole way of the oil to the load beside its sections.
 
@@ -86,25 +52,23 @@ def valve(
     same command to resume; what is finished is not computed again.
     """
     require_solids()
-    from vvdp.base.kinds import FLOW, SPEED
+    from vvdp.base.kinds import SPEED
     from vvdp.cfd.parts_result import VALVE, valve_parts, valve_result
     from vvdp.cfd.parts_study import run_parts
 
-    loaded, rail, told = rail_order(system, settings, shape, grid, model)
-    rail = rail._replace(flow=parsed_option("--flow", flow, FLOW)) if flow else rail
+    loaded, rail, told = rail_order(valve, method, flow)
     turbine = turbine_order(rail)._replace(speed=parsed_option("--speed", speed, SPEED))
     centre = centre_order(rail, 0.0)._replace(speed=turbine.speed)
-    where = Where(on, workers, cores, sbatch)
-    with workplace(VALVE, out, f"valve-{loaded.name}-{grid}", where, force=force) as place:
+    with work.place(VALVE, f"valve-{loaded.name}-{valve.grid}") as place:
         parts = valve_parts(rail, centre, turbine)
         runs = run_parts(parts, _middle(rail), *place)
-    reported = write_and_report(place.directory, loaded, valve_result(turbine, runs, told), no_report=no_report)
-    show_result(reported.result, place.directory, json=json, reported=reported.page, names=("found", "parts"))
+    work.finish(place, loaded, valve_result(turbine, runs, told), "found", "parts")
 
 
+@flat("results/cfd-period-SYSTEM-GRID")
 def period(
-    system: SystemName,
-    grid: Grid = "coarse",
+    *,
+    valve: Valve,
     speed: Annotated[str, typer.Option("--speed", metavar="SPEED", help="Speed of the spool.")] = "1440 rpm",
     drop: Annotated[
         str,
@@ -112,17 +76,8 @@ def period(
             "--drop", metavar="DROP", help="Total drop that is held (default: by the laws at the pump's flow)."
         ),
     ] = "",
-    model: Model = "k-epsilon",
-    shape: Shape = None,
-    settings: Settings = None,
-    cores: Cores = None,
-    on: On = HERE,
-    workers: Workers = None,
-    sbatch: Sbatch = None,
-    out: Annotated[Path | None, out_option("results/cfd-period-SYSTEM-GRID")] = None,
-    force: Restart = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    method: Method,
+    work: Work,
 ) -> None:
     """Compute a PWM period of the turning spool.
 
@@ -134,14 +89,12 @@ def period(
     from vvdp.cfd.period import PeriodOrder, law_drop, run_period
     from vvdp.cfd.period_result import VERB, period_result
 
-    loaded, rail, told = rail_order(system, settings, shape, grid, model)
+    loaded, rail, told = rail_order(valve, method)
     centre = centre_order(rail, 0.0)._replace(speed=_above_zero("--speed", speed, SPEED))
     held = _above_zero("--drop", drop, PRESSURE_DIFFERENCE) if drop else law_drop(centre)
-    where = Where(on, workers, cores, sbatch)
-    with workplace(VERB, out, f"period-{loaded.name}-{grid}", where, force=force) as place:
+    with work.place(VERB, f"period-{loaded.name}-{valve.grid}") as place:
         run = run_period(PeriodOrder(centre, held), *place)
-    reported = write_and_report(place.directory, loaded, period_result(run, told), no_report=no_report)
-    show_result(reported.result, place.directory, json=json, reported=reported.page, names=("found",))
+    work.finish(place, loaded, period_result(run, told), "found")
 
 
 def _above_zero(option: str, text: str, kind: "Kind") -> float:

@@ -1,15 +1,16 @@
 """What the verbs of `vvdp cfd` share: their options, the order of a system's valve, and where it is carried out."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar
 
 import typer
 
-from vvdp.cli.engines import chosen_engine
-from vvdp.cli.options import parsed_option
+from vvdp.cli.engines import HERE, Cores, Engines, On, Sbatch, Workers
+from vvdp.cli.options import AsJson, NoReport, Restart, Settings, SystemName, parsed_option
+from vvdp.cli.printing import show_result
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -53,46 +54,78 @@ Stub = Annotated[
 ]
 
 
-class Reported(NamedTuple):
-    """A result that was written, and whether its page is there."""
+@dataclass(frozen=True)
+class Valve:
+    """Options: whose valve is computed, on which grid."""
 
-    result: "Result"
-    page: bool
-
-
-def write_and_report(directory: Path, loaded: "System", result: "Result", *, no_report: bool) -> Reported:
-    """Writes a result, the system that it is of, and the page."""
-    from vvdp.cfd.solve import used_cores
-    from vvdp.cli.report import CFD, add_report
-    from vvdp.cli.screen import typed_command
-    from vvdp.results.store import write_result
-    from vvdp.systems.resolved import resolved_text
-
-    cores = " and ".join(map(str, used_cores(directory))) or "not noted"
-    result = replace(result, conditions={**result.conditions, "cores for each solver": cores})
-    write_result(directory, result, resolved_text(loaded), typed_command())
-    return Reported(result, not no_report and add_report(CFD, directory))
+    system: SystemName
+    grid: Grid = "coarse"
 
 
-def write_fitted(directory: Path, system: str, shape: str | None, settings: list[str]) -> None:
+@dataclass(frozen=True)
+class Method:
+    """Options: how the flow is computed, through which shape."""
+
+    model: Model = "k-epsilon"
+    shape: Shape = None
+    settings: Settings = None
+
+
+@dataclass(frozen=True)
+class Work:
+    """Options: where a study is carried out, where it writes, and what is shown of it."""
+
+    cores: Cores = None
+    on: On = HERE
+    workers: Workers = None
+    sbatch: Sbatch = None
+    out: Path | None = None
+    force: Restart = False
+    json: AsJson = False
+    no_report: NoReport = False
+
+    @contextmanager
+    def place(self, verb: str, name: str) -> Iterator["Place"]:
+        """The place of a study of `verb`, for as long as it is at work."""
+        from vvdp.cfd.series import make_place
+        from vvdp.cli.screen import say
+
+        directory = self.out if self.out is not None else Path("results", f"cfd-{name}")
+        engine = Engines(self.on, self.workers, self.cores, self.sbatch).engine(directory)
+        make_place(directory, verb, force=self.force)
+        try:
+            with _progress() as hear:
+                yield Place(directory, engine, hear)
+        except KeyboardInterrupt:
+            say("interrupted; rerun the same command to resume")
+            raise
+
+    def finish(self, place: "Place", loaded: "System", result: "Result", *shown: str) -> None:
+        """Writes a result, the system that it is of, and the page, and shows it."""
+        from vvdp.cfd.solve import used_cores
+        from vvdp.cli.report import CFD, add_report
+        from vvdp.cli.screen import typed_command
+        from vvdp.results.store import write_result
+        from vvdp.systems.resolved import resolved_text
+
+        cores = " and ".join(map(str, used_cores(place.directory))) or "not noted"
+        result = replace(result, conditions={**result.conditions, "cores for each solver": cores})
+        write_result(place.directory, result, resolved_text(loaded), typed_command())
+        reported = not self.no_report and add_report(CFD, place.directory)
+        show_result(result, place.directory, json=self.json, reported=reported, names=shown)
+
+
+def write_fitted(directory: Path, system: str, method: Method, found: Iterable[str]) -> None:
     """Writes the system with what was found, and with the shape that it was found of."""
     from vvdp.base.files import write_listed, write_whole
     from vvdp.geometry.shape_tables import shape_settings
     from vvdp.systems.resolved import resolved_text
     from vvdp.systems.system import load_system
 
-    lengths = shape_settings(shape) if shape else ()
+    lengths = shape_settings(method.shape) if method.shape else ()
+    settings = [*lengths, *(method.settings or ()), *found]
     with write_listed(directory, ["fitted.toml"]):
-        write_whole(directory / "fitted.toml", resolved_text(load_system(system, [*lengths, *settings])))
-
-
-class Where(NamedTuple):
-    """Where to compute, as the options of a verb have it."""
-
-    on: str
-    workers: int | None
-    cores: int | None
-    sbatch: list[str] | None
+        write_whole(directory / "fitted.toml", resolved_text(load_system(system, settings)))
 
 
 class Place(NamedTuple):
@@ -101,23 +134,6 @@ class Place(NamedTuple):
     directory: Path
     engine: "Engine"
     hear: "Callable[[Progress], None]"
-
-
-@contextmanager
-def workplace(verb: str, out: Path | None, name: str, where: Where, *, force: bool) -> Iterator[Place]:
-    """The place of a study of `verb`, for as long as it is at work."""
-    from vvdp.cfd.series import make_place
-    from vvdp.cli.screen import say
-
-    directory = out if out is not None else Path("results", f"cfd-{name}")
-    engine = chosen_engine(*where, directory)
-    make_place(directory, verb, force=force)
-    try:
-        with _progress() as hear:
-            yield Place(directory, engine, hear)
-    except KeyboardInterrupt:
-        say("interrupted; rerun the same command to resume")
-        raise
 
 
 def stretch(option: str, given: tuple[str, str, int], kind: "Kind", least: float) -> tuple[float, ...]:
@@ -134,10 +150,9 @@ def stretch(option: str, given: tuple[str, str, int], kind: "Kind", least: float
     return tuple(float(value) for value in np.linspace(low, high, given[2]))
 
 
-def rail_order(
-    system: str, settings: list[str] | None, shape: str | None, grid: str, model: str
-) -> "tuple[System, RailOrder, Told]":
-    """A system, what is to be computed of it at the flow of its pump, and what is said of it."""
+def rail_order(chosen: Valve, method: Method, flow: str = "") -> "tuple[System, RailOrder, Told]":
+    """A system, what is to be computed of it at a flow, that of its pump by default, and what is said of it."""
+    from vvdp.base.kinds import FLOW
     from vvdp.cfd.case import Fluid
     from vvdp.cfd.rail import RailOrder
     from vvdp.cfd.rail_result import Told
@@ -148,20 +163,20 @@ def rail_order(
     from vvdp.steady.test_stand import stand
     from vvdp.systems.system import load_system
 
-    own = [text for text in settings or () if text.strip().startswith("geometry.")]
-    loaded = load_system(system, [text for text in settings or () if text not in own])
+    own = [text for text in method.settings or () if text.strip().startswith("geometry.")]
+    loaded = load_system(chosen.system, [text for text in method.settings or () if text not in own])
     held = stand(loaded, "cfd")
     oil, temperature, valve = held.bench.oil, held.set_point.oil_temperature, held.bench.valve
-    made, rows = given_shape(valve, shape, own, loaded.lengths)
+    made, rows = given_shape(valve, method.shape, own, loaded.lengths)
     order = RailOrder(
         valve=valve,
         shape=made,
         fluid=Fluid(float(density(temperature, oil)), float(dynamic_viscosity(temperature, oil))),
-        flow=held.pump_flow(held.set_point),
-        grid=_cells(grid),
-        turbulence=choice("--turbulence", model, MODELS),
+        flow=parsed_option("--flow", flow, FLOW) if flow else held.pump_flow(held.set_point),
+        grid=_cells(chosen.grid),
+        turbulence=choice("--turbulence", method.model, MODELS),
     )
-    return loaded, order, Told(loaded.name, grid, fluid(held), rows)
+    return loaded, order, Told(loaded.name, chosen.grid, fluid(held), rows)
 
 
 def choice(option: str, name: str, known: "Mapping[str, T]") -> "T":

@@ -85,7 +85,7 @@ def check(json: AsJson = False) -> None:
 
 
 def _installed_version() -> dict[str, Any]:
-    import vvdp
+    from vvdp.base.version import VERSION
     from vvdp.generator.binding import processor_level
     from vvdp.simulation.cache import kept_bytes
     from vvdp.simulation.crew import all_cores
@@ -93,7 +93,7 @@ def _installed_version() -> dict[str, Any]:
 
     cache, asked = default_cache(), list(requirements())
     return {
-        "vvdp": vvdp.__version__,
+        "vvdp": VERSION,
         "python": platform.python_version(),
         "cores": all_cores(),
         "cache_folder": str(cache),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
-from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers, chosen_engine
+from vvdp.cli.engines import HERE, Cores, Engines, On, Sbatch, Workers
 from vvdp.cli.options import (
     AsJson,
     Force,
@@ -16,6 +16,7 @@ from vvdp.cli.options import (
     Trust,
     Verb,
     default_directory,
+    flat,
     out_option,
     parsed_option,
 )
@@ -24,6 +25,7 @@ from vvdp.cli.printing import show_result, write_with_report
 if TYPE_CHECKING:
     from vvdp.comparison.contest import Titled
     from vvdp.results.result import Result, Table
+    from vvdp.studies.engine import Engine
 
 INTERRUPTED = 130
 
@@ -33,6 +35,41 @@ Chosen = TypeVar("Chosen", bound="Titled")
 Scenarios = Annotated[
     list[str] | None, typer.Option("--scenario", metavar="NAME", help="Run this scenario only (repeatable).")
 ]
+
+
+@dataclass(frozen=True)
+class Trials:
+    """Options of a comparison: where it writes, where its runs are carried out, what is shown."""
+
+    out: Path | None = None
+    force: Force = False
+    on: On = HERE
+    workers: Workers = None
+    cores: Cores = None
+    sbatch: Sbatch = None
+    json: AsJson = False
+    no_report: NoReport = False
+
+    def directory(self, name: str) -> Path:
+        """Where to write; without --out a new directory under `results` whose name begins with `name`."""
+        return self.out if self.out is not None else default_directory(name)
+
+    def engine(self, directory: Path) -> "Engine":
+        """The engine that the options name, see `Engines.engine`."""
+        return Engines(self.on, self.workers, self.cores, self.sbatch).engine(directory)
+
+
+@dataclass(frozen=True)
+class Wheel:
+    """Options: the encoder whose readings are estimated from."""
+
+    sectors: Annotated[
+        int,
+        typer.Option("--sectors", metavar="N", min=2, help="Number of sectors of the code wheel, bright plus dark."),
+    ] = 8
+    rate: Annotated[
+        str, typer.Option("--rate", metavar="FREQUENCY", help='Sample rate of the encoder, for example "1 kHz".')
+    ] = "1 kHz"
 
 
 @app.callback()
@@ -67,7 +104,9 @@ def runs(
 
 
 @app.command(cls=Verb)
+@flat("results/compare-estimators-DATE-TIME")
 def estimators(
+    *,
     scenario: Scenarios = None,
     estimator: Annotated[
         list[str] | None, typer.Option("--estimator", metavar="NAME", help="Run this estimator only (repeatable).")
@@ -75,21 +114,8 @@ def estimators(
     seeds: Annotated[
         int, typer.Option("--seeds", metavar="N", min=1, help="Number of random runs per scenario.")
     ] = 200,
-    sectors: Annotated[
-        int,
-        typer.Option("--sectors", metavar="N", min=2, help="Number of sectors of the code wheel, bright plus dark."),
-    ] = 8,
-    rate: Annotated[
-        str, typer.Option("--rate", metavar="FREQUENCY", help='Sample rate of the encoder, for example "1 kHz".')
-    ] = "1 kHz",
-    out: Annotated[Path | None, out_option("results/compare-estimators-DATE-TIME")] = None,
-    force: Force = False,
-    on: On = HERE,
-    workers: Workers = None,
-    cores: Cores = None,
-    sbatch: Sbatch = None,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    wheel: Wheel,
+    work: Trials,
     show: Annotated[bool, typer.Option("--list", help="List scenarios and estimators without running any.")] = False,
 ) -> None:
     """Run estimators on the same readings of a simulated encoder.
@@ -102,14 +128,14 @@ def estimators(
     from vvdp.comparison.scenarios import scenarios
     from vvdp.comparison.trials import compare
 
-    frequency = parsed_option("--rate", rate, FREQUENCY)
-    chosen = _choose("--scenario", scenario, scenarios(sectors, frequency))
-    rivals = _choose("--estimator", estimator, contenders(sectors, frequency))
+    frequency = parsed_option("--rate", wheel.rate, FREQUENCY)
+    chosen = _choose("--scenario", scenario, scenarios(wheel.sectors, frequency))
+    rivals = _choose("--estimator", estimator, contenders(wheel.sectors, frequency))
     if show:
         _print_names(chosen, rivals, "estimator")
         return
-    directory = out if out is not None else default_directory("compare-estimators")
-    engine = chosen_engine(on, workers, cores, sbatch, directory.parent)
+    directory = work.directory("compare-estimators")
+    engine = work.engine(directory.parent)
     note = (
         "errors are estimate less truth, rms over all runs, 95 % of each run and then their mean; "
         "lost in sectors, settling as the median\n"
@@ -121,24 +147,19 @@ def estimators(
         contenders="estimators",
         note=note,
     )
-    _carry_out(contest, directory, force=force, json=json, no_report=no_report)
+    _carry_out(contest, directory, work)
 
 
 @app.command(cls=Verb)
+@flat("results/compare-controllers-DATE-TIME")
 def controllers(
+    *,
     scenario: Scenarios = None,
     controller: Annotated[
         list[str] | None, typer.Option("--controller", metavar="NAME", help="Run this controller only (repeatable).")
     ] = None,
     seeds: Annotated[int, typer.Option("--seeds", metavar="N", min=1, help="Number of random runs per scenario.")] = 20,
-    out: Annotated[Path | None, out_option("results/compare-controllers-DATE-TIME")] = None,
-    force: Force = False,
-    on: On = HERE,
-    workers: Workers = None,
-    cores: Cores = None,
-    sbatch: Sbatch = None,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    work: Trials,
     show: Annotated[bool, typer.Option("--list", help="List scenarios and controllers without running any.")] = False,
 ) -> None:
     """Run controllers of the spool's axial position on the same simulated drive, a pressure chamber against a spring.
@@ -155,8 +176,8 @@ def controllers(
     if show:
         _print_names(chosen, rivals, "controller")
         return
-    directory = out if out is not None else default_directory("compare-controllers")
-    engine = chosen_engine(on, workers, cores, sbatch, directory.parent)
+    directory = work.directory("compare-controllers")
+    engine = work.engine(directory.parent)
     contest = _Contest(
         compare=lambda **how: compare_controllers(chosen, rivals, seeds, engine=engine, **how),
         result=controller_result,
@@ -164,11 +185,13 @@ def controllers(
         contenders="controllers",
         note="tracking is position less reference, estimate is estimate less position, both rms over all runs\n",
     )
-    _carry_out(contest, directory, force=force, json=json, no_report=no_report)
+    _carry_out(contest, directory, work)
 
 
 @app.command(cls=Verb)
+@flat("results/compare-circuits-DATE-TIME")
 def circuits(
+    *,
     cycle: Annotated[
         list[str] | None, typer.Option("--cycle", metavar="NAME", help="Run this duty cycle only (repeatable).")
     ] = None,
@@ -184,14 +207,7 @@ def circuits(
             help="Add the machine with the rotary valve of another system.",
         ),
     ] = None,
-    out: Annotated[Path | None, out_option("results/compare-circuits-DATE-TIME")] = None,
-    force: Force = False,
-    on: On = HERE,
-    workers: Workers = None,
-    cores: Cores = None,
-    sbatch: Sbatch = None,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    work: Trials,
     show: Annotated[bool, typer.Option("--list", help="List duty cycles and circuits without running any.")] = False,
 ) -> None:
     """Run circuits that move the same cylinder through the same duty cycles: where the power goes, what comes back.
@@ -203,15 +219,14 @@ def circuits(
     from vvdp.systems.displacement.duties import known_cylinder, read_duty, shipped_duties
     from vvdp.systems.displacement.rival_circuits import CIRCUITS, machine_with_valve
 
-    moved = known_cylinder()
-    given = [read_duty(path, *moved) for path in own or ()]
+    given = [read_duty(path, *known_cylinder()) for path in own or ()]
     chosen = [*(_choose("--cycle", cycle, shipped_duties()) if cycle or not given else ()), *given]
     rivals = _choose("--circuit", circuit, (*CIRCUITS, *([machine_with_valve(valve)] if valve else [])))
     if show:
         _print_names(chosen, rivals, "circuit", "cycle")
         return
-    directory = out if out is not None else default_directory("compare-circuits")
-    engine = chosen_engine(on, workers, cores, sbatch, directory.parent)
+    directory = work.directory("compare-circuits")
+    engine = work.engine(directory.parent)
     contest = _Contest(
         compare=lambda **how: compare_circuits(chosen, rivals, engine=engine, **how),
         result=circuit_result,
@@ -219,7 +234,7 @@ def circuits(
         contenders="circuits",
         note="powers are means over a round; delivered while the rod is pushed, received while the load overruns\n",
     )
-    _carry_out(contest, directory, force=force, json=json, no_report=no_report)
+    _carry_out(contest, directory, work)
 
 
 @dataclass(frozen=True)
@@ -233,24 +248,24 @@ class _Contest:
     note: str
 
 
-def _carry_out(contest: _Contest, directory: Path, *, force: bool, json: bool, no_report: bool) -> None:
+def _carry_out(contest: _Contest, directory: Path, work: Trials) -> None:
     """Runs a comparison, writes its result and prints it; exits with 130 after an interrupt."""
     from vvdp.base.files import result_directory
     from vvdp.cli.progress import count_lines
     from vvdp.cli.screen import say
 
-    with result_directory(directory, force=force) as folder:
+    with result_directory(directory, force=work.force) as folder:
         with count_lines("runs") as progress:
             found = contest.compare(progress=progress, say=say)
         result = contest.result(found)
-        reported = write_with_report(folder, result, "", no_report=no_report)
-    if json:
+        reported = write_with_report(folder, result, "", no_report=work.no_report)
+    if work.json:
         kept = {name: result.tables[name] for name in ("comparison", contest.contenders)}
         shown = replace(result, charts={}, tables=kept)
     else:
         _print_scenarios(contest.screen(found, result), contest.note)
         shown = result
-    show_result(shown, directory, json=json, reported=reported, names=(contest.contenders,))
+    show_result(shown, directory, json=work.json, reported=reported, names=(contest.contenders,))
     if not found.finished:
         say(f"interrupted after {found.runs} of {found.all_runs} runs; these were written")
         raise typer.Exit(INTERRUPTED)

@@ -36,13 +36,16 @@ def setting_keys(ctx: typer.Context, incomplete: str) -> list[str]:
 def _values(system: str) -> dict[str, str]:
     """The values of a system by `TABLE.KEY`, empty where one is no number; none where the system cannot be read."""
     from vvdp.base.errors import VvdpError
+    from vvdp.systems.drawn_parts import part_settings
     from vvdp.systems.system import load_system
 
     with suppress(VvdpError, OSError):
-        return {
+        loaded = load_system(system)
+        found = {
             f"{row.table}.{row.key}": row.display_text.partition(" (")[0] if _is_number(row.value) else ""
-            for row in load_system(system).rows
+            for row in loaded.rows
         }
+        return {key: found.get(path, "") for key, path in part_settings(loaded.content).items()} | found
     return {}
 
 

@@ -1,26 +1,21 @@
 """`vvdp design`: optimum, trade-offs, tolerances and oil temperature of a valve."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
+from vvdp.cli.constraints import Constraints
 from vvdp.cli.options import (
-    AsJson,
-    Bounds,
-    Cycle,
-    Force,
-    Limits,
-    NoReport,
+    Output,
     Seed,
     Settings,
     SystemName,
     Verb,
-    default_directory,
-    out_option,
+    flat,
     parsed_option,
 )
 from vvdp.cli.printing import show_result, write_with_report
@@ -67,6 +62,60 @@ NoUsualLimits = Annotated[
 ]
 
 
+@dataclass(frozen=True)
+class Search:
+    """Options: how an optimum is searched for."""
+
+    starts: Annotated[int, typer.Option("--starts", metavar="N", min=1, help="Number of random starting points.")] = 20
+    seed: Seed = 1
+    no_simulation: Annotated[
+        bool, typer.Option("--no-simulation", help="Do not simulate the original and the optimum.")
+    ] = False
+    no_usual_limits: NoUsualLimits = False
+
+
+@dataclass(frozen=True)
+class Objectives:
+    """Options: what designs are traded for."""
+
+    minimise: Annotated[
+        list[str] | None, typer.Option("--minimise", metavar="QUANTITY", help="Quantity to minimise (repeatable).")
+    ] = None
+    maximise: Annotated[
+        list[str] | None, typer.Option("--maximise", metavar="QUANTITY", help="Quantity to maximise (repeatable).")
+    ] = None
+
+
+@dataclass(frozen=True)
+class FrontSearch:
+    """Options: how the Pareto front is searched for."""
+
+    points: Annotated[int, typer.Option("--points", metavar="N", min=8, help="Number of designs on the front.")] = 60
+    generations: Annotated[int, typer.Option("--generations", metavar="N", min=1, help="Number of generations.")] = 60
+    seed: Seed = 1
+    no_simulation: Annotated[bool, typer.Option("--no-simulation", help="Do not simulate the designs.")] = False
+    no_usual_limits: NoUsualLimits = False
+
+
+@dataclass(frozen=True)
+class Draws:
+    """Options: how often values are drawn from their spreads."""
+
+    samples: Annotated[
+        int, typer.Option("--samples", metavar="N", min=1, help="Number of base samples, a power of two.")
+    ] = 1024
+    runs: Annotated[
+        int, typer.Option("--runs", metavar="N", min=16, help="Number of simulated draws, a power of two.")
+    ] = 256
+    no_simulation: Annotated[bool, typer.Option("--no-simulation", help="Use closed forms alone.")] = False
+    seed: Seed = 1
+
+    @property
+    def runs_wanted(self) -> int:
+        """How many draws are simulated."""
+        return 0 if self.no_simulation else self.runs
+
+
 @app.callback()
 def design() -> None:
     """Design a rotary valve: optimum, trade-offs, tolerances.
@@ -86,25 +135,16 @@ def _bench_system(verb: str, name: str, settings: list[str] | None) -> "System":
 
 
 @app.command(cls=Verb)
+@flat("results/design-SYSTEM-DATE-TIME")
 def optimum(
+    *,
     system: SystemName,
     minimise: Annotated[
         str, typer.Option("--minimise", metavar="QUANTITY", help="Quantity to minimise, for example loss_total.")
     ] = "loss_total",
-    subject_to: Limits = None,
-    bound: Bounds = None,
-    cycle: Cycle = None,
-    settings: Settings = None,
-    starts: Annotated[int, typer.Option("--starts", metavar="N", min=1, help="Number of random starting points.")] = 20,
-    seed: Seed = 1,
-    no_simulation: Annotated[
-        bool, typer.Option("--no-simulation", help="Do not simulate the original and the optimum.")
-    ] = False,
-    no_usual_limits: NoUsualLimits = False,
-    out: Annotated[Path | None, out_option("results/design-SYSTEM-DATE-TIME")] = None,
-    force: Force = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    limits: Constraints,
+    search: Search,
+    output: Output,
 ) -> None:
     """Find the best valve and write it as a new system.
 
@@ -112,21 +152,21 @@ def optimum(
     """
     from vvdp.base.files import write_whole
     from vvdp.cli.screen import tell
-    from vvdp.design.problem import problem, with_usual_limits
+    from vvdp.design.problem import with_usual_limits
     from vvdp.design.proof import optimum_text
 
-    loaded = _bench_system("optimum", system, settings)
-    asked = problem(loaded, minimise, subject_to or (), bound or (), cycle)
-    if not no_usual_limits:
+    loaded = _bench_system("optimum", system, limits.settings)
+    asked = limits.problem(loaded, minimise)
+    if not search.no_usual_limits:
         asked = with_usual_limits(asked)
 
     def work(folder: Path) -> "Result":
-        found, result = _optimum(asked, starts, seed, simulated=not no_simulation)
+        found, result = _optimum(asked, search.starts, search.seed, simulated=not search.no_simulation)
         write_whole(folder / SYSTEM, optimum_text(found))
         return result
 
-    directory = _run(loaded, "design", work, out, force, json, no_report)
-    if not json:
+    directory = _run(loaded, "design", work, output)
+    if not output.json:
         tell(f"system: {directory / SYSTEM}   run it with: vvdp run {directory / SYSTEM}")
 
 
@@ -161,27 +201,14 @@ def _optimum(asked: "Problem", starts: int, seed: int, *, simulated: bool) -> "t
 
 
 @app.command(cls=Verb)
+@flat("results/pareto-SYSTEM-DATE-TIME")
 def pareto(
+    *,
     system: SystemName,
-    minimise: Annotated[
-        list[str] | None, typer.Option("--minimise", metavar="QUANTITY", help="Quantity to minimise (repeatable).")
-    ] = None,
-    maximise: Annotated[
-        list[str] | None, typer.Option("--maximise", metavar="QUANTITY", help="Quantity to maximise (repeatable).")
-    ] = None,
-    subject_to: Limits = None,
-    bound: Bounds = None,
-    cycle: Cycle = None,
-    settings: Settings = None,
-    points: Annotated[int, typer.Option("--points", metavar="N", min=8, help="Number of designs on the front.")] = 60,
-    generations: Annotated[int, typer.Option("--generations", metavar="N", min=1, help="Number of generations.")] = 60,
-    seed: Seed = 1,
-    no_simulation: Annotated[bool, typer.Option("--no-simulation", help="Do not simulate the designs.")] = False,
-    no_usual_limits: NoUsualLimits = False,
-    out: Annotated[Path | None, out_option("results/pareto-SYSTEM-DATE-TIME")] = None,
-    force: Force = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    objectives: Objectives,
+    limits: Constraints,
+    search: FrontSearch,
+    output: Output,
 ) -> None:
     """Compute the Pareto front.
 
@@ -191,21 +218,28 @@ def pareto(
     from vvdp.cli.screen import say
     from vvdp.design import pareto as study
     from vvdp.design.pareto_result import front_result, write_designs
-    from vvdp.design.problem import problem, with_usual_limits
+    from vvdp.design.problem import with_usual_limits
     from vvdp.design.proof import simulated_designs
 
-    wanted = study.objectives(minimise or (), maximise or ())
-    loaded = _bench_system("pareto", system, settings)
+    wanted = study.objectives(objectives.minimise or (), objectives.maximise or ())
+    loaded = _bench_system("pareto", system, limits.settings)
     beside = [each.quantity for each in wanted]
-    asked = problem(loaded, wanted[0].quantity, subject_to or (), bound or (), cycle, beside=beside)
-    if not no_usual_limits:
+    asked = limits.problem(loaded, wanted[0].quantity, beside)
+    if not search.no_usual_limits:
         asked = with_usual_limits(asked, front=True)
 
     def work(folder: Path) -> "Result":
         with count_lines("generations and designs") as progress:
-            found = study.front(asked, wanted, points=points, generations=generations, seed=seed, progress=progress)
+            found = study.front(
+                asked,
+                wanted,
+                points=search.points,
+                generations=search.generations,
+                seed=search.seed,
+                progress=progress,
+            )
         finished = found.finished
-        if finished and not no_simulation:
+        if finished and not search.no_simulation:
             say(f"simulating {len(found.values)} designs")
             try:
                 found = replace(found, simulated=simulated_designs(asked, [{}, *found.values], say=say))
@@ -214,11 +248,13 @@ def pareto(
         write_designs(folder, found)
         return front_result(found, finished=finished)
 
-    _run(loaded, "pareto", work, out, force, json, no_report, shows=("front",))
+    _run(loaded, "pareto", work, output, shows=("front",))
 
 
 @app.command(cls=Verb)
+@flat("results/tolerance-SYSTEM-DATE-TIME")
 def tolerance(
+    *,
     system: SystemName,
     spread: Annotated[
         list[str] | None,
@@ -228,19 +264,9 @@ def tolerance(
             help='Spread of an input, for example "radial_clearance: 10 um to 16 um" (repeatable).',
         ),
     ] = None,
-    samples: Annotated[
-        int, typer.Option("--samples", metavar="N", min=1, help="Number of base samples, a power of two.")
-    ] = 1024,
-    runs: Annotated[
-        int, typer.Option("--runs", metavar="N", min=16, help="Number of simulated draws, a power of two.")
-    ] = 256,
-    no_simulation: Annotated[bool, typer.Option("--no-simulation", help="Use closed forms alone.")] = False,
-    seed: Seed = 1,
+    draws: Draws,
     settings: Settings = None,
-    out: Annotated[Path | None, out_option("results/tolerance-SYSTEM-DATE-TIME")] = None,
-    force: Force = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    output: Output,
 ) -> None:
     """Show how results scatter with tolerances and assumed values.
 
@@ -250,30 +276,30 @@ def tolerance(
     from vvdp.base.files import write_whole
     from vvdp.design import tolerance as study
     from vvdp.design.spreads import spreads
-    from vvdp.design.tolerance_result import draws, tolerance_result
+    from vvdp.design.tolerance_result import draws as drawn
+    from vvdp.design.tolerance_result import tolerance_result
     from vvdp.results.store import table_text
 
     loaded = _bench_system("tolerance", system, settings)
     taken = spreads(loaded, spread or ())
 
     def work(folder: Path) -> "Result":
-        found = study.tolerance(loaded, taken, samples=samples, runs=0 if no_simulation else runs, seed=seed)
-        write_whole(folder / "draws.csv", table_text(draws(found)))
+        found = study.tolerance(loaded, taken, samples=draws.samples, runs=draws.runs_wanted, seed=draws.seed)
+        write_whole(folder / "draws.csv", table_text(drawn(found)))
         return tolerance_result(found)
 
-    _run(loaded, "tolerance", work, out, force, json, no_report)
+    _run(loaded, "tolerance", work, output)
 
 
 @app.command(cls=Verb)
+@flat("results/temperature-SYSTEM-DATE-TIME")
 def temperature(
+    *,
     system: SystemName,
     coldest: Annotated[str, typer.Option("--from", metavar="TEMP", help="Coldest oil temperature.")] = "10 degC",
     hottest: Annotated[str, typer.Option("--to", metavar="TEMP", help="Hottest oil temperature.")] = "80 degC",
     settings: Settings = None,
-    out: Annotated[Path | None, out_option("results/temperature-SYSTEM-DATE-TIME")] = None,
-    force: Force = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    output: Output,
 ) -> None:
     """Show the valve from cold to hot oil."""
     from vvdp.base.kinds import TEMPERATURE
@@ -288,18 +314,17 @@ def temperature(
         with count_lines("temperatures") as progress:
             return temperature_result(study.over_temperature(loaded, coldest=low, hottest=high, progress=progress))
 
-    _run(loaded, "temperature", work, out, force, json, no_report, shows=("temperature", "checks"))
+    _run(loaded, "temperature", work, output, shows=("temperature", "checks"))
 
 
 @app.command(cls=Verb)
+@flat("results/levers-SYSTEM-DATE-TIME")
 def levers(
+    *,
     system: SystemName,
     settings: Settings = None,
     no_simulation: Annotated[bool, typer.Option("--no-simulation", help="Use closed forms alone.")] = False,
-    out: Annotated[Path | None, out_option("results/levers-SYSTEM-DATE-TIME")] = None,
-    force: Force = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    output: Output,
 ) -> None:
     """Compare what lowers the transition loss, in watts.
 
@@ -318,7 +343,7 @@ def levers(
             found = study.levers(loaded, simulated=not no_simulation, progress=progress, say=say)
         return levers_result(loaded, found)
 
-    _run(loaded, "levers", work, out, force, json, no_report, shows=("levers",))
+    _run(loaded, "levers", work, output, shows=("levers",))
 
 
 app.command(cls=Verb)(robust)
@@ -328,10 +353,7 @@ def _run(
     system: "System",
     name: str,
     work: "Callable[[Path], Result]",
-    out: Path | None,
-    force: bool,
-    json: bool,
-    no_report: bool,
+    output: Output,
     shows: Sequence[str] | None = None,
 ) -> Path:
     """Has `work` done in a new result directory, writes and shows what comes of it, and gives the directory."""
@@ -339,11 +361,11 @@ def _run(
     from vvdp.cli.screen import say
     from vvdp.systems.resolved import resolved_text
 
-    directory = out if out is not None else default_directory(f"{name}-{system.name}")
-    with result_directory(directory, force=force) as folder:
+    directory = output.directory(f"{name}-{system.name}")
+    with result_directory(directory, force=output.force) as folder:
         result = work(folder)
-        reported = write_with_report(folder, result, resolved_text(system), no_report=no_report)
-    show_result(result, directory, json=json, reported=reported, names=shows)
+        reported = write_with_report(folder, result, resolved_text(system), no_report=output.no_report)
+    show_result(result, directory, json=output.json, reported=reported, names=shows)
     if not result.finished:
         say("interrupted; what was found until then is written")
         raise typer.Exit(INTERRUPTED)

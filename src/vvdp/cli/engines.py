@@ -1,9 +1,12 @@
 """The engine that a command's options name: where many cases are run."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from vvdp.cli.options import AsJson, NoReport, Restart
 
 if TYPE_CHECKING:
     from vvdp.studies.engine import Engine
@@ -37,41 +40,70 @@ Sbatch = Annotated[
 ]
 
 
-def chosen_engine(
-    on: str, workers: int | None, cores: int | None, sbatch: list[str] | None, directory: Path
-) -> "Engine":
-    """The engine that the options name; what SLURM jobs print goes to a folder in `directory`.
+@dataclass(frozen=True)
+class Engines:
+    """Options: where many cases are run."""
 
-    Raises ConfigError with every option that does not go with `on`, and where `on` is no place; MissingExtraError where
-    Dask is not installed, before anything is written.
-    """
-    from vvdp.base.errors import ConfigError, Fault
-    from vvdp.base.extras import require
-    from vvdp.cli.screen import say
-    from vvdp.studies.engine import ThisProcess
+    on: On = HERE
+    workers: Workers = None
+    cores: Cores = None
+    sbatch: Sbatch = None
 
-    is_address = ":" in on
-    faults = []
-    if on not in (HERE, DASK, SLURM) and not is_address:
-        expected = f"expected {HERE}, {DASK}, {SLURM} or an address such as tcp://head:8786"
-        faults.append(Fault("--on", 0, "", f"{on!r}; {expected}"))
-    if workers is not None and (on == HERE or is_address):
-        faults.append(Fault("--workers", 0, "", f"{workers} workers cannot be had with --on {on}"))
-    if cores is not None and is_address:
-        faults.append(Fault("--cores", 0, "", f"{cores} cores: the workers of {on} have theirs already"))
-    if sbatch and on != SLURM:
-        faults.append(Fault("--sbatch", 0, "", f"nothing is given to sbatch with --on {on}"))
-    if faults:
-        raise ConfigError(faults)
-    if on == HERE:
-        return ThisProcess(cores)
-    require("dask_jobqueue" if on == SLURM else "distributed", "scale", f"--on {on}")
+    def engine(self, directory: Path) -> "Engine":
+        """The engine that the options name; what SLURM jobs print goes to a folder in `directory`.
 
-    from vvdp.studies.dask_engines import DaskScheduler, LocalDask, Slurm
+        Raises ConfigError with every option that does not go with `on`, and where `on` is no place; MissingExtraError
+        where Dask is not installed, before anything is written.
+        """
+        from vvdp.base.errors import ConfigError, Fault
+        from vvdp.base.extras import require
+        from vvdp.cli.screen import say
+        from vvdp.studies.engine import ThisProcess
 
-    if on == DASK:
-        return LocalDask(workers, cores or 1, say=say)
-    if on == SLURM:
-        logs = (directory / "slurm").resolve()
-        return Slurm(workers or 1, cores or 1, options=tuple(sbatch or ()), logs=logs, say=say)
-    return DaskScheduler(on, say=say)
+        is_address = ":" in self.on
+        faults = []
+        if self.on not in (HERE, DASK, SLURM) and not is_address:
+            expected = f"expected {HERE}, {DASK}, {SLURM} or an address such as tcp://head:8786"
+            faults.append(Fault("--on", 0, "", f"{self.on!r}; {expected}"))
+        if self.workers is not None and (self.on == HERE or is_address):
+            faults.append(Fault("--workers", 0, "", f"{self.workers} workers cannot be had with --on {self.on}"))
+        if self.cores is not None and is_address:
+            faults.append(Fault("--cores", 0, "", f"{self.cores} cores: the workers of {self.on} have theirs already"))
+        if self.sbatch and self.on != SLURM:
+            faults.append(Fault("--sbatch", 0, "", f"nothing is given to sbatch with --on {self.on}"))
+        if faults:
+            raise ConfigError(faults)
+        if self.on == HERE:
+            return ThisProcess(self.cores)
+        require("dask_jobqueue" if self.on == SLURM else "distributed", "scale", f"--on {self.on}")
+
+        from vvdp.studies.dask_engines import DaskScheduler, LocalDask, Slurm
+
+        if self.on == DASK:
+            return LocalDask(self.workers, self.cores or 1, say=say)
+        if self.on == SLURM:
+            logs = (directory / "slurm").resolve()
+            return Slurm(self.workers or 1, self.cores or 1, options=tuple(self.sbatch or ()), logs=logs, say=say)
+        return DaskScheduler(self.on, say=say)
+
+
+@dataclass(frozen=True)
+class Resumable:
+    """Options of a command that runs many cases: where it writes, where they are run, what is shown."""
+
+    out: Path | None = None
+    on: On = HERE
+    workers: Workers = None
+    cores: Cores = None
+    sbatch: Sbatch = None
+    force: Restart = False
+    json: AsJson = False
+    no_report: NoReport = False
+
+    def directory(self, name: str) -> Path:
+        """Where to write; without --out the directory under `results` that a call before has written to."""
+        return self.out if self.out is not None else Path("results", name)
+
+    def engine(self, directory: Path) -> "Engine":
+        """The engine that the options name, see `Engines.engine`."""
+        return Engines(self.on, self.workers, self.cores, self.sbatch).engine(directory)

@@ -1,12 +1,13 @@
 """`vvdp estimate`."""
 
 import shlex
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vvdp.cli.options import AsJson, Force, NoReport, default_directory, out_option
+from vvdp.cli.options import Output, flat
 
 if TYPE_CHECKING:
     from vvdp.base.errors import ConfigError
@@ -17,55 +18,90 @@ if TYPE_CHECKING:
 INTERRUPTED = 130
 
 
-def estimate(
-    log: Annotated[Path, typer.Argument(metavar="LOG", help="A CSV, TDMS, MDF4, HDF5, MATLAB or Parquet file.")],
+@dataclass(frozen=True)
+class Named:
+    """Options: channels of a log and settings, which override those of a config file."""
+
     edges: Annotated[
         str | None, typer.Option("--edges", metavar="COLUMN", help="Column of edge times, one row per edge.")
-    ] = None,
+    ] = None
     falling: Annotated[
         str | None, typer.Option("--falling", metavar="COLUMN", help="Column of the falling edges, if separate.")
-    ] = None,
-    counts: Annotated[str | None, typer.Option("--counts", metavar="COLUMN", help="Column of an edge counter.")] = None,
-    wave: Annotated[str | None, typer.Option("--wave", metavar="COLUMN", help="Column of a photodiode signal.")] = None,
+    ] = None
+    counts: Annotated[str | None, typer.Option("--counts", metavar="COLUMN", help="Column of an edge counter.")] = None
+    wave: Annotated[str | None, typer.Option("--wave", metavar="COLUMN", help="Column of a photodiode signal.")] = None
     sectors: Annotated[
         int | None, typer.Option("--sectors", metavar="N", help="Number of sectors, bright plus dark (default: 8).")
-    ] = None,
+    ] = None
     index_shift: Annotated[
         float | None, typer.Option("--index-shift", metavar="SHARE", help="Offset of the index edge in sectors.")
-    ] = None,
+    ] = None
     sample_rate: Annotated[
         str | None,
         typer.Option(
             "--sample-rate", metavar="RATE", help='Sample rate if the log has no time channel, for example "10 kHz".'
         ),
-    ] = None,
-    clock: Annotated[str | None, typer.Option("--time", metavar="COLUMN", help="Time channel of the log.")] = None,
+    ] = None
+    clock: Annotated[str | None, typer.Option("--time", metavar="COLUMN", help="Time channel of the log.")] = None
     pressure: Annotated[
         str | None,
         typer.Option("--pressure", metavar="COLUMN", help="Column of the inlet pressure, which gives the duty ratio."),
-    ] = None,
-    fuse: Annotated[bool, typer.Option("--fuse", help="Fuse inlet-pressure edges into the estimate.")] = False,
+    ] = None
+    fuse: Annotated[bool, typer.Option("--fuse", help="Fuse inlet-pressure edges into the estimate.")] = False
     sections: Annotated[
         int | None, typer.Option("--sections", metavar="N", help="PWM periods per revolution (default: 3).")
-    ] = None,
+    ] = None
     output_rate: Annotated[
         str | None, typer.Option("--output-rate", metavar="RATE", help="Output sample rate (default: 1 kHz).")
-    ] = None,
-    smooth: Annotated[bool, typer.Option("--smooth", help="Add the fixed-interval smoothed estimate.")] = False,
+    ] = None
+    smooth: Annotated[bool, typer.Option("--smooth", help="Add the fixed-interval smoothed estimate.")] = False
     fit: Annotated[
         bool, typer.Option("--fit", help="Fit the noise settings of the filter to the start of the log.")
-    ] = False,
+    ] = False
+
+    def options(self) -> "list[Option]":
+        """Those that are given, by the key of the config file."""
+        from vvdp.offline.config import Option
+
+        given = {
+            "sensor.edges": ("--edges", self.edges),
+            "sensor.falling": ("--falling", self.falling),
+            "sensor.counts": ("--counts", self.counts),
+            "sensor.wave": ("--wave", self.wave),
+            "sensor.sectors": ("--sectors", self.sectors),
+            "sensor.index_shift": ("--index-shift", self.index_shift),
+            "log.sample_rate": ("--sample-rate", self.sample_rate),
+            "log.time": ("--time", self.clock),
+            "pressure.channel": ("--pressure", self.pressure),
+            "pressure.fuse": ("--fuse", self.fuse or None),
+            "valve.sections": ("--sections", self.sections),
+            "output.rate": ("--output-rate", self.output_rate),
+            "output.smooth": ("--smooth", self.smooth or None),
+            "filter.fit": ("--fit", self.fit or None),
+        }
+        return [Option(key, option, value) for key, (option, value) in given.items() if value is not None]
+
+
+@dataclass(frozen=True)
+class Files:
+    """Options: the config file that is read, or written."""
+
     config: Annotated[
         Path | None, typer.Option("--config", metavar="FILE", help="Settings, a TOML file; options override it.")
-    ] = None,
+    ] = None
     write_config: Annotated[
         Path | None,
         typer.Option("--write-config", metavar="FILE", help="Write a config file to start from, without estimating."),
-    ] = None,
-    out: Annotated[Path | None, out_option("results/LOG-DATE-TIME")] = None,
-    force: Force = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    ] = None
+
+
+@flat("results/LOG-DATE-TIME")
+def estimate(
+    *,
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="A CSV, TDMS, MDF4, HDF5, MATLAB or Parquet file.")],
+    named: Named,
+    files: Files,
+    output: Output,
 ) -> None:
     """Estimate the spool's angle and speed from a measured log.
 
@@ -76,49 +112,33 @@ def estimate(
     from vvdp.cli.progress import report_reach
     from vvdp.cli.report import RESULT, add_report
     from vvdp.cli.screen import print_json, say, tell
-    from vvdp.offline.config import SOURCES, Option, load_estimation
+    from vvdp.offline.config import SOURCES, load_estimation
     from vvdp.offline.estimate import estimate as estimated
     from vvdp.offline.estimate import open_for_estimate
 
-    named = {
-        "sensor.edges": ("--edges", edges),
-        "sensor.falling": ("--falling", falling),
-        "sensor.counts": ("--counts", counts),
-        "sensor.wave": ("--wave", wave),
-        "sensor.sectors": ("--sectors", sectors),
-        "sensor.index_shift": ("--index-shift", index_shift),
-        "log.sample_rate": ("--sample-rate", sample_rate),
-        "log.time": ("--time", clock),
-        "pressure.channel": ("--pressure", pressure),
-        "pressure.fuse": ("--fuse", fuse or None),
-        "valve.sections": ("--sections", sections),
-        "output.rate": ("--output-rate", output_rate),
-        "output.smooth": ("--smooth", smooth or None),
-        "filter.fit": ("--fit", fit or None),
-    }
-    options = [Option(key, option, value) for key, (option, value) in named.items() if value is not None]
-    if write_config is not None:
-        _write_config(log, write_config, config, options, force)
+    options = named.options()
+    if files.write_config is not None:
+        _write_config(log, files.write_config, files.config, options, output.force)
         return
-    if config is None and not any(f"sensor.{key}" in {option.key for option in options} for key in SOURCES):
+    if files.config is None and not any(f"sensor.{key}" in {option.key for option in options} for key in SOURCES):
         raise _nothing_named(log, options)
-    wanted = load_estimation(config, options)
+    wanted = load_estimation(files.config, options)
     with open_for_estimate(log, wanted) as source:
-        directory = out if out is not None else default_directory(log.stem)
-        with result_directory(directory, force=force) as folder:
+        directory = output.directory(log.stem)
+        with result_directory(directory, force=output.force) as folder:
             what = "both passes over the log" if wanted.smooth else "the log"
             with report_reach(1.0, lambda share: f"{100.0 * share:.0f} % of {what}") as progress:
-                found = estimated(source, wanted, folder, progress=progress, say=say, more=_origin(config, options))
+                found = estimated(
+                    source, wanted, folder, progress=progress, say=say, more=_origin(files.config, options)
+                )
             if not found.finished:
                 say("interrupted; what was reached is kept")
-            reported = not no_report and add_report(RESULT, folder)
-    if json:
+            reported = not output.no_report and add_report(RESULT, folder)
+    if output.json:
         print_json({"log": str(log), **_flat(found, wanted), "out": str(directory)})
     else:
         print_result(found, tuple(found.listings))
-        tell(f"results: {directory}")
-    if reported and not json:
-        tell(f"report: {directory / 'report.html'}")
+        tell(f"results: {directory}" + (f"\nreport: {directory / 'report.html'}" if reported else ""))
     if not found.finished:
         raise typer.Exit(INTERRUPTED)
 

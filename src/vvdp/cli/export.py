@@ -1,11 +1,12 @@
 """`vvdp export`: results for other programs, and models as C."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from vvdp.cli.options import AsJson, Force, Settings, SystemName, Verb, default_directory, out_option
+from vvdp.cli.options import AsJson, Force, Settings, SystemName, Verb, default_directory, flat, out_option
 
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
 
@@ -54,12 +55,21 @@ def data(
         tell("\n".join(written))
 
 
-@app.command("c", cls=Verb)
-def write_c_folder(
-    system: SystemName,
+@dataclass(frozen=True)
+class Part:
+    """Options: what of a system is exported."""
+
+    system: SystemName
     part: Annotated[
         str, typer.Option("--part", metavar="NAME", help="Export the step of this program, or the circuit.")
-    ] = "circuit",
+    ] = "circuit"
+
+
+@app.command("c", cls=Verb)
+@flat("results/c-NAME-TIME")
+def write_c_folder(
+    *,
+    chosen: Part,
     settings: Settings = None,
     samples: Annotated[
         int, typer.Option("--samples", metavar="N", min=1, max=10_000, help="Number of samples with expected bits.")
@@ -78,8 +88,8 @@ def write_c_folder(
     from vvdp.export.c_folder import c_files, c_part, facts
     from vvdp.systems.system import load_system
 
-    loaded = load_system(system, settings or ())
-    made = c_part(loaded, part)
+    loaded = load_system(chosen.system, settings or ())
+    made = c_part(loaded, chosen.part)
     directory = out if out is not None else default_directory(f"c-{made.name}")
     with result_directory(directory, force=force) as folder:
         files = c_files(loaded, made, samples)

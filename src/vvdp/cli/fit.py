@@ -1,13 +1,14 @@
 """`vvdp fit`."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
 from vvdp.cli.completion import system_names
-from vvdp.cli.options import AsJson, Force, NoReport, Settings, default_directory, out_option
+from vvdp.cli.options import Output, Settings, flat
 
 if TYPE_CHECKING:
     from vvdp.base.arrays import Array
@@ -26,12 +27,21 @@ class _Law(NamedTuple):
     fit: "Callable[[Mapping[str, Array], Host | None], Fitted]"
 
 
+@dataclass(frozen=True)
+class Law:
+    """Options: the law that is fitted."""
+
+    law: Annotated[str, typer.Option("--law", metavar="LAW", help="One of drop, jet, leakage.")]
+    part: Annotated[str, typer.Option("--part", metavar="PART", help="What drops: one of centre, nozzle, outlet.")] = (
+        "centre"
+    )
+
+
+@flat("results/fit-LAW-DATE-TIME")
 def fit(
+    *,
     table: Annotated[Path, typer.Argument(metavar="TABLE", help="A CSV file with a heading such as `flow [lpm]`.")],
-    law: Annotated[str, typer.Option("--law", metavar="LAW", help="One of drop, jet, leakage.")],
-    part: Annotated[
-        str, typer.Option("--part", metavar="PART", help="What drops: one of centre, nozzle, outlet.")
-    ] = "centre",
+    fitted: Law,
     on: Annotated[
         str | None,
         typer.Option(
@@ -42,10 +52,7 @@ def fit(
         ),
     ] = None,
     settings: Settings = None,
-    out: Annotated[Path | None, out_option("results/fit-LAW-DATE-TIME")] = None,
-    force: Force = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    output: Output,
 ) -> None:
     """Fit a law of the valve to a table of values.
 
@@ -60,16 +67,18 @@ def fit(
     from vvdp.fitting.table import read_columns
     from vvdp.systems.resolved import resolved_text
 
-    chosen = _law(law, part)
+    chosen = _law(fitted.law, fitted.part)
     loaded, host = _host(on, settings)
     found = chosen.fit(read_columns(table, chosen.columns), host)
     result = fit_result(found, readable(table.name), host)
-    directory = out if out is not None else default_directory(f"fit-{law}")
-    with result_directory(directory, force=force) as folder:
+    directory = output.directory(f"fit-{fitted.law}")
+    with result_directory(directory, force=output.force) as folder:
         if loaded:
             write_whole(folder / FITTED, _fitted_text(loaded, on or "", settings, found, table))
-        reported = write_with_report(folder, result, resolved_text(loaded) if loaded else "", no_report=no_report)
-    if json:
+        reported = write_with_report(
+            folder, result, resolved_text(loaded) if loaded else "", no_report=output.no_report
+        )
+    if output.json:
         print_json({**result.flat, "confidence_95": confidence(found), "out": str(directory)})
         return
     show_result(result, directory, json=False, reported=reported)

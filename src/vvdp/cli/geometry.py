@@ -1,11 +1,12 @@
 """`vvdp geometry`."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vvdp.cli.options import AsJson, Force, NoReport, Settings, SystemName, default_directory, out_option, parsed_option
+from vvdp.cli.options import Output, Settings, SystemName, default_directory, flat, out_option, parsed_option
 from vvdp.cli.printing import print_result
 from vvdp.cli.report import GEOMETRY, add_report
 
@@ -17,9 +18,10 @@ if TYPE_CHECKING:
 INTERRUPTED = 130
 
 
-def geometry(
-    system: SystemName,
-    out: Annotated[Path | None, out_option("results/geometry-SYSTEM-DATE-TIME")] = None,
+@dataclass(frozen=True)
+class Solids:
+    """Options: what is built of the valve."""
+
     shape: Annotated[
         str | None,
         typer.Option(
@@ -28,24 +30,30 @@ def geometry(
             help="A shipped shape (full-stroke, rail-a to rail-d, rail-final), or a TOML file whose table [geometry] "
             "replaces lengths.",
         ),
-    ] = None,
+    ] = None
     angle: Annotated[
         str,
         typer.Option(
             "--angle", metavar="ANGLE", help="Spool angle for the oil volumes; at 0 the valve is open to the load."
         ),
-    ] = "0 deg",
+    ] = "0 deg"
     fineness: Annotated[
         float, typer.Option("--fineness", metavar="N", min=10, max=200, help="Number of mesh edges per spool radius.")
-    ] = 25.0,
+    ] = 25.0
     frames: Annotated[
         int, typer.Option("--frames", metavar="N", min=0, help="Number of animation frames; 0 for none.")
-    ] = 48,
-    step: Annotated[bool, typer.Option("--step", help="Also write STEP files; needs the extra [cad].")] = False,
+    ] = 48
+    step: Annotated[bool, typer.Option("--step", help="Also write STEP files; needs the extra [cad].")] = False
+
+
+@flat("results/geometry-SYSTEM-DATE-TIME")
+def geometry(
+    *,
+    system: SystemName,
+    out: Annotated[Path | None, out_option("results/geometry-SYSTEM-DATE-TIME")] = None,
+    solids: Solids,
     settings: Settings = None,
-    force: Force = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    output: Output,
 ) -> None:
     """Build spool, sleeve and oil volumes as solids.
 
@@ -55,38 +63,36 @@ def geometry(
     from vvdp.base.extras import require, require_solids
 
     require_solids()
-    if step:
+    if solids.step:
         require("OCP", "cad", "a STEP file")
-    from vvdp.base.kinds import ANGLE
     from vvdp.cli.screen import print_json, say, tell
     from vvdp.systems.system import load_system
 
     own = [text for text in settings or () if text.strip().startswith("geometry.")]
     loaded = load_system(system, [text for text in settings or () if text not in own])
-    order = _order(loaded, shape, own, parsed_option("--angle", angle, ANGLE), fineness, step=step)
+    order = _order(loaded, solids, own)
     directory = out if out is not None else default_directory(f"geometry-{loaded.name}")
-    result = _make(directory, loaded, order, frames, force=force, no_report=no_report)
-    if json:
+    result = _make(directory, loaded, order, solids.frames, output)
+    if output.json:
         print_json({**result.flat, "out": str(directory)})
     else:
         print_result(result, [name for name in ("comparison", "bodies") if name in {*result.listings, *result.tables}])
-        tell(f"results: {directory}" + ("" if no_report else f"\nreport: {directory / 'report.html'}"))
+        tell(f"results: {directory}" + ("" if output.no_report else f"\nreport: {directory / 'report.html'}"))
     if not result.finished:
         say("interrupted; what was made is written")
         raise typer.Exit(INTERRUPTED)
 
 
-def _order(
-    loaded: "System", file: str | None, settings: list[str], angle: float, fineness: float, *, step: bool
-) -> "Order":
+def _order(loaded: "System", solids: Solids, settings: list[str]) -> "Order":
     """What is to be made. Raises ParameterError where the spool would stand outside its stroke."""
+    from vvdp.base.kinds import ANGLE
     from vvdp.geometry.domains import require_within_stroke
     from vvdp.geometry.product import Order
     from vvdp.geometry.shape_tables import given_shape
     from vvdp.systems.spool_travel import first_position, require_rotary_valve
 
     valve = require_rotary_valve(loaded, "geometry")
-    made, rows = given_shape(valve, file, settings, loaded.lengths)
+    made, rows = given_shape(valve, solids.shape, settings, loaded.lengths)
     told = first_position(loaded)
     position = 0.5 * valve.helix_length if told is None else told
     require_within_stroke(position, made, valve)
@@ -95,14 +101,14 @@ def _order(
         valve=valve,
         shape=made,
         rows=rows,
-        angle=angle,
+        angle=parsed_option("--angle", solids.angle, ANGLE),
         position=position,
-        fineness=fineness,
-        step=step,
+        fineness=solids.fineness,
+        step=solids.step,
     )
 
 
-def _make(directory: Path, loaded: "System", order: "Order", frames: int, *, force: bool, no_report: bool) -> "Result":
+def _make(directory: Path, loaded: "System", order: "Order", frames: int, output: Output) -> "Result":
     """Makes all files of an order and the page; what they come to."""
     from vvdp.base.files import list_all, result_directory
     from vvdp.cli.screen import say, typed_command
@@ -115,12 +121,12 @@ def _make(directory: Path, loaded: "System", order: "Order", frames: int, *, for
     def film() -> bytes:
         return animation(order.shape, order.valve, order.position, frames)
 
-    with result_directory(directory, force=force) as folder:
+    with result_directory(directory, force=output.force) as folder:
         product = make_product(folder, order, say, film if frames else None)
         result = geometry_result(order, product)
         write_result(folder, result, resolved_text(loaded), typed_command())
         list_all(folder)
-        if not no_report:
+        if not output.no_report:
             say("pictures")
             add_report(GEOMETRY, folder)
     return result

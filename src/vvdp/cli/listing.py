@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from vvdp.network.assembly import Assembly
     from vvdp.network.component import Component
     from vvdp.network.program import ProgramType
+    from vvdp.programs.generic import GenericProgram
+    from vvdp.systems.part_files import PartFile
 
 
 def systems(
@@ -123,14 +125,19 @@ def _own_systems(folder: Path) -> Iterator[tuple[str, str, str]]:
 NODE_COLUMNS = ("type", "values")
 COMPONENT_COLUMNS = ("type", "ports", "inputs", "values", "outputs", "symbol")
 PROGRAM_COLUMNS = ("type", "reads", "commands", "values")
+UNLIMITED = 1e300
+"""A default value from which on it says that there is no limit."""
+PART_COLUMNS = ("type", "ports", "values", "title")
 
 
 def _library(json: bool) -> None:
     """Prints all that a file may draw a circuit from."""
     from vvdp.cli.screen import console, print_json
-    from vvdp.components.library import COMPONENTS, PROGRAMS
+    from vvdp.components.library import COMPONENTS
     from vvdp.network.assembly import Assembly
+    from vvdp.programs.library import PROGRAMS
     from vvdp.systems.drawing import NODES
+    from vvdp.systems.part_files import shipped_part, shipped_parts
 
     nodes = [(name, _values(node.table)) for name, node in NODES.items()]
     parts = [
@@ -138,12 +145,14 @@ def _library(json: bool) -> None:
         for name, part in COMPONENTS.items()
     ]
     programs = [(name, *_program(program)) for name, program in PROGRAMS.items()]
+    circuits = [(name, *_part(shipped_part(name))) for name in shipped_parts()]
     if json:
         print_json(
             {
                 "nodes": _entries(nodes, NODE_COLUMNS[1:]),
                 "components": _entries(parts, COMPONENT_COLUMNS[1:]),
                 "programs": _entries(programs, PROGRAM_COLUMNS[1:]),
+                "parts": _entries(circuits, PART_COLUMNS[1:]),
             }
         )
         return
@@ -151,8 +160,10 @@ def _library(json: bool) -> None:
     title = "Components: [components.NAME] with its type, the node at each port, inputs and values"
     _print(title, COMPONENT_COLUMNS, _lines(parts))
     _print("Programs: [programs.NAME] with its type, values and what it reads", PROGRAM_COLUMNS, _lines(programs))
+    _print("Parts: [parts.NAME] with its type, the node at each port, and values", PART_COLUMNS, _lines(circuits))
     out = console()
     out.print("Values are written with their unit, as in the examples; a value in brackets is the default.")
+    out.print("Programs of any quantity take the units of their values from what they read; here of a pressure.")
     out.print('An input is a value, a signal over time, or { from = "NAME.OUTPUT" }.')
 
 
@@ -188,10 +199,14 @@ def _inputs(component: "Component") -> list[str]:
 
 def _values(cls: "type[Params]") -> list[str]:
     """The fields of a parameter class with an example of each, and its value where it need not be given."""
-    from vvdp.base.params import default_values, field_kinds
+    from typing import get_origin
 
-    usual = default_values(cls)
-    return [f"{name} = {_example(kind, usual.get(name))}" for name, kind in field_kinds(cls).items()]
+    from vvdp.base.params import default_values, field_kinds, field_types
+
+    usual, types = default_values(cls), field_types(cls)
+    examples = {name: _example(kind, usual.get(name)) for name, kind in field_kinds(cls).items()}
+    lists = {name for name in examples if get_origin(types[name]) is tuple}
+    return [f"{name} = [{text}, ...]" if name in lists else f"{name} = {text}" for name, text in examples.items()]
 
 
 def _example(kind: "Kind | None", usual: Any) -> str:
@@ -200,12 +215,30 @@ def _example(kind: "Kind | None", usual: Any) -> str:
     if kind is None:
         return "{ ... }"
     example = f'"{kind.example}"'
-    return f"{example} [{value_text(usual, kind)}]" if isinstance(usual, float) else example
+    if not isinstance(usual, float):
+        return example
+    return f"{example} [none]" if abs(usual) >= UNLIMITED else f"{example} [{value_text(usual, kind)}]"
 
 
-def _program(program: "ProgramType") -> tuple[list[str], list[str], list[str]]:
+def _part(part: "PartFile") -> tuple[list[str], list[str], str]:
+    """Ports, values and title."""
+    from vvdp.systems.part_offers import part_ports, part_values
+
+    ports = [f"{port} ({what})" if what not in ("", "oil") else port for port, what in part_ports(part).items()]
+    values = []
+    for name, offered in part_values(part).items():
+        default = f" [{offered.default}]" if offered.default else ""
+        values.append(f"{name} = {_example(offered.kind, None)}{default}" if offered.kind else f"{name}{default}")
+    return ports, values, str(part.table.content.get("title", part.name))
+
+
+def _program(program: "ProgramType | GenericProgram") -> tuple[list[str], list[str], list[str]]:
+    from vvdp.programs.generic import GenericProgram
+
+    own = program.type if isinstance(program, GenericProgram) else program
+    reads = [name for name in own.reading._fields if name != "time"]  # type: ignore[attr-defined]
     return (
-        list(program.reading._fields),  # type: ignore[attr-defined]
-        list(type(program.command)._fields),
-        _values(program.settings) if program.settings else [],
+        [f"{name} [{own.defaults[name]:g}]" if name in own.defaults else name for name in reads],
+        list(type(own.command)._fields),
+        _values(own.settings) if own.settings else [],
     )

@@ -118,9 +118,9 @@ app.command("docs", cls=LightVerb)(docs.docs)
 
 def _version(wanted: bool) -> None:
     if wanted:
-        import vvdp
+        from vvdp.base.version import VERSION
 
-        typer.echo(f"vvdp {vvdp.__version__}")
+        typer.echo(f"vvdp {VERSION}")
         raise typer.Exit
 
 

@@ -1,14 +1,13 @@
 """`vvdp map`."""
 
 from collections.abc import Sequence
-from dataclasses import replace
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers, chosen_engine
-from vvdp.cli.options import AsJson, NoReport, Restart, Settings, SystemName, out_option
+from vvdp.cli.engines import HERE, Resumable
+from vvdp.cli.options import Case, flat
 from vvdp.cli.printing import show_result, write_with_report
 
 if TYPE_CHECKING:
@@ -42,24 +41,25 @@ Temperatures = Annotated[
 ]
 
 
+@dataclass(frozen=True)
+class Spans:
+    """Options: the operating points of a map, along each axis."""
+
+    duty: Span = None
+    pressure: Levels = None
+    speed: Speeds = None
+    temperature: Temperatures = None
+
+
+@flat("results/map-SYSTEM")
 def map(  # noqa: A001 - the name of the verb
-    system: SystemName,
-    settings: Settings = None,
+    *,
+    case: Case,
     analytic: Annotated[
         bool, typer.Option("--analytic", help="Compute quasi-steady averages at once instead of simulating.")
     ] = False,
-    duty: Span = None,
-    pressure: Levels = None,
-    speed: Speeds = None,
-    temperature: Temperatures = None,
-    out: Annotated[Path | None, out_option("results/map-SYSTEM")] = None,
-    on: On = HERE,
-    workers: Workers = None,
-    cores: Cores = None,
-    sbatch: Sbatch = None,
-    force: Restart = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    spans: Spans,
+    work: Resumable,
 ) -> None:
     """Map flow and efficiencies over duty ratio and load.
 
@@ -73,43 +73,34 @@ def map(  # noqa: A001 - the name of the verb
     from vvdp.rigs.maps import NOT_RUN, analytic_map, map_directory, simulated_map
     from vvdp.steady.test_stand import stand
     from vvdp.systems.resolved import resolved_text
-    from vvdp.systems.system import load_system
 
-    loaded = load_system(system, settings or ())
+    loaded = case.load()
     held = stand(loaded, "map")
-    axes = chosen_axes(held, duty, pressure, speed, temperature)
-    directory = out if out is not None else Path("results", f"{'analytic-' if analytic else ''}map-{loaded.name}")
-    engine = chosen_engine(on, workers, cores, sbatch, directory)
-    if analytic and on != HERE:
-        raise unusable("--on", f"{on!r}; an analytic map is worked out at once, here")
-    with map_directory(directory, simulated=not analytic, force=force):
+    axes = chosen_axes(held, spans)
+    directory = work.directory(f"{'analytic-' if analytic else ''}map-{loaded.name}")
+    engine = work.engine(directory)
+    if analytic and work.on != HERE:
+        raise unusable("--on", f"{work.on!r}; an analytic map is worked out at once, here")
+    with map_directory(directory, simulated=not analytic, force=work.force):
         if analytic:
-            found = analytic_map(held, axes, cores=cores, say=say)
+            found = analytic_map(held, axes, cores=work.cores, say=say)
         else:
             with count_lines("points") as progress:
                 found = simulated_map(held, axes, directory, engine=engine, progress=progress, say=say)
         result = map_result(found)
-        reported = write_with_report(directory, result, resolved_text(loaded), no_report=no_report)
-    if not json:
+        reported = write_with_report(directory, result, resolved_text(loaded), no_report=work.no_report)
+    if not work.json:
         say(f"{found.ran} points run in {found.seconds:.2f} s")
-    show_result(result, directory, json=json, reported=reported)
+    show_result(result, directory, json=work.json, reported=reported)
     if not found.is_finished:
-        missing = found.reasons.count(NOT_RUN)
-        say(f"interrupted with {missing} points to go; rerun the same command to resume")
+        say(f"interrupted with {found.reasons.count(NOT_RUN)} points to go; rerun the same command to resume")
         raise typer.Exit(INTERRUPTED)
     if "untrusted_points" in result.numbers and result.numbers["untrusted_points"].value > 0.0:
         say("the balances of some points do not close; see the column trusted")
         raise typer.Exit(NOT_TRUSTED)
 
 
-def chosen_axes(
-    held: "Stand",
-    duty: tuple[str, str, int] | None,
-    pressure: tuple[str, str, int] | None,
-    speed: list[str] | None,
-    temperature: list[str] | None,
-    default: "Axes | None" = None,
-) -> "Axes":
+def chosen_axes(held: "Stand", spans: Spans, default: "Axes | None" = None) -> "Axes":
     """The axes that options ask for, the default ones where they do not. Raises ConfigError with all faults."""
     from vvdp.base.errors import ConfigError, Fault
     from vvdp.base.kinds import FRACTION, PRESSURE_LEVEL, SPEED, TEMPERATURE
@@ -117,10 +108,10 @@ def chosen_axes(
 
     faults: list[Fault] = []
     given = {
-        "duty_ratios": _stretch("--duty", duty, FRACTION, faults),
-        "load_pressures": _stretch("--pressure", pressure, PRESSURE_LEVEL, faults),
-        "pump_speeds": tuple(sorted(set(_parse_axis("--speed", speed or (), SPEED, faults)))),
-        "temperatures": tuple(sorted(set(_parse_axis("--temperature", temperature or (), TEMPERATURE, faults)))),
+        "duty_ratios": _stretch("--duty", spans.duty, FRACTION, faults),
+        "load_pressures": _stretch("--pressure", spans.pressure, PRESSURE_LEVEL, faults),
+        "pump_speeds": tuple(sorted(set(_parse_axis("--speed", spans.speed or (), SPEED, faults)))),
+        "temperatures": tuple(sorted(set(_parse_axis("--temperature", spans.temperature or (), TEMPERATURE, faults)))),
     }
     if faults:
         raise ConfigError(faults)

@@ -11,13 +11,13 @@ from pathlib import Path
 
 def report_mistake(problem: BaseException) -> str:
     """Write the full report on `problem` into a file; return the line for the user."""
-    from vvdp import __version__
+    from vvdp.base.version import VERSION
 
     at = traceback.extract_tb(problem.__traceback__)[-1]
     what = " ".join(f"{type(problem).__name__}: {problem}".split())[:300]
     text = "\n".join(
         [
-            f"vvdp {__version__}, Python {platform.python_version()}, {platform.platform()}",
+            f"vvdp {VERSION}, Python {platform.python_version()}, {platform.platform()}",
             f"written {time.strftime('%Y-%m-%dT%H:%M:%S%z')}",
             f"command: {sys.argv}",
             "",

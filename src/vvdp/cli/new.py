@@ -30,18 +30,40 @@ def new(
     from vvdp.base.errors import unusable
     from vvdp.base.tables import write_new
     from vvdp.cli.screen import print_json
+    from vvdp.systems.part_files import shipped_parts
     from vvdp.systems.system import load_system, source_text
 
-    load_system(source)  # a copy of something broken helps nobody
+    parts = shipped_parts()
+    if source not in parts:
+        load_system(source)  # a copy of something broken helps nobody
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
     if not path.stem.isprintable() or path.name == ".toml":
         raise unusable(path, "is no name for a system; use letters, digits and hyphens")
-    text = _with_title(source_text(source), path.stem)
-    write_new(path, text, force=force)
+    text = parts.get(source) or source_text(source)
+    copied = _copied_parts(text, Path(source).parent, path.parent, force=force)
+    write_new(path, _with_title(text, path.stem), force=force)
     if json:
-        print_json({"system": path.stem, "out": str(path)})
+        print_json({"system": path.stem, "out": str(path), "parts": [str(each) for each in copied]})
+    elif source in parts:
+        typer.echo(f'{path} written; use it in a circuit: [parts.NAME] file = "{path}"')
     else:
-        typer.echo(f"{path} written; run it with: vvdp run {path}")
+        beside = f" with {', '.join(map(str, copied))}" if copied else ""
+        typer.echo(f"{path} written{beside}; run it with: vvdp run {path}")
+
+
+def _copied_parts(text: str, folder: Path, target: Path, *, force: bool) -> list[Path]:
+    """The files of parts that the text of a system in `folder` needs, copied to where one in `target` finds them."""
+    from vvdp.base.tables import parsed_table, write_new
+    from vvdp.systems.part_files import used_files
+
+    found = []
+    for named, path in dict(used_files(parsed_table(text, str(folder)).content, folder)).items():
+        copy = target / named
+        if copy.resolve() != path.resolve():
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            write_new(copy, path.read_text("utf-8"), force=force)
+            found.append(copy)
+    return found
 
 
 def _with_title(text: str, title: str) -> str:

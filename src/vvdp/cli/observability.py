@@ -1,18 +1,13 @@
 """`vvdp observability`."""
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from vvdp.cli.options import (
-    AsJson,
-    Force,
-    NoReport,
-    Settings,
-    SystemName,
-    default_directory,
-    out_option,
+    Case,
+    Output,
+    flat,
     parsed_option,
 )
 from vvdp.cli.printing import show_result, write_with_report
@@ -21,9 +16,10 @@ USUAL_HARMONICS = 5
 """Of the noise, where a system does not say: ten functions, as the source has them."""
 
 
+@flat("results/observability-SYSTEM-DATE-TIME")
 def observability(
-    system: SystemName,
-    settings: Settings = None,
+    *,
+    case: Case,
     speed: Annotated[
         str | None,
         typer.Option(
@@ -35,10 +31,7 @@ def observability(
         typer.Option("--harmonics", metavar="K", help="Harmonics of the noise (default: of the system, else 5)."),
     ] = None,
     of: Annotated[str, typer.Option("--of", metavar="ROD", help="What moves along its axis, where several do.")] = "",
-    out: Annotated[Path | None, out_option("results/observability-SYSTEM-DATE-TIME")] = None,
-    force: Force = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    output: Output,
 ) -> None:
     """Tell at which spool speeds the axial sensor can see.
 
@@ -51,20 +44,19 @@ def observability(
     from vvdp.estimation.observability import check_noise
     from vvdp.systems.axial_plant import axial_plant, axial_sight
     from vvdp.systems.resolved import resolved_text
-    from vvdp.systems.system import load_system
 
-    loaded = load_system(system, settings or ())
+    loaded = case.load()
     sight = axial_sight(loaded)
     moved = axial_plant(loaded, of)
     omega = _speed(loaded.name, speed, sight.spool_speed)
     count = harmonics if harmonics is not None else sight.harmonics or USUAL_HARMONICS
     check_noise(omega, count)
-    directory = out if out is not None else default_directory(f"observability-{loaded.name}")
-    with result_directory(directory, force=force) as folder:
+    directory = output.directory(f"observability-{loaded.name}")
+    with result_directory(directory, force=output.force) as folder:
         result = worked_out(loaded.name, moved, omega, int(count))
-        reported = write_with_report(folder, result, resolved_text(loaded), no_report=no_report)
+        reported = write_with_report(folder, result, resolved_text(loaded), no_report=output.no_report)
     names = [name for name in ("lost", "windows") if result.tables[name].rows]
-    show_result(result, directory, json=json, reported=reported, names=names)
+    show_result(result, directory, json=output.json, reported=reported, names=names)
 
 
 def _speed(system: str, text: str | None, own: float | None) -> float:

@@ -1,9 +1,12 @@
 """Arguments and options that several verbs share, and how their help is laid out."""
 
+import inspect
 import re
 import time
+from collections.abc import Callable
+from dataclasses import dataclass, is_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import typer
 from typer.core import TyperCommand
@@ -13,6 +16,7 @@ from vvdp.cli.completion import setting_keys, system_names
 
 if TYPE_CHECKING:
     from vvdp.base.kinds import Kind
+    from vvdp.systems.system import System
 
 
 class Verb(TyperCommand):
@@ -115,6 +119,77 @@ Trust = Annotated[
 ]
 NoReport = Annotated[bool, typer.Option("--no-report", help="Do not write a report.")]
 Seed = Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Random seed.")]
+
+
+@dataclass(frozen=True)
+class Case:
+    """Options: a system with settings."""
+
+    system: SystemName
+    settings: Settings = None
+
+    def load(self) -> "System":
+        """The system. Raises ConfigError with all its faults."""
+        from vvdp.systems.system import load_system
+
+        return load_system(self.system, self.settings or ())
+
+
+@dataclass(frozen=True)
+class Output:
+    """Options: the directory to write to, and what is shown of a result."""
+
+    out: Path | None = None
+    force: Force = False
+    json: AsJson = False
+    no_report: NoReport = False
+
+    def directory(self, name: str) -> Path:
+        """Where to write; without --out a new directory under `results` whose name begins with `name`."""
+        return self.out if self.out is not None else default_directory(name)
+
+
+def flat(out: str = "") -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Spread the records of options that a verb takes into the options of its command line.
+
+    A parameter of the verb whose class is a dataclass stands for one option per field, in its place. A further
+    parameter with the name of a field replaces this option; the record then has its default. `out` is the directory
+    that the help of the option --out names; empty for an option --out of its own.
+    """
+
+    def spread(verb: Callable[..., None]) -> Callable[..., None]:
+        given = _parameters(verb, out)
+        records: dict[str, Any] = {
+            name: each.annotation for name, each in given.items() if is_dataclass(each.annotation)
+        }
+        own = {name: _parameters(record, out).keys() - given.keys() for name, record in records.items()}
+        options: dict[str, inspect.Parameter] = {}
+        for name, parameter in given.items():
+            beside = _parameters(records[name], out) if name in records else {name: parameter}
+            options |= {key: each for key, each in beside.items() if name not in records or key in own[name]}
+
+        def call(**values: Any) -> None:
+            for name, record in records.items():
+                values[name] = record(**{key: values.pop(key) for key in own[name]})
+            verb(**values)
+
+        call.__name__, call.__doc__ = verb.__name__, verb.__doc__
+        call.__signature__ = inspect.Signature(list(options.values()))  # type: ignore[attr-defined]
+        call.__annotations__ = {name: option.annotation for name, option in options.items()}
+        return call
+
+    return spread
+
+
+def _parameters(function: Callable[..., Any], out: str) -> dict[str, inspect.Parameter]:
+    """The parameters of a verb or a record, by keyword, with annotations; if `out` is not empty, --out names it."""
+    kinds = get_type_hints(function, include_extras=True)
+    if out:
+        kinds["out"] = Annotated[Path | None, out_option(out)]
+    return {
+        name: each.replace(kind=inspect.Parameter.KEYWORD_ONLY, annotation=kinds[name])
+        for name, each in inspect.signature(function).parameters.items()
+    }
 
 
 def out_option(default: str) -> Any:

@@ -1,30 +1,50 @@
 """`vvdp plot`."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from vvdp.cli.completion import drawable_names
-from vvdp.cli.options import AsJson, Trust, parsed_option
+from vvdp.cli.options import AsJson, Trust, flat, parsed_option
 
 if TYPE_CHECKING:
     from vvdp.results.result import Result
 
 
-def plot(
-    directory: Annotated[Path, typer.Argument(metavar="DIR", help="Result directory.")],
+@dataclass(frozen=True)
+class Figure:
+    """Options: what is drawn, from when to when, and the file to write."""
+
     names: Annotated[
         list[str] | None,
         typer.Argument(
             metavar="[NAME]...", help="Charts and series, drawn over one axis.", autocompletion=drawable_names
         ),
-    ] = None,
+    ] = None
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE", help="Figure, PNG, SVG or PDF (default: NAME.png).")
-    ] = None,
-    begin: Annotated[str | None, typer.Option("--from", metavar="TIME", help="Left end of the time axis.")] = None,
-    end: Annotated[str | None, typer.Option("--to", metavar="TIME", help="Right end of the time axis.")] = None,
+    ] = None
+    begin: Annotated[str | None, typer.Option("--from", metavar="TIME", help="Left end of the time axis.")] = None
+    end: Annotated[str | None, typer.Option("--to", metavar="TIME", help="Right end of the time axis.")] = None
+
+    @property
+    def span(self) -> tuple[float | None, float | None]:
+        """Both ends of the time axis [s]; None where that of the series is meant."""
+        from vvdp.base.kinds import TIME
+
+        return (
+            None if self.begin is None else parsed_option("--from", self.begin, TIME),
+            None if self.end is None else parsed_option("--to", self.end, TIME),
+        )
+
+
+@flat()
+def plot(
+    *,
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="Result directory.")],
+    figure: Figure,
     show: Annotated[bool, typer.Option("--list", help="List what can be drawn (default without a NAME).")] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
     trust: Trust = "",
@@ -32,13 +52,12 @@ def plot(
 ) -> None:
     """Draw charts or series of a result as PNG, SVG or PDF."""
     from vvdp.base.errors import unusable
-    from vvdp.base.kinds import TIME
     from vvdp.base.manifest import as_damaged
     from vvdp.cli.screen import print_json, say
     from vvdp.report.chosen import check_form, chosen_chart, open_drawable, series_names, write_figure
     from vvdp.runs.untold import TITLE as UNTOLD
 
-    ends = tuple(None if t is None else parsed_option(o, t, TIME) for o, t in (("--from", begin), ("--to", end)))
+    span, out, names = figure.span, figure.out, figure.names
     if out is not None:
         check_form(out)
     with as_damaged(directory):
@@ -56,7 +75,7 @@ def plot(
     if path.exists() and (path.is_dir() or not force):
         raise unusable(path, "already exists; choose another name or use --force")
     with as_damaged(directory):
-        write_figure(path, chosen_chart(result, names, (ends[0], ends[1])), result)
+        write_figure(path, chosen_chart(result, names, span), result)
     if json:
         print_json({"figure": str(path)})
     else:

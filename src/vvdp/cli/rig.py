@@ -1,24 +1,24 @@
 """`vvdp rig`."""
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vvdp.cli.map import Levels, Span, Speeds, Temperatures, chosen_axes
+from vvdp.cli.map import Span, Spans, Temperatures, chosen_axes
 from vvdp.cli.options import (
     AsJson,
+    Case,
     Cores,
     Force,
     NoReport,
     OwnCycles,
     Restart,
-    Settings,
-    SystemName,
     Verb,
     default_directory,
-    out_option,
+    flat,
 )
 from vvdp.cli.printing import show_result, write_with_report
 
@@ -30,10 +30,31 @@ INTERRUPTED = 130
 
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
 
-Out = Annotated[Path | None, out_option("results/RIG-SYSTEM-DATE-TIME")]
 Steps = Annotated[
     tuple[float, float], typer.Option("--step", metavar="FROM TO", help="Duty ratios before and after the step.")
 ]
+
+
+@dataclass(frozen=True)
+class Work:
+    """Options: where a rig writes, how many cores it takes, what is shown."""
+
+    out: Path | None = None
+    force: Force = False
+    cores: Cores = None
+    json: AsJson = False
+    no_report: NoReport = False
+
+    def directory(self, name: str) -> Path:
+        """Where to write; without --out a new directory under `results` whose name begins with `name`."""
+        return self.out if self.out is not None else default_directory(name)
+
+
+@dataclass(frozen=True)
+class Resumed(Work):
+    """The options of a rig that keeps what an earlier call has finished."""
+
+    force: Restart = False
 
 
 @app.callback()
@@ -42,15 +63,12 @@ def rig() -> None:
 
 
 @app.command("pressure-drop", cls=Verb)
+@flat("results/RIG-SYSTEM-DATE-TIME")
 def pressure_drop(
-    system: SystemName,
-    settings: Settings = None,
+    *,
+    case: Case,
     temperature: Temperatures = None,
-    out: Out = None,
-    force: Force = False,
-    cores: Cores = None,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    work: Work,
 ) -> None:
     """Measure pressure drop against flow, based on ISO 4411.
 
@@ -58,52 +76,44 @@ def pressure_drop(
     """
     from vvdp.rigs.pressure_drop import pressure_drop as measured
 
-    def work(held: "Stand") -> "Result":
-        chosen = chosen_axes(held, None, None, None, temperature).temperatures
+    def measure(held: "Stand") -> "Result":
+        chosen = chosen_axes(held, Spans(temperature=temperature)).temperatures
         return measured(held, temperatures=chosen)
 
-    _run("pressure-drop", system, settings, work, out, force, json, no_report)
+    _run("pressure-drop", case, work, measure)
 
 
 @app.command("derived-capacity", cls=Verb)
+@flat("results/RIG-SYSTEM-DATE-TIME")
 def derived_capacity(
-    system: SystemName,
-    settings: Settings = None,
+    *,
+    case: Case,
     duty: Span = None,
-    out: Out = None,
-    force: Force = False,
-    cores: Cores = None,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    work: Work,
 ) -> None:
     """Derive the capacity at each duty ratio, based on ISO 8426.
 
     It is the flow per angle, extrapolated to no pressure difference: what ISO efficiencies are measured against.
     """
-    from dataclasses import replace
-
     from vvdp.cli.screen import say
     from vvdp.rigs.derived_capacity import DUTY_RATIOS
     from vvdp.rigs.derived_capacity import derived_capacity as measured
     from vvdp.rigs.map_axes import default_axes
 
-    def work(held: "Stand") -> "Result":
+    def measure(held: "Stand") -> "Result":
         usual = replace(default_axes(held), duty_ratios=DUTY_RATIOS)
-        chosen = chosen_axes(held, duty, None, None, None, usual).duty_ratios
-        return measured(held, chosen, cores=cores, say=say)
+        chosen = chosen_axes(held, Spans(duty=duty), usual).duty_ratios
+        return measured(held, chosen, cores=work.cores, say=say)
 
-    _run("derived-capacity", system, settings, work, out, force, json, no_report)
+    _run("derived-capacity", case, work, measure)
 
 
 @app.command(cls=Verb)
+@flat("results/RIG-SYSTEM-DATE-TIME")
 def ripple(
-    system: SystemName,
-    settings: Settings = None,
-    out: Out = None,
-    force: Force = False,
-    cores: Cores = None,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    *,
+    case: Case,
+    work: Work,
 ) -> None:
     """Measure pressure ripple, based on ISO 10767.
 
@@ -112,19 +122,16 @@ def ripple(
     from vvdp.cli.screen import say
     from vvdp.rigs.ripple import ripple as measured
 
-    _run("ripple", system, settings, lambda held: measured(held, cores=cores, say=say), out, force, json, no_report)
+    _run("ripple", case, work, lambda held: measured(held, cores=work.cores, say=say))
 
 
 @app.command(cls=Verb)
+@flat("results/RIG-SYSTEM-DATE-TIME")
 def step(
-    system: SystemName,
-    settings: Settings = None,
+    *,
+    case: Case,
     between: Steps = (0.4, 0.6),
-    out: Out = None,
-    force: Force = False,
-    cores: Cores = None,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    work: Work,
 ) -> None:
     """Measure step and frequency response, based on ISO 17559.
 
@@ -133,26 +140,20 @@ def step(
     from vvdp.cli.screen import say
     from vvdp.rigs.step import dynamics
 
-    def work(held: "Stand") -> "Result":
-        return dynamics(held, between, cores=cores, say=say)
+    def measure(held: "Stand") -> "Result":
+        return dynamics(held, between, cores=work.cores, say=say)
 
-    _run("step", system, settings, work, out, force, json, no_report)
+    _run("step", case, work, measure)
 
 
 @app.command(cls=Verb)
+@flat("results/pump-SYSTEM")
 def pump(
-    system: SystemName,
-    settings: Settings = None,
-    duty: Span = None,
-    pressure: Levels = None,
-    speed: Speeds = None,
-    temperature: Temperatures = None,
+    *,
+    case: Case,
+    spans: Spans,
     between: Steps = (0.4, 0.6),
-    out: Annotated[Path | None, out_option("results/pump-SYSTEM")] = None,
-    force: Restart = False,
-    cores: Cores = None,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    work: Resumed,
 ) -> None:
     """Test it as a controlled pump, based on ISO 17559 and 4409.
 
@@ -166,33 +167,29 @@ def pump(
     from vvdp.rigs.pump import pump_axes
     from vvdp.steady.test_stand import stand
     from vvdp.systems.resolved import resolved_text
-    from vvdp.systems.system import load_system
 
-    loaded = load_system(system, settings or ())
+    loaded = case.load()
     held = stand(loaded, "rig pump")
-    axes = chosen_axes(held, duty, pressure, speed, temperature, pump_axes(held))
-    directory = out if out is not None else Path("results", f"pump-{loaded.name}")
-    with map_directory(directory, "rig pump", force=force):
+    axes = chosen_axes(held, spans, pump_axes(held))
+    directory = work.out if work.out is not None else Path("results", f"pump-{loaded.name}")
+    with map_directory(directory, "rig pump", force=work.force):
         with count_lines("points") as progress:
-            result = measured(held, directory, axes, between, cores=cores, progress=progress, say=say)
-        leave_out = no_report or not result.finished
+            result = measured(held, directory, axes, between, cores=work.cores, progress=progress, say=say)
+        leave_out = work.no_report or not result.finished
         reported = write_with_report(directory, result, resolved_text(loaded), no_report=leave_out)
-    show_result(result, directory, json=json, reported=reported)
+    show_result(result, directory, json=work.json, reported=reported)
     if not result.finished:
         say("interrupted; rerun the same command to resume")
         raise typer.Exit(INTERRUPTED)
 
 
 @app.command(cls=Verb)
+@flat("results/RIG-SYSTEM-DATE-TIME")
 def claims(
-    system: SystemName,
-    settings: Settings = None,
+    *,
+    case: Case,
     own: OwnCycles = None,
-    out: Out = None,
-    force: Force = False,
-    cores: Cores = None,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    work: Work,
 ) -> None:
     """Check the published claims for the rotary valve.
 
@@ -206,41 +203,31 @@ def claims(
     moved = known_cylinder()
     duties = [read_duty(path, *moved) for path in own or ()]
 
-    def work(held: "Stand") -> "Result":
-        return worked_out(held, duties, cores=cores, say=say)
+    def measure(held: "Stand") -> "Result":
+        return worked_out(held, duties, cores=work.cores, say=say)
 
-    _run("claims", system, settings, work, out, force, json, no_report)
+    _run("claims", case, work, measure)
 
 
-def _run(
-    name: str,
-    system: str,
-    settings: list[str] | None,
-    work: Callable[["Stand"], "Result"],
-    out: Path | None,
-    force: bool,
-    json: bool,
-    no_report: bool,
-) -> None:
-    """Puts a system on its stand, has `work` done there, and writes and shows what comes of it."""
+def _run(name: str, case: Case, work: Work, measure: Callable[["Stand"], "Result"]) -> None:
+    """Puts a system on its stand, measures there, and writes and shows what comes of it."""
     from vvdp.base.files import result_directory
     from vvdp.cli.screen import say
     from vvdp.steady.test_stand import stand
     from vvdp.systems.resolved import resolved_text
-    from vvdp.systems.system import load_system
 
-    loaded = load_system(system, settings or ())
+    loaded = case.load()
     held = stand(loaded, f"rig {name}")
-    directory = out if out is not None else default_directory(f"{name}-{loaded.name}")
-    with result_directory(directory, force=force) as folder:
+    directory = work.directory(f"{name}-{loaded.name}")
+    with result_directory(directory, force=work.force) as folder:
         try:
-            result = work(held)
+            result = measure(held)
         except KeyboardInterrupt:
             say("interrupted; a part of this has no meaning, nothing is written")
             raise
-        reported = write_with_report(folder, result, resolved_text(loaded), no_report=no_report)
+        reported = write_with_report(folder, result, resolved_text(loaded), no_report=work.no_report)
     names = (*result.listings, *(name for name in result.tables if name == "verdicts"))
-    show_result(result, directory, json=json, reported=reported, names=names)
+    show_result(result, directory, json=work.json, reported=reported, names=names)
     if not result.finished:
         say("interrupted; what was finished is written")
         raise typer.Exit(INTERRUPTED)

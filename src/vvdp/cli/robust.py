@@ -1,50 +1,50 @@
 """`vvdp design robust`: the front of mean loss against size over tolerances, temperature and duty."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from vvdp.cli.options import (
-    AsJson,
-    Bounds,
-    Cores,
-    Cycle,
-    Limits,
-    NoReport,
-    Restart,
-    Seed,
-    Settings,
-    SystemName,
-    out_option,
-    parsed_option,
-)
+from vvdp.cli.constraints import Constraints
+from vvdp.cli.options import Seed, Settings, SystemName, flat, parsed_option
 from vvdp.cli.printing import show_result, write_with_report
+from vvdp.cli.rig import Resumed
 
 INTERRUPTED = 130
 
 
-def robust(
-    system: SystemName,
-    subject_to: Limits = None,
-    bound: Bounds = None,
-    cycle: Cycle = None,
+@dataclass(frozen=True)
+class Scenarios:
+    """Options: in which oil temperatures and draws of the spreads each design is simulated."""
+
     spread: Annotated[
         list[str] | None,
         typer.Option("--spread", metavar="STATEMENT", help='For example "radial_clearance: 10 um to 16 um".'),
-    ] = None,
-    coldest: Annotated[str, typer.Option("--from", metavar="TEMP", help="Coldest oil temperature.")] = "30 degC",
-    hottest: Annotated[str, typer.Option("--to", metavar="TEMP", help="Hottest oil temperature.")] = "60 degC",
-    draws: Annotated[int, typer.Option("--draws", metavar="N", min=1, help="Draws of all spreads.")] = 8,
-    designs: Annotated[int, typer.Option("--designs", metavar="N", min=2, help="Designs in a generation.")] = 10,
-    generations: Annotated[int, typer.Option("--generations", metavar="N", min=1, help="Generations.")] = 6,
-    seed: Seed = 1,
+    ] = None
+    coldest: Annotated[str, typer.Option("--from", metavar="TEMP", help="Coldest oil temperature.")] = "30 degC"
+    hottest: Annotated[str, typer.Option("--to", metavar="TEMP", help="Hottest oil temperature.")] = "60 degC"
+    draws: Annotated[int, typer.Option("--draws", metavar="N", min=1, help="Draws of all spreads.")] = 8
+
+
+@dataclass(frozen=True)
+class Search:
+    """Options: how designs are searched for."""
+
+    designs: Annotated[int, typer.Option("--designs", metavar="N", min=2, help="Designs in a generation.")] = 10
+    generations: Annotated[int, typer.Option("--generations", metavar="N", min=1, help="Generations.")] = 6
+    seed: Seed = 1
+
+
+@flat("results/robust-SYSTEM")
+def robust(
+    *,
+    system: SystemName,
+    limits: Constraints,
+    scenarios: Scenarios,
+    search: Search,
     settings: Settings = None,
-    out: Annotated[Path | None, out_option("results/robust-SYSTEM")] = None,
-    force: Restart = False,
-    cores: Cores = None,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    work: Resumed,
 ) -> None:
     """Find valves that lose little over tolerances and duty.
 
@@ -61,19 +61,24 @@ def robust(
     from vvdp.systems.system import load_system
 
     loaded = load_system(system, settings or ())
-    asked = study.robust_problem(loaded, subject_to or (), bound or ())
-    effort = study.Effort(draws=draws, designs=designs, generations=generations, seed=seed)
-    ends = (parsed_option("--from", coldest, TEMPERATURE), parsed_option("--to", hottest, TEMPERATURE))
-    met, taken = study.scenarios(asked, cycle, ends, spread or (), effort)
-    directory = out if out is not None else Path("results", f"robust-{loaded.name}")
-    with map_directory(directory, "design robust", force=force):
+    asked = study.robust_problem(loaded, limits.subject_to or (), limits.bound or ())
+    effort = study.Effort(
+        draws=scenarios.draws, designs=search.designs, generations=search.generations, seed=search.seed
+    )
+    ends = (
+        parsed_option("--from", scenarios.coldest, TEMPERATURE),
+        parsed_option("--to", scenarios.hottest, TEMPERATURE),
+    )
+    met, taken = study.scenarios(asked, limits.cycle, ends, scenarios.spread or (), effort)
+    directory = work.out if work.out is not None else Path("results", f"robust-{loaded.name}")
+    with map_directory(directory, "design robust", force=work.force):
         with count_lines("runs") as progress:
-            runs = study.Runs(directory / STORE, ThisProcess(cores), progress, say)
+            runs = study.Runs(directory / STORE, ThisProcess(work.cores), progress, say)
             found = study.robust(asked, met, taken, effort, runs)
         write_front(directory, found)
         result = robust_result(found)
-        reported = write_with_report(directory, result, resolved_text(loaded), no_report=no_report)
-    show_result(result, directory, json=json, reported=reported, names=("front",))
+        reported = write_with_report(directory, result, resolved_text(loaded), no_report=work.no_report)
+    show_result(result, directory, json=work.json, reported=reported, names=("front",))
     if not result.finished:
         say("interrupted; rerun the same command to resume")
         raise typer.Exit(INTERRUPTED)

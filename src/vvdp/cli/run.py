@@ -1,15 +1,17 @@
 """`vvdp run`."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vvdp.cli.options import AsJson, Force, NoReport, Settings, SystemName, default_directory, out_option
+from vvdp.cli.options import Case, Output, flat
 
 if TYPE_CHECKING:
     from vvdp.runs.run import RecordedRun
     from vvdp.systems.accuracy import Move
+    from vvdp.systems.system import System
 
 MOST_CHANGES = 5
 """Numbers that `--check` prints."""
@@ -17,23 +19,17 @@ NOT_TRUSTED = 3
 INTERRUPTED = 130
 
 
-def run(
-    system: SystemName,
-    settings: Settings = None,
-    until: Annotated[
-        str | None, typer.Option("--until", metavar="TIME", help='Time to simulate, for example "2 s".')
-    ] = None,
-    out: Annotated[Path | None, out_option("results/SYSTEM-DATE-TIME")] = None,
-    force: Force = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+@dataclass(frozen=True)
+class Ways:
+    """Options: what is followed, and what is run besides."""
+
     check: Annotated[
         bool, typer.Option("--check", help="Repeat the run at a tenth of the tolerance and show what changes.")
-    ] = False,
+    ] = False
     cycle: Annotated[
         Path | None,
         typer.Option("--cycle", metavar="LOG", help="Follow a recorded cycle: any log with a channel `position`."),
-    ] = None,
+    ] = None
     ranges: Annotated[
         bool | None,
         typer.Option(
@@ -42,55 +38,78 @@ def run(
             "(default: where that takes about a second).",
             show_default=False,
         ),
-    ] = None,
+    ] = None
     checked: Annotated[
         bool,
         typer.Option("--checked", help="Check indexes, divisions, assertions in compiled code (slower)."),
-    ] = False,
+    ] = False
     watched: Annotated[
         bool,
         typer.Option("--watch", help="Run again whenever the file is saved; print what changed."),
-    ] = False,
+    ] = False
+
+
+@flat("results/SYSTEM-DATE-TIME")
+def run(
+    *,
+    case: Case,
+    until: Annotated[
+        str | None, typer.Option("--until", metavar="TIME", help='Time to simulate, for example "2 s".')
+    ] = None,
+    output: Output,
+    ways: Ways,
 ) -> None:
     """Simulate a system and write its results and a report.
 
     Ctrl-C stops the simulation early and keeps the results so far.
     """
-    if watched:
+    if ways.watched:
         from vvdp.cli.watch import refuse_together, watch
         from vvdp.systems.system import load_system
 
-        refuse_together(out=out is not None, force=force, json=json, check=check, cycle=cycle is not None)
-        watch(system, lambda: load_system(system, settings or (), until), lambda done: _print(done, ()))
+        refuse_together(
+            out=output.out is not None,
+            force=output.force,
+            json=output.json,
+            check=ways.check,
+            cycle=ways.cycle is not None,
+        )
+        watch(case.system, lambda: load_system(case.system, case.settings or (), until), lambda done: _print(done, ()))
         return
+    from vvdp.systems.system import load_system
+
+    loaded = load_system(case.system, case.settings or (), until)
+    if ways.cycle is not None:
+        from vvdp.systems.displacement.recorded_cycle import with_cycle
+
+        loaded = with_cycle(loaded, ways.cycle)
+    _simulate(loaded, output, ways)
+
+
+def _simulate(loaded: "System", output: Output, ways: Ways) -> None:
+    """Runs a system, writes and shows what comes of it, and leaves with its code."""
     from vvdp.base.files import result_directory
     from vvdp.cli.progress import report_reach
     from vvdp.cli.report import RUN, add_report
     from vvdp.cli.screen import print_json, say, typed_command
     from vvdp.runs.simulate import check_accuracy, run_system, save_run
     from vvdp.systems.overview import warnings
-    from vvdp.systems.system import load_system
 
-    loaded = load_system(system, settings or (), until)
-    if cycle is not None:
-        from vvdp.systems.displacement.recorded_cycle import with_cycle
-
-        loaded = with_cycle(loaded, cycle)
     end = loaded.stepping.until
-    directory = out if out is not None else default_directory(loaded.name)
-    with result_directory(directory, force=force) as folder:
+    directory = output.directory(loaded.name)
+    with result_directory(directory, force=output.force) as folder:
         with report_reach(end, lambda now: f"t = {now:.4g} s of {end:.4g} s") as progress:
-            done = run_system(loaded, progress=progress, say=say, command=typed_command(), checked=checked)
+            done = run_system(loaded, progress=progress, say=say, command=typed_command(), checked=ways.checked)
         if not done.has("finished"):
             say(f"interrupted at t = {done.number('duration_s'):.6g} s; writing what was reached")
         changes: tuple[Move, ...] = ()
-        if check and done.has("finished"):
+        if ways.check and done.has("finished"):
             with report_reach(end, lambda now: f"check: t = {now:.4g} s of {end:.4g} s") as progress:
                 changes = check_accuracy(done, progress)
-        done = _with_ranges(done, ranges)
+        done = _with_ranges(done, ways.ranges)
         save_run(folder, done)
-        reported = not no_report and add_report(RUN, folder, done)
-    if json:
+        reported = not output.no_report and add_report(RUN, folder, done)
+    if output.json:
         accuracy = {"check": {move.key: move.change for move in changes}} if changes else {}
         spans = {"ranges": done.meta["ranges"]} if "ranges" in done.meta else {}
         told = {"warnings": list(warnings(loaded, done.summary))}

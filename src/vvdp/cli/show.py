@@ -85,7 +85,7 @@ def _print(system: "System") -> None:
 
     out = console()
     tell(f"{system.title}\n{system.name}, circuit {system.circuit_name}\n")
-    for table in (_nodes(system), _components(system), _programs(system)):
+    for table in (_nodes(system), _components(system), _programs(system), _parts(system)):
         if table.rows:
             out.print(table)
     tables = dict.fromkeys(row.table for row in system.rows)
@@ -149,12 +149,30 @@ def _components(system: "System") -> "Grid":
     return table
 
 
-def _programs(system: "System") -> "Grid":
+def _parts(system: "System") -> "Grid":
+    """The parts that are circuits of their own."""
     from vvdp.cli.screen import grid
+    from vvdp.systems.drawn_parts import part_settings
+
+    settings = part_settings(system.content)
+    table = grid("part", "circuit", "ports", "values to be set", title="Parts")
+    for name, circuit in system.circuit.network.circuits.items():
+        ports = ", ".join(f"{port}: {node}" for port, node in circuit.ports.items())
+        values = [key for key in settings if key.rpartition(".")[0] == f"parts.{name}"]
+        table.add_row(name, circuit.source, ports, "\n".join(values))
+    return table
+
+
+def _programs(system: "System") -> "Grid":
+    from vvdp.base.params import field_kinds
+    from vvdp.cli.screen import grid
+    from vvdp.report.circuit import source_words
 
     table = grid("program", "reads", "called", title="Programs")
     for name, program in system.circuit.network.programs.items():
         period = program.period or system.stepping.sample_period
         called = "at events" if program.type.level else f"every {1e3 * period:g} ms"
-        table.add_row(name, ", ".join(f"{key}: {path}" for key, path in program.reads.items()), called)
+        kinds = field_kinds(program.type.reading)
+        reads = (f"{key}: {source_words(source, kinds[key])}" for key, source in program.reads.items())
+        table.add_row(name, ", ".join(reads), called)
     return table

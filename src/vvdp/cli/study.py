@@ -5,23 +5,17 @@ from typing import Annotated
 
 import typer
 
-from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers, chosen_engine
-from vvdp.cli.options import AsJson, NoReport, Restart, out_option
+from vvdp.cli.engines import Resumable
+from vvdp.cli.options import flat
 from vvdp.cli.printing import show_result, write_with_report
 
 INTERRUPTED = 130
 
 
+@flat("results/FILE")
 def study(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="The study, a TOML file.")],
-    out: Annotated[Path | None, out_option("results/FILE")] = None,
-    on: On = HERE,
-    workers: Workers = None,
-    cores: Cores = None,
-    sbatch: Sbatch = None,
-    force: Restart = False,
-    json: AsJson = False,
-    no_report: NoReport = False,
+    work: Resumable,
 ) -> None:
     """Run many cases of a system; rerun to resume.
 
@@ -36,15 +30,15 @@ def study(
     from vvdp.systems.resolved import resolved_text
 
     wanted = load_study(file)
-    directory = out if out is not None else Path("results", file.stem)
-    engine = chosen_engine(on, workers, cores, sbatch, directory)
-    with set_aside(directory, force=force), count_lines("cases") as progress:
+    directory = work.directory(file.stem)
+    engine = work.engine(directory)
+    with set_aside(directory, force=work.force), count_lines("cases") as progress:
         results = run_study(wanted, directory, engine=engine, progress=progress, say=say)
     result = study_result(results)
-    reported = write_with_report(directory, result, resolved_text(results.system), no_report=no_report)
-    if not json:
+    reported = write_with_report(directory, result, resolved_text(results.system), no_report=work.no_report)
+    if not work.json:
         say(f"{results.ran} cases run in {results.seconds:.2f} s, {len(results.failures)} failed")
-    show_result(result, directory, json=json, reported=reported)
+    show_result(result, directory, json=work.json, reported=reported)
     if not results.is_finished:
         say(f"interrupted with {len(results.missing)} cases to go; rerun the same command to resume")
         raise typer.Exit(INTERRUPTED)

@@ -7,8 +7,8 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-import vvdp
 from vvdp.base.errors import ParameterError, RunError
+from vvdp.base.version import VERSION
 from vvdp.comparison.contest import carry_out
 from vvdp.simulation.link import quiet
 from vvdp.simulation.run import compiled_loop, simulate
@@ -106,7 +106,7 @@ def compare_circuits(
         for each in (duty,) if circuit.shares else duty.alone:
             system_for(circuit, each)
     compiled_loop(say)
-    task = partial(_runs, replace(plan, say=quiet), vvdp.__version__)
+    task = partial(_runs, replace(plan, say=quiet), VERSION)
     done = carry_out(task, pairs, engine, progress, Batching(least=1, seconds=2.0))
     order = {pair: place for place, pair in enumerate(pairs)}
     found = tuple(sorted(done, key=lambda run: order[Pair(run.duty, run.circuit)]))
@@ -149,5 +149,5 @@ def _run_circuit(circuit: RivalCircuit, duty: Duty, cache: Path | None) -> Circu
 
 def _runs(plan: _Plan, version: str, pairs: Sequence[Pair], cores: int) -> list[CircuitRun]:
     """What comes of some pairs, where they are run."""
-    check_same(vvdp.__version__, version)
+    check_same(VERSION, version)
     return [run_pair(plan.circuits[pair.circuit], plan.duties[pair.duty], plan.cache) for pair in pairs]

@@ -9,7 +9,7 @@ import numpy as np
 
 from vvdp.base.signal import Signal, sine
 from vvdp.control.passivity import PassivityGains
-from vvdp.control.reference import ReferenceFilter, trapezoid
+from vvdp.control.reference import Pauses, ReferenceFilter, trapezoid
 from vvdp.systems.axial_control import AxialControl, chosen_law
 from vvdp.systems.axial_loop import AxialObserverTable, AxialSequence
 from vvdp.systems.chamber_bench import ChamberBench, chamber_bench
@@ -79,7 +79,7 @@ def with_friction(bench: ChamberBench, friction: float) -> ChamberBench:
 def usual_reference() -> Signal:
     """The trapezoid, until the end of a run."""
     periods = int(np.ceil(UNTIL / (2.0 * (PAUSE + RAMP))))
-    return trapezoid(LOW, HIGH, (PAUSE, PAUSE), RAMP, periods)
+    return trapezoid(LOW, HIGH, Pauses(PAUSE, PAUSE), RAMP, periods)
 
 
 def observer_table(period: float) -> AxialObserverTable:

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-import vvdp
 from vvdp.base.arrays import Array
+from vvdp.base.version import VERSION
 from vvdp.comparison.contest import Contest, Ran, Trial, contest_of, refuse_nothing, run_trials
 from vvdp.comparison.controllers import Controller
 from vvdp.comparison.loop_scenarios import UNTIL, LoopScenario
@@ -110,7 +110,7 @@ def _loops(plan: _Plan) -> _Loops:
             circuits[scenario.name, name] = circuit
             ready = prepare(circuit.model, circuit.case, loop_stepping(scenario), plan.cache, _with_name(plan, name))
             digests.append(ready.linked.digest)
-    return _Loops(circuits, (vvdp.__version__, *digests))
+    return _Loops(circuits, (VERSION, *digests))
 
 
 def _with_name(plan: _Plan, name: str) -> Callable[[str], None]:

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-import vvdp
 from vvdp.base.arrays import Array
+from vvdp.base.version import VERSION
 from vvdp.comparison.contest import Ran, Trial, contest_of, refuse_nothing, run_trials
 from vvdp.comparison.estimators import AdaptingSettings, Contender, adapting_start
 from vvdp.comparison.figures import Measured
@@ -72,7 +72,7 @@ class _Field:
     def program(self) -> tuple[str, ...]:
         """What its results depend on, besides the plan."""
         compiled = (*self.encoders.values(), *self.steps.values(), *self.loops.values())
-        return vvdp.__version__, *(each.digest for each in compiled)
+        return VERSION, *(each.digest for each in compiled)
 
     def run(self, scenario: Scenario, seed: int) -> Ran:
         record = simulate_record(scenario, self.encoders[scenario.name], seed)

@@ -53,11 +53,9 @@ from vvdp.components.switching_valves import (
     SWITCHING_VALVE,
     TWO_WAY_VALVE,
 )
-from vvdp.components.unloading import UNLOADING
 from vvdp.fluid.oil import Oil
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Component
-from vvdp.network.program import ProgramType
 
 
 class UsualOil(Oil):
@@ -135,6 +133,3 @@ COMPONENTS = _by_name(
     WEIGHT,
 )
 """Components that a system file can name, by their type."""
-
-PROGRAMS: Mapping[str, ProgramType] = {"unloading": UNLOADING}
-"""Programs that a system file can name, by their type."""

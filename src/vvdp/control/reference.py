@@ -9,7 +9,7 @@ from itertools import accumulate
 from typing import Annotated, NamedTuple
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import RATE, Kind, Position, Velocity
+from vvdp.base.kinds import RATE, Kind, Position, Time, Velocity
 from vvdp.base.params import Params
 from vvdp.base.powers import expm1
 from vvdp.base.signal import Signal, table
@@ -81,14 +81,20 @@ def reference_step(reference: Reference, wanted: float, interval: float, setting
     )
 
 
-def trapezoid(low: float, high: float, pauses: tuple[float, float], ramp: float, periods: int) -> Signal:
+class Pauses(NamedTuple):
+    """How long a trapezoid stays at its lower and at its upper end."""
+
+    low: Time
+    high: Time
+
+
+def trapezoid(low: float, high: float, pauses: Pauses, ramp: float, periods: int) -> Signal:
     """A signal that pauses at `low`, rises to `high` in a straight line, pauses there, and falls back, again and again.
 
-    pauses   at `low` and at `high` [s]
     ramp     time of the rise and of the fall [s]
     periods  how often; it stays at `low` afterwards
 
     Source  wang2017, eq. 4.16, corrected (docs/errata.md)
     """
-    times = accumulate([0.0, *((pauses[0], ramp, pauses[1], ramp) * periods)])
+    times = accumulate([0.0, *((pauses.low, ramp, pauses.high, ramp) * periods)])
     return table(tuple(times), (low, *((low, high, high, low) * periods)))

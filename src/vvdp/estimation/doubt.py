@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.kinds import AngularVariance, Count, Number
+from vvdp.base.kinds import Angle, AngularVariance, Count, Number
 from vvdp.numerics.kalman import AngleSpeed, update
 
 DECIDED = 4.0
@@ -18,6 +18,13 @@ DECIDED = 4.0
 
 LONGEST = 16.0
 """Edges after which the likelier is taken [1]."""
+
+
+class NumberedEdge(NamedTuple):
+    """An edge of the wheel: its number, and the angle at which it is."""
+
+    number: Count
+    angle: Angle
 
 
 class Doubt(NamedTuple):
@@ -39,20 +46,18 @@ def no_doubt(belief: AngleSpeed) -> Doubt:
     return Doubt(belief, number=0.0, odds=-np.inf, slip=0.0, edges=0.0)
 
 
-def carry_on(doubt: Doubt, prior: AngleSpeed, seen: tuple[float, float], variance: float, surprise: float) -> Doubt:
+def carry_on(doubt: Doubt, prior: AngleSpeed, edge: NumberedEdge, variance: float, surprise: float) -> Doubt:
     """The doubt after one more edge.
 
     prior     the belief at the time of the edge, had the wheel turned on
-    seen      number and angle [rad] of the edge then
     variance  of an edge, R [rad^2]
     surprise  of the filter that begins anew: nu^2/S + ln S, and what edges missed by this belief but not by that cost
     """
-    number, angle = seen
-    innovation = angle - prior.angle
+    innovation = edge.angle - prior.angle
     S = prior.angle_variance + variance
     odds = doubt.odds + 0.5 * (surprise - innovation * innovation / S - np.log(S))
     belief = update(prior, innovation, variance)
-    return Doubt(belief, number=number, odds=odds, slip=doubt.slip, edges=doubt.edges + 1.0)
+    return Doubt(belief, number=edge.number, odds=odds, slip=doubt.slip, edges=doubt.edges + 1.0)
 
 
 def is_settled(doubt: Doubt) -> bool:

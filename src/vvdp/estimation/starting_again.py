@@ -8,7 +8,7 @@ import numpy as np
 from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import counted_edge, irregular_share, missed_in_a_row, sector
 from vvdp.estimation.between_edges import silence_until
-from vvdp.estimation.doubt import Doubt, carry_on, is_settled, no_doubt
+from vvdp.estimation.doubt import Doubt, NumberedEdge, carry_on, is_settled, no_doubt
 from vvdp.estimation.event_memory import EventFilterMemory, LastEdge, Manoeuvre, Tally
 from vvdp.estimation.event_settings import EventFilter
 from vvdp.estimation.expected_edge import Expected, knows_edges, mean_angle_at
@@ -80,7 +80,7 @@ def weigh_doubt(
     counted = counted_edge(before.doubt.number, before.tally.ignored + reading.edges, polarity)
     number = maximum(nearest_edge(prior.angle, polarity, wheel), counted)
     cost = 2.0 * np.log(missed_in_a_row(before.tally.irregular, before.tally.watched, number - counted))
-    seen = (number, mean_angle_at(number, before.ripple, settings))
+    seen = NumberedEdge(number, mean_angle_at(number, before.ripple, settings))
     doubt = carry_on(before.doubt, prior, seen, variance, surprise + cost)
     m, belief, edge, tally, slip = after, after.belief, after.last.number, after.tally, after.slip
     settled = is_settled(doubt)

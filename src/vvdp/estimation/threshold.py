@@ -13,7 +13,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import AngularVariance, Kind, Ratio
+from vvdp.base.kinds import NUMBER, AngularVariance, Count, Fraction, Kind, Ratio
 from vvdp.base.params import Params
 from vvdp.base.select import clip, maximum, minimum
 from vvdp.estimation.association import sector
@@ -83,12 +83,12 @@ class ThresholdMemory(NamedTuple):
     still has to get a new one, where the last edges lay between samples, and the blind band that follows."""
 
     filter: EventFilterMemory
-    threshold: float
-    comparator_threshold: float
-    edges: float
-    due: float
-    phases: Array
-    blind_band: float
+    threshold: SignalLevel
+    comparator_threshold: SignalLevel
+    edges: Count
+    due: Fraction
+    phases: Annotated[Array, NUMBER]
+    blind_band: SignalLevel
 
 
 class AdaptedThreshold(NamedTuple):

@@ -1,8 +1,6 @@
 """A folder with a part of a system in C: the functions, structs with units, vectors with expected bits, what checks."""
 
-import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any
 
@@ -15,7 +13,7 @@ from vvdp.export.c_parts import (
     IN,
     KEPT,
     OUT,
-    Block,
+    CPart,
     Entry,
     circuit_entries,
     drawn_values,
@@ -26,59 +24,15 @@ from vvdp.export.c_powers import C_INTRINSICS
 from vvdp.export.c_structs import initial_text, struct_text
 from vvdp.export.c_words import check_text, example_text, makefile_text, readme_text, vectors_text
 from vvdp.generator import binding
-from vvdp.generator.c_room import Amount, room_of
+from vvdp.generator.c_room import room_of
 from vvdp.generator.c_text import identifier, wrap
-from vvdp.generator.c_writer import CModule, shown_file, write_c
+from vvdp.generator.c_writer import write_c
 from vvdp.generator.calls import callables
 from vvdp.generator.llvm_writer import write_llvm
-from vvdp.generator.tree import Module
-from vvdp.simulation.model import Program
 from vvdp.simulation.values import flat
 from vvdp.systems.system import System
 
 CIRCUIT = "circuit"
-
-
-@dataclass(frozen=True)
-class CPart:
-    """A part of a system in C.
-
-    name       begins the name of everything in the text
-    entries    its functions
-    rooms      by entry, the numbers that it needs on the stack for arrays
-    program    the program that is exported; None for a circuit
-    period     time between two samples [s]
-    """
-
-    name: str
-    part: str
-    system: str
-    entries: tuple[Entry, ...]
-    module: Module
-    core: CModule
-    rooms: Mapping[str, Amount]
-    program: Program | None
-    period: float
-
-    @property
-    def phase(self) -> float:
-        """When the first sample is [s]."""
-        return 0.0 if self.program is None else self.program.phase
-
-    @property
-    def blocks(self) -> dict[str, Block]:
-        """The arguments of all entries by name."""
-        return {block.name: block for entry in self.entries for block in entry.arguments}
-
-    @property
-    def hash(self) -> str:
-        """What tells this text from any other."""
-        return hashlib.sha256((self.core.header + self.core.source).encode()).hexdigest()[:16]
-
-    @property
-    def functions(self) -> list[tuple[str, str]]:
-        """Name in C, and file and line of the Python text, of each function."""
-        return [(self.core.functions[f.name], f"{shown_file(f.file)}:{f.line}") for f in self.module.functions]
 
 
 def c_part(system: System, part: str) -> CPart:

@@ -1,5 +1,6 @@
 """What of a system is exported as C: its circuit, or the step of one of its programs, as functions of flat vectors."""
 
+import hashlib
 import itertools
 import linecache
 from collections.abc import Callable, Mapping, Sequence
@@ -12,13 +13,15 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import Time
 from vvdp.export.c_structs import Classes, store_lines, value_text
+from vvdp.generator.c_room import Amount
+from vvdp.generator.c_writer import CModule, shown_file
 from vvdp.generator.kinds import FLOAT, Kind, Row, stand_in
 from vvdp.generator.tree import Module
 from vvdp.generator.unit import Options, Unit
 from vvdp.generator.verify import verify
 from vvdp.simulation import dialect
 from vvdp.simulation.layout import arrays
-from vvdp.simulation.model import Case, Model
+from vvdp.simulation.model import Case, Model, Program
 from vvdp.simulation.reach import compiled_form
 from vvdp.simulation.values import as_value, flat, leaves
 
@@ -226,3 +229,45 @@ def _reading(model: Model, case: Case, name: str, t: float, y: Array) -> Array:
     state = as_value(case.state, y)
     outputs = model.circuit(t, state, case.command, case.params)[1]
     return flat(model.programs[name].measure(t, state, outputs, case.params))
+
+
+@dataclass(frozen=True)
+class CPart:
+    """A part of a system in C.
+
+    name       begins the name of everything in the text
+    entries    its functions
+    rooms      by entry, the numbers that it needs on the stack for arrays
+    program    the program that is exported; None for a circuit
+    period     time between two samples [s]
+    """
+
+    name: str
+    part: str
+    system: str
+    entries: tuple[Entry, ...]
+    module: Module
+    core: CModule
+    rooms: Mapping[str, Amount]
+    program: Program | None
+    period: float
+
+    @property
+    def phase(self) -> float:
+        """When the first sample is [s]."""
+        return 0.0 if self.program is None else self.program.phase
+
+    @property
+    def blocks(self) -> dict[str, Block]:
+        """The arguments of all entries by name."""
+        return {block.name: block for entry in self.entries for block in entry.arguments}
+
+    @property
+    def hash(self) -> str:
+        """What tells this text from any other."""
+        return hashlib.sha256((self.core.header + self.core.source).encode()).hexdigest()[:16]
+
+    @property
+    def functions(self) -> list[tuple[str, str]]:
+        """Name in C, and file and line of the Python text, of each function."""
+        return [(self.core.functions[f.name], f"{shown_file(f.file)}:{f.line}") for f in self.module.functions]

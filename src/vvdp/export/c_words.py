@@ -1,16 +1,12 @@
 """The texts around exported functions: vectors, the program that replays them, an example, Makefile and README."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.export.c_parts import IN, KEPT, OUT, Entry
+from vvdp.export.c_parts import IN, KEPT, OUT, CPart, Entry
 from vvdp.generator.c_text import wrap
-
-if TYPE_CHECKING:
-    from vvdp.export.c_folder import CPart
 
 WARNINGS = "-Wall -Wextra -Wconversion -Wpedantic"
 
@@ -243,7 +239,7 @@ Apache-2.0, as vvdp.
 """
 
 
-def readme_text(part: "CPart", samples: int, version: str) -> str:
+def readme_text(part: CPart, samples: int, version: str) -> str:
     """What the folder holds, what to call at which times, what it needs, and what was verified."""
     rows = "".join(
         f"| `{part.name}_{block.name}` | {block.about} | {block.size} | {8 * block.size} |\n"
@@ -264,7 +260,7 @@ def readme_text(part: "CPart", samples: int, version: str) -> str:
     )
 
 
-def _when(part: "CPart") -> str:
+def _when(part: CPart) -> str:
     program = part.program
     if program is None:
         return f"Conditions are calculated every {part.period:g} s and hold in between."

@@ -33,3 +33,12 @@ class Group:
     ports: Mapping[str, str]
     parts: tuple[str, ...]
     nodes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class InnerCircuit:
+    """A circuit that is one part of another: the file it came from, the nodes at its ports, the names of all in it."""
+
+    source: str
+    ports: Mapping[str, str]
+    names: frozenset[str]

@@ -19,6 +19,7 @@ from vvdp.network.functions import Functions
 from vvdp.network.network import Network
 from vvdp.network.nodes import Rod, Shaft
 from vvdp.network.paths import Places
+from vvdp.network.program_order import ordered_programs
 from vvdp.network.text import Text
 from vvdp.network.trial import check_law
 from vvdp.network.written_program import WrittenProgram
@@ -67,7 +68,7 @@ def build(network: Network) -> Circuit:
     places = Places(network)
     classes = Classes(places)
     text = Text(places, classes)
-    written = [WrittenProgram(program, text) for program in network.programs.values()]
+    written = [WrittenProgram(program, text) for program in ordered_programs(network)]
     functions = Functions(text)
     blocks = functions.all()
     blocks += [block for program in written for block in program.blocks]

@@ -32,7 +32,6 @@ from vvdp.base.params import Params
 from vvdp.fluid.dissolving import FREE_AIR, FreeAir
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.ports import Medium, RodState, ShaftState
-from vvdp.network.network import Part
 from vvdp.network.nodes import (
     DrivenShaft,
     HydraulicNode,
@@ -46,7 +45,7 @@ from vvdp.network.nodes import (
     has_free_air,
     is_held,
 )
-from vvdp.network.paths import Places, StartValue, averaged_flows, flows_of, part_outputs, tank_exchanges
+from vvdp.network.paths import Places, StartValue, averaged_flows, part_outputs, paths_of, tank_exchanges
 from vvdp.simulation.values import blank, names
 
 INTEGRALS = {FLOW: TankVolume, PRESSURE_LEVEL: PressureTime, FRACTION: Duration, RATIO: Duration, POWER: Energy}
@@ -151,7 +150,8 @@ class Classes:
     @cached_property
     def program_reads(self) -> tuple[str, ...]:
         """Commands of programs that other programs read."""
-        reads = [path for program in self.network.programs.values() for path in program.reads.values()]
+        programs = self.network.programs.values()
+        reads = [path for program in programs for source in program.reads.values() for path in paths_of(source)]
         return tuple(dict.fromkeys(path for path in reads if path.partition(".")[0] in self.network.programs))
 
     @cached_property
@@ -230,11 +230,6 @@ class Classes:
         """Books before a run."""
         none: Any = 0.0 if len(self.places.oils) <= 1 else blank(self.oil_volumes)
         return Books(blank(self.supplied_class), blank(self.spent_class), none, none, blank(self.totals))
-
-
-def flow_names(part: Part) -> list[str]:
-    """Names of the flows of a part: one through it, into its second port, or one into each of more hydraulic ports."""
-    return [f"{part.name}_{name}" for name in flows_of(part)]
 
 
 def _join(hints: dict[str, Any], whose: str, fresh: dict[str, Any]) -> None:

@@ -50,7 +50,8 @@ class GraphComponent:
     """A component of a circuit: `ports` lead to names of nodes, `connections` name what each input follows.
 
     An input follows a signal, as text, or another's output, as "component.output". `designation` is the mark of the
-    component in the drawing, such as P1; where it is empty the drawing numbers it.
+    component in the drawing, such as P1; where it is empty the drawing numbers it. `opens` is the anchor of the drawing
+    of what is in it, empty for a component that is none of parts.
     """
 
     name: str
@@ -60,6 +61,7 @@ class GraphComponent:
     designation: str = ""
     labels: tuple[str, ...] = ()
     position: Position | None = None
+    opens: str = ""
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,13 @@ from typing import Any
 
 from vvdp.base.errors import NetworkError
 from vvdp.base.kinds import PRESSURE_LEVEL, Kind
-from vvdp.base.params import Params
+from vvdp.base.params import Params, field_kinds
 from vvdp.base.signal import Signal, constant, signal_value
 from vvdp.base.tables import nearest
 from vvdp.fluid.oil import Oil, modulus_at
 from vvdp.hydraulics.pipe import LinePipe
 from vvdp.hydraulics.volume import Vessel
-from vvdp.network.assembly import Assembly, Group
+from vvdp.network.assembly import Assembly, Group, InnerCircuit
 from vvdp.network.component import Component, Role, check_component
 from vvdp.network.nodes import (
     Chamber,
@@ -47,6 +47,7 @@ RESERVED = frozenset(
         *("next_stop", "taken_in", "check", "modes"),
     )
 )
+NAME = re.compile(r"[a-z][a-z0-9_]*")
 NEARLY_VACUUM = 1e3
 """A pressure below this [Pa, absolute] was meant in another unit."""
 JOINS = {
@@ -73,17 +74,19 @@ class Part:
 class ProgramPart:
     """A program in its place: what it reads, its values, the sensors before it, and when it is called [s].
 
-    `actuators` stand behind it: what becomes of fields of its command on their way to the circuit.
+    `actuators` stand behind it: what becomes of fields of its command on their way to the circuit. With `previous` it
+    reads the commands that other programs gave before this instant.
     """
 
     name: str
     type: ProgramType
     settings: Params | None
-    reads: Mapping[str, str]
+    reads: Mapping[str, Source]
     sensors: Mapping[str, Instrument]
     period: float | None
     phase: float
     latency: float
+    previous: bool = False
     actuators: Mapping[str, Instrument] = field(default_factory=dict)
 
 
@@ -110,6 +113,7 @@ class Network:
         self.programs: dict[str, ProgramPart] = {}
         self.positions: dict[str, tuple[float, float]] = {}
         self.groups: dict[str, Group] = {}
+        self.circuits: dict[str, InnerCircuit] = {}
         self.extras: Callable[[Any], Any] | None = None
 
     def volume(self, name: str, values: Chamber | Vessel, *, start: Start, oil: Oil | None = None) -> None:
@@ -217,22 +221,23 @@ class Network:
         kind: ProgramType,
         settings: Params | None = None,
         *,
-        reads: Mapping[str, str],
+        reads: Mapping[str, Source | float],
         sensors: Mapping[str, Instrument] | None = None,
         period: float | None = None,
         phase: float = 0.0,
         latency: float = 0.0,
+        previous: bool = False,
     ) -> None:
         """Add a program that is called at `phase` and every `period` [s], and acts `latency` [s] later.
 
         `reads` gives the path of each field of its reading: "t", a node's "inlet.pressure", a result "load.flow",
-        another program's "encoder.speed"; `sensors` the instruments through which fields are measured.
+        another program's "encoder.speed" (as it is at this instant, or with `previous` as it was before), or a value
+        over time; `sensors` the instruments through which fields are measured.
         """
         self.check_name(name)
-        fields = set(names(kind.reading))
-        if set(reads) != fields:
-            odd = ", ".join(sorted(set(reads) ^ fields))
-            raise NetworkError(f"{name}: its reading and what `reads` gives differ in {odd}")
+        fields, usual = set(names(kind.reading)), set(kind.defaults)
+        if odd := (set(reads) - fields) | (fields - usual - set(reads)):
+            raise NetworkError(f"{name}: its reading and what `reads` gives differ in {', '.join(sorted(odd))}")
         if unknown := set(sensors or {}) - fields:
             raise NetworkError(f"{name}: a sensor for {', '.join(sorted(unknown))}, which it does not read")
         if kind.settings is not None and not isinstance(settings, kind.settings):
@@ -241,16 +246,28 @@ class Network:
             name=name,
             type=kind,
             settings=settings,
-            reads=dict(reads),
+            reads={field: self._read(name, kind, field, source) for field, source in reads.items()},
             sensors=dict(sensors or {}),
             period=period,
             phase=phase,
             latency=latency,
+            previous=previous,
         )
+
+    def _read(self, name: str, kind: ProgramType, field: str, source: Source | float) -> Source:
+        if isinstance(source, Connection):
+            raise NetworkError(f"{name}.{field}: a program reads one quantity; write a program that combines several")
+        return self._source(name, field, field_kinds(kind.reading)[field], source)
 
     def place(self, name: str, x: float, y: float) -> None:
         """Draw the node or component `name` at a place of the diagram's grid."""
         self.positions[name] = (float(x), float(y))
+
+    def parts_inside(self, circuit: str) -> tuple[str, ...]:
+        """Names of the components inside of a circuit that is one part, those of its pipes included."""
+        names = self.circuits[circuit].names
+        pieces = {piece for name, group in self.groups.items() if name in names for piece in group.parts}
+        return tuple(name for name in self.parts if name in names or name in pieces)
 
     def start_value(self, start: Start) -> float:
         """The number of a start value. Raises NetworkError where its path leads nowhere."""
@@ -277,7 +294,7 @@ class Network:
 
     def check_name(self, name: str) -> None:
         """Raises NetworkError where `name` cannot be given to a further node, component or program."""
-        if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+        if not NAME.fullmatch(name):
             raise NetworkError(f"{name!r} cannot be a name; use small letters, digits and _, beginning with a letter")
         if name in RESERVED or keyword.iskeyword(name):
             raise NetworkError(

@@ -148,9 +148,9 @@ class Places:
         }
         given = [source for part in self.network.parts.values() for source in part.inputs.values()]
         given += [source for node in self.network.nodes.values() for source in sources_of(node)]
+        given += [source for program in self.network.programs.values() for source in program.reads.values()]
         sources = [path for source in given for path in paths_of(source)]
-        reads = [path for program in self.network.programs.values() for path in program.reads.values()]
-        asked = {path.partition(".")[0] for path in (*sources, *reads) if path.endswith(".angle")}
+        asked = {path.partition(".")[0] for path in sources if path.endswith(".angle")}
         return frozenset(name for name, node in self.network.nodes.items() if isinstance(node, DrivenShaft)) & (
             ports | asked
         )
@@ -186,6 +186,9 @@ class Places:
                 yield (name if i == 0 else f"{name}_{key}"), (type(value), value)
             for argument in part.component.inputs:
                 yield from self._signals(f"{name}_{argument.name}", argument.kind, part.inputs[argument.name])
+        for name, program in net.programs.items():
+            for field, of in field_kinds(program.type.reading).items():
+                yield from self._signals(f"{name}_{field}", of, program.reads.get(field))
 
     @staticmethod
     def _signals(name: str, kind: Kind | None, source: Source | None) -> Iterator[tuple[str, tuple[Any, Any]]]:

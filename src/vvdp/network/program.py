@@ -1,6 +1,6 @@
 """A program as a component of a network: a step with its sensors' readings, command and settings."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,3 +26,8 @@ class ProgramType:
     settings: type[Params] | None = None
     start: Callable[..., Any] = no_memory
     level: Callable[..., Any] | None = None
+
+    @property
+    def defaults(self) -> Mapping[str, float]:
+        """What the fields of its reading are that need not be given [SI]."""
+        return self.reading._field_defaults  # type: ignore[attr-defined, no-any-return]

@@ -1,6 +1,7 @@
 """A program of a network as it is written: what it measures, the instruments in between, its trigger."""
 
 import types
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any, get_type_hints
 
@@ -25,10 +26,14 @@ class WrittenProgram:
     @property
     def blocks(self) -> list[list[str]]:
         """Its functions: `measure_`, `trigger_` if events call it, `step_` and `begin_` where instruments measure."""
-        fields = {name: self._read(name, path) for name, path in self.part.reads.items()}
-        reading = f"{self.text.use(self.part.type.reading)}({', '.join(f'{n}={text}' for n, text in fields.items())})"
-        found = [[f"def measure_{self.name}(t, s, outputs, p):", f"    return {reading}"]]
+        found = [
+            [
+                f"def measure_{self.name}(t, s, outputs, p):",
+                f"    return {reading_text(self.part, self.text, sample_text)}",
+            ]
+        ]
         if self.part.type.level:
+            reading = reading_text(self.part, self.text, event_text)
             if "outputs." in reading:
                 raise NetworkError(
                     f"{self.name} is called by events, which can read states alone; {reading} reads more"
@@ -105,15 +110,33 @@ class WrittenProgram:
             latency=self.part.latency,
         )
 
-    def _read(self, field: str, path: str) -> str:
-        """Where a reading comes from: a state, or a result of the circuit."""
-        if path == "t":
-            return "t"
-        found = self.text.places.quantity(path, self.name)
-        if not found.recorded:
-            raise NetworkError(f"{self.name} reads {path!r}, which no sensor measures")
-        check_unit(f"{self.name}.{field}", field_kinds(self.part.type.reading)[field], path, found.kind)
-        return found.recorded
+
+def reading_text(part: ProgramPart, text: Text, read: Callable[[ProgramPart, Text, str], str]) -> str:
+    """The text that makes a reading, each connected field as `read` says; what is not connected has its usual value."""
+    fields = {name: read(part, text, name) for name in part.reads}
+    fields |= {name: repr(value) for name, value in part.type.defaults.items() if name not in fields}
+    return f"{text.use(part.type.reading)}({', '.join(f'{name}={value}' for name, value in fields.items())})"
+
+
+def sample_text(part: ProgramPart, text: Text, field: str) -> str:
+    """Where a field comes from at a sample: a state, a result of the circuit, or a value over time."""
+    source = part.reads[field]
+    if source == "t":
+        return "t"
+    if not isinstance(source, str):
+        return text.source(source, part.name)
+    found = text.places.quantity(source, part.name)
+    if not found.recorded:
+        raise NetworkError(f"{part.name} reads {source!r}, which no sensor measures")
+    check_unit(f"{part.name}.{field}", field_kinds(part.type.reading)[field], source, found.kind)
+    return found.recorded
+
+
+def event_text(part: ProgramPart, text: Text, field: str) -> str:
+    """The same between samples, where the commands of programs are at hand but no results of the circuit."""
+    source, sampled = part.reads[field], sample_text(part, text, field)
+    is_command = isinstance(source, str) and source.partition(".")[0] in text.network.programs
+    return text.source(source, part.name) if is_command else sampled
 
 
 def acting_lines(part: ProgramPart, command: str, instrument: str) -> list[str]:

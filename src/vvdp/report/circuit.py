@@ -7,7 +7,7 @@ from vvdp.base.kinds import AREA, DISPLACEMENT, FRACTION, PRESSURE_LEVEL, SPEED,
 from vvdp.base.params import Params, default_values, field_kinds
 from vvdp.base.signal import Signal
 from vvdp.hydraulics.volume import Vessel
-from vvdp.network.assembly import Group
+from vvdp.network.assembly import Group, InnerCircuit
 from vvdp.network.graph import Graph, GraphComponent, GraphNode, GraphProgram, NodeKind
 from vvdp.network.network import Network, Part
 from vvdp.network.nodes import (
@@ -36,17 +36,52 @@ SIZES = ("m", "m^2")
 """Units of which a component may well show two values, such as length and diameter."""
 
 
-def graph_of(network: Network, title: str) -> Graph:
-    """The graph of a network, its parts labelled with their main values."""
-    hidden = inside(network)
+def graph_of(network: Network, title: str, part: str = "") -> Graph:
+    """The graph of a network, or of a `part` of it that is a circuit, labelled with the main values.
+
+    Circuits in it are one component each; at the ports of a part stand the nodes that it joins.
+    """
+    shown = _names_in(network, part)
     return Graph(
         title=title,
-        nodes=tuple(_node(network, node) for name, node in network.nodes.items() if name not in hidden),
+        nodes=tuple(_node(network, node) for name, node in network.nodes.items() if name in shown),
         components=(
-            *(_component(network, part) for name, part in network.parts.items() if name not in hidden),
-            *(_group(network, name, group) for name, group in network.groups.items()),
+            *(_component(network, each) for name, each in network.parts.items() if name in shown),
+            *(_group(network, name, group) for name, group in network.groups.items() if name in shown),
+            *(_circuit(network, name, each) for name, each in network.circuits.items() if name in shown),
         ),
-        programs=tuple(_programs(network)),
+        programs=tuple(each for each in _programs(network) if each.name in shown),
+    )
+
+
+def figure_of(part: str) -> str:
+    """The name of the figure of what is in a part."""
+    return f"circuit-{part}"
+
+
+def _names_in(network: Network, part: str) -> frozenset[str]:
+    """The names in the drawing of a network or of a part of it, without what is inside of others there."""
+    everything = (*network.nodes, *network.parts, *network.groups, *network.programs, *network.circuits)
+    own = _members(network, part) if part else frozenset(everything)
+    deeper = [_members(network, name) for name in network.circuits if name in own]
+    ports = network.circuits[part].ports.values() if part else ()
+    return frozenset((own - inside(network)).difference(*deeper) | {*ports})
+
+
+def _members(network: Network, part: str) -> frozenset[str]:
+    """The names in a part, with what a fault joins to a node in it."""
+    names = network.circuits[part].names
+    return names | {each.name for each in network.parts.values() if not names.isdisjoint(each.nodes.values())}
+
+
+def _circuit(network: Network, name: str, circuit: InnerCircuit) -> GraphComponent:
+    """A circuit in a network as one component."""
+    return GraphComponent(
+        name=name,
+        symbol=circuit.source.removesuffix(".toml"),
+        ports=dict(circuit.ports),
+        position=network.positions.get(name),
+        opens=f"figure-{figure_of(name)}",
     )
 
 
@@ -121,7 +156,8 @@ def _programs(network: Network) -> Iterator[GraphProgram]:
             for key, source in part.inputs.items()
             if any(path.partition(".")[0] == program.name for path in paths_of(source))
         ]
-        yield GraphProgram(program.name, tuple(dict.fromkeys(program.reads.values())), tuple(commands))
+        reads = dict.fromkeys(path for source in program.reads.values() for path in paths_of(source))
+        yield GraphProgram(program.name, tuple(reads), tuple(commands))
 
 
 def source_words(source: Source, kind: Kind | None) -> str:

@@ -39,7 +39,7 @@ def diagram(graph: Graph, values: Mapping[str, Lines] = NO_VALUES) -> str:
         f'aria-label="{escape(graph.title, quote=True)}" font-family="{FONTS}" font-size="{SIZE:g}">\n'
         f"<title>{title}</title>\n"
         f'<g fill="none" stroke="{draw.INK}" stroke-width="1.7" stroke-linecap="round" stroke-linejoin="round">\n'
-        + "\n".join([*_parts(made), *(_signal(*line) for line in signal_lines(graph, made))])
+        + "\n".join([*_parts(made, _anchors(graph)), *(_signal(*line) for line in signal_lines(graph, made))])
         + "\n</g>\n</svg>\n"
     )
 
@@ -91,7 +91,12 @@ def _sends(given: Setting) -> frozenset[tuple[str, str]]:
     return frozenset(found | {(n.name, "port") for n in given.graph.nodes if n.name not in entered})
 
 
-def _parts(made: Plan) -> Iterator[str]:
+def _anchors(graph: Graph) -> dict[str, str]:
+    """Where the drawing of what is in a component stands on a page, by its name."""
+    return {component.name: component.opens for component in graph.components if component.opens}
+
+
+def _parts(made: Plan, anchors: Mapping[str, str]) -> Iterator[str]:
     for link in made.links:
         yield _double(link)
     for wire in made.wires:
@@ -99,7 +104,9 @@ def _parts(made: Plan) -> Iterator[str]:
     for rail in made.rails:
         yield _rail(rail)
     for piece in made.pieces:
-        yield piece.symbol.draw_at(*piece.at, escape(piece.label.lines[0]))
+        symbol = piece.symbol.draw_at(*piece.at, escape(piece.label.lines[0]))
+        opens = anchors.get(piece.name)
+        yield f'<a href="#{escape(opens, quote=True)}">{symbol}</a>' if opens else symbol
         yield _label(piece.label)
     for label in made.names.values():
         yield _label(label)

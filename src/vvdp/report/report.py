@@ -6,7 +6,7 @@ from pathlib import Path
 from vvdp.base.display import with_unit
 from vvdp.base.kinds import DURATION, FLOW, GAUGE_PRESSURE
 from vvdp.base.manifest import open_directory
-from vvdp.report.circuit import Lines, graph_of
+from vvdp.report.circuit import Lines, figure_of, graph_of
 from vvdp.report.diagram import diagram
 from vvdp.report.drawing import Drawn
 from vvdp.report.html import text
@@ -47,13 +47,17 @@ def write_report(
         "equations": '<details class="code"><summary>Show the text of the circuit</summary>\n'
         f"<pre>{text(run.system.circuit.text)}</pre></details>",
     }
-    circuit = Drawn(DIAGRAM, _caption(run), circuit_svg(run))
-    return write_result_page(directory, Page(run_result(run), run.meta, ready, {DIAGRAM: circuit}))
+    drawings = {DIAGRAM: Drawn(DIAGRAM, _caption(run), circuit_svg(run))}
+    for part, circuit in run.network.circuits.items():
+        words = f"What is in {part.replace('_', ' ')} ({circuit.source})."
+        drawings[figure_of(part)] = Drawn(figure_of(part), words, circuit_svg(run, part))
+    return write_result_page(directory, Page(run_result(run), run.meta, ready, drawings))
 
 
-def circuit_svg(run: RecordedRun) -> str:
-    """The diagram of the circuit with mean pressures and flows."""
-    return diagram(graph_of(run.network, run.system.title), _values(run))
+def circuit_svg(run: RecordedRun, part: str = "") -> str:
+    """The diagram of the circuit, or of a part of it, with mean pressures and flows."""
+    title = f"{run.system.title}: {part.replace('_', ' ')}" if part else run.system.title
+    return diagram(graph_of(run.network, title, part), _values(run))
 
 
 def _values(run: RecordedRun) -> dict[str, Lines]:

@@ -23,11 +23,11 @@ from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-import vvdp
 from vvdp.base.errors import ConfigError, unusable
 from vvdp.base.files import write_listed, write_whole
 from vvdp.base.kinds import GAUGE_PRESSURE, Kind, kind_named
 from vvdp.base.manifest import NAME, Directory, open_directory
+from vvdp.base.version import VERSION
 from vvdp.results.result import Column, Result, Table, plain_values
 
 FORMAT = 1
@@ -55,7 +55,7 @@ def write_result(
         if system:
             write_whole(folder / "system.toml", system)
         write_json(folder / DESCRIPTION, {"format": FORMAT, **_content(result)})
-        meta = {"vvdp": vvdp.__version__, "written": time.strftime("%Y-%m-%dT%H:%M:%S%z"), "command": list(command)}
+        meta = {"vvdp": VERSION, "written": time.strftime("%Y-%m-%dT%H:%M:%S%z"), "command": list(command)}
         write_json(folder / META, meta | dict(more))
 
 

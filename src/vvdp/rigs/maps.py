@@ -17,13 +17,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-import vvdp
 from vvdp.base.arrays import Array
 from vvdp.base.display import with_unit
 from vvdp.base.errors import ParameterError, unusable
 from vvdp.base.files import clear_below, clear_unfinished
 from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.base.manifest import has_list, open_directory, refuse_foreign, refuse_links
+from vvdp.base.version import VERSION
 from vvdp.fluid.mixture import compression_energy_per_volume, specific_volume_ratio
 from vvdp.fluid.oil import density
 from vvdp.hydraulics.spool_drive import drive_power
@@ -285,7 +285,7 @@ def simulated_map(
     rows = np.array([stand.cycle_point(point) for point in axes.points])
     _standstills(stand, axes.points, averages(rows, stand.bench.valve, cache=cache, say=say))
     store = directory / STORE
-    finished = opened_store(store, {"vvdp": vvdp.__version__, "system": stand.name})
+    finished = opened_store(store, {"vvdp": VERSION, "system": stand.name})
     settings = capacity_points(stand, axes.duty_ratios, axes.pump_speeds, axes.temperatures)
     digest = link(stand.model, stand.bench.case, cache, say).digest
     wanted = {point: _key(stand, point, digest) for point in (*settings, *axes.points)}
@@ -377,7 +377,7 @@ def _key(stand: Stand, point: SetPoint, digest: str) -> str:
     """What a point is known by: everything that its result depends on."""
     tolerance = min(stand.stepping.relative_tolerance, TOLERANCE)
     solver = (LIMIT, DISTANCE, tolerance, HELD, stand.stepping.method)
-    found = hashlib.sha256(repr((vvdp.__version__, digest, solver, tuple(point))).encode())
+    found = hashlib.sha256(repr((VERSION, digest, solver, tuple(point))).encode())
     for _, table in sorted(stand.bench.tables.items()):
         found.update(repr([path for path, _, _ in leaves(table)]).encode())
         found.update(flat(table).tobytes())

@@ -21,6 +21,7 @@ from vvdp.runs.ranges import kept_ranges
 from vvdp.runs.run import RecordedRun
 from vvdp.runs.tables import (
     bar_table,
+    circuit_loss_listings,
     component_listing,
     computation,
     loss_listing,
@@ -49,7 +50,9 @@ def run_result(run: RecordedRun) -> Result:
     listings = key_listings(run) | {"nodes": node_listing(run), "components": component_listing(run)}
     listings |= {"computation": computation(run)}
     losses = _losses(run, tables) if bench is None else _bench_losses(run, tables)
-    of_losses = {"losses": loss_listing(run)} if bench is None else bench_loss_listings(run)
+    of_losses = (
+        {"losses": loss_listing(run)} | circuit_loss_listings(run) if bench is None else bench_loss_listings(run)
+    )
     harmonics = {"harmonics": harmonic_listing(tables[SPECTRUM])} if SPECTRUM in tables else {}
     result = Result(
         verb="run",
@@ -124,8 +127,9 @@ def _sections(run: RecordedRun, bench: RotaryBench | None, course: list[Chart], 
         f"{len(run.system.assumptions)} of {len(run.system.rows)} values are assumptions; the results depend on them."
     )
     shown = (*(chart.name for chart in course), *harmonics)
+    inner = [f"circuit-{part}" for part in run.network.circuits]
     return (
-        Section(title="Circuit", words=(f"Circuit: {run.system.circuit_name}.",), shows=("circuit",)),
+        Section(title="Circuit", words=(f"Circuit: {run.system.circuit_name}.",), shows=("circuit", *inner)),
         Section(title="Key numbers", shows=(*key_listings(run), "nodes", "components")),
         Section(title="Course of the run", shows=shown, starts_page=True),
         Section(title="Losses", shows=(*(chart.name for chart in losses), *of_losses), words=(), starts_page=True),

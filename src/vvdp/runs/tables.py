@@ -25,7 +25,15 @@ from vvdp.runs.run import RecordedRun
 from vvdp.simulation.balance import LIMIT
 from vvdp.simulation.record import Record
 from vvdp.systems.extras import Extras
-from vvdp.systems.overview import flow_lines, loss_lines, node_lines, power_lines
+from vvdp.systems.overview import (
+    circuit_loss_lines,
+    circuit_power_lines,
+    flow_lines,
+    loss_lines,
+    node_lines,
+    power_lines,
+)
+from vvdp.systems.valve_numbers import valve_quantities
 
 ROUNDING = 1e-9
 """What is stored counts as nothing below this share of the largest power."""
@@ -59,7 +67,15 @@ def screen_listings(run: RecordedRun) -> tuple[Listing, ...]:
     extras = run.system.extras
     if extras is not None and extras.OVERVIEW:
         return (overview(run, extras),)
-    return node_listing(run), component_listing(run), loss_listing(run)
+    listings = node_listing(run), component_listing(run), loss_listing(run), *circuit_loss_listings(run).values()
+    return (*listings, *valve_listing(run))
+
+
+def valve_listing(run: RecordedRun) -> tuple[Listing, ...]:
+    """What the rotary valves of a drawn circuit do; empty where it has none."""
+    numbers = dict(valve_quantities(run.system))
+    rows = tuple(Row(label, kind, (run.number(key),)) for key, (kind, label) in numbers.items())
+    return (Listing(title="Rotary valves", heads=("mean",), rows=rows),) if rows else ()
 
 
 def node_listing(run: RecordedRun) -> Listing:
@@ -107,6 +123,19 @@ def loss_listing(run: RecordedRun) -> Listing:
     ]
     note = "Shares are of the power put in."
     return Listing(title="Losses by component", heads=("mean",), rows=tuple(rows), note=note)
+
+
+def circuit_loss_listings(run: RecordedRun) -> dict[str, Listing]:
+    """What the parts that are circuits of their own turn to heat, by name; none where the circuit has none."""
+    rows, powers = [], dict(circuit_power_lines(run.system, run.summary))
+    for line in circuit_loss_lines(run.system, run.summary):
+        name = line.component.replace("_", " ")
+        rows.append(Row(name, MEAN_POWER, (line.loss,)))
+        inner = ((f"of which {part.replace('_', ' ')}", loss) for part, loss in line.parts)
+        rows += [Row(label, MEAN_POWER, (loss,), is_part=True) for label, loss in inner]
+        if line.component in powers:
+            rows.append(Row(f"{name}, power into the circuit", MEAN_POWER, (powers[line.component],)))
+    return {"circuit-losses": Listing(title="Losses by part", heads=("mean",), rows=tuple(rows))} if rows else {}
 
 
 def computation(run: RecordedRun) -> Listing:

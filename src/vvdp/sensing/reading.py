@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from vvdp.base.kinds import Count, Time
+from vvdp.base.kinds import Count, Number, Time
 
 
 class Reading(NamedTuple):
@@ -18,4 +18,4 @@ class Reading(NamedTuple):
     edges: Count
     edge_time: Time
     edge_interval: Time
-    polarity: float
+    polarity: Number

@@ -17,10 +17,10 @@ from typing import Any
 
 import numpy as np
 
-import vvdp
 from vvdp.base.errors import unusable
 from vvdp.base.files import write_listed, write_whole
 from vvdp.base.manifest import Directory, open_directory
+from vvdp.base.version import VERSION
 from vvdp.results.store import META, read_meta, write_json
 from vvdp.simulation.record import Record, record_bytes
 from vvdp.simulation.run import Run
@@ -48,7 +48,7 @@ def origin(run: Run) -> dict[str, Any]:
 
     found = {
         "format": FORMAT,
-        "vvdp": vvdp.__version__,
+        "vvdp": VERSION,
         "python": platform.python_version(),
         "numpy": np.__version__,
         "llvm": binding.version(),

@@ -41,6 +41,8 @@ MOST_GROWTH = 20.0
 MOST_MARKS = 1e6
 SOON, LONG = 1.0, 60.0
 """After so long [s] a run that is to take longer than that says so, and why."""
+MOST_STATES = 3
+"""So many states are told where a run cannot go on."""
 MANY_JUMPS = 5
 """From so many places on at which steps were refused in series, and no stop was named, a run has a remark."""
 
@@ -374,9 +376,8 @@ def failure(case: Case, clock: Array, state: Array, status: int, limits: str = "
     `limits` names the state that limits the step, where that is known.
     """
     reached = clock[places.TIME]
-    found = ((path, x) for (path, _, _), x in zip(leaves(case.state), state, strict=False))
-    values = ", ".join(f"{path} = {x:.4g}" for path, x in found if not path.startswith("books."))
     culprit = int(clock[places.CULPRIT])
+    values = _states_that_matter(case, state, culprit if status == places.BELOW_ZERO else -1)
     why = {
         places.NOT_FINITE: "a rate is no longer finite (a pressure at absolute zero?)",
         places.STEP_TOO_SMALL: "the step has become too small"
@@ -387,12 +388,21 @@ def failure(case: Case, clock: Array, state: Array, status: int, limits: str = "
     return f"the run cannot go on at t = {reached:.6g} s: {why}; state: {values}"
 
 
+def _states_that_matter(case: Case, state: Array, culprit: int) -> str:
+    """The state of this place and those that are not finite, else the first: three at most."""
+    paths = [path for path, _, _ in leaves(case.state) if not path.startswith("books.")]
+    order = sorted(range(len(paths)), key=lambda place: (place != culprit, bool(np.isfinite(state[place])), place))
+    more = f", and {len(order) - MOST_STATES} more" if len(order) > MOST_STATES else ""
+    return ", ".join(f"{paths[place]} = {state[place]:.4g}" for place in order[:MOST_STATES]) + more
+
+
 def _below_zero(case: Case, place: int) -> str:
     """Names the pressure of this place among the states that has fallen below absolute zero."""
     path = [path for path, _, _ in leaves(case.state)][place]
     return (
         f"{path} has fallen below 0 Pa absolute, where no oil is: more is drawn from it than flows in, as by a pump "
-        "that turns backwards or a cylinder that moves faster than it is filled"
+        "that turns backwards or a cylinder that moves faster than it is filled; with a vapour pressure of the oil "
+        '(oil.vapour_pressure = "0.01 bara") the run goes on with vapour'
     )
 
 

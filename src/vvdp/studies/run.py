@@ -15,12 +15,12 @@ from types import FrameType
 
 import numpy as np
 
-import vvdp
 from vvdp.base.display import value_text
 from vvdp.base.errors import ConfigError, Fault, RunError
 from vvdp.base.kinds import NUMBER, Kind
 from vvdp.base.signal import Signal
 from vvdp.base.tables import Sourced, Table, copy_tables, nearest, with_settings
+from vvdp.base.version import VERSION
 from vvdp.results.result import Column
 from vvdp.simulation.batch import case_shape, simulate_batch
 from vvdp.simulation.layout import case_form
@@ -33,6 +33,7 @@ from vvdp.studies.results import Doubt, Failure, StudyResults
 from vvdp.studies.store import Finished, finished_cases, opened_store
 from vvdp.studies.study import Settings, Study
 from vvdp.studies.work import Batching, check_same, kept_batches
+from vvdp.systems.drawn_parts import setting_path
 from vvdp.systems.options import lasting
 from vvdp.systems.overview import warnings
 from vvdp.systems.quantities import quantities
@@ -81,7 +82,7 @@ def run_study(
     base = _base(study)
     planned = _plan(study, base, cache, say)
     _check_outputs(study, base)
-    describing = {"vvdp": vvdp.__version__, "system": resolved_text(base), "cases": len(planned)}
+    describing = {"vvdp": VERSION, "system": resolved_text(base), "cases": len(planned)}
     finished = opened_store(directory, describing)
     pending = list({case.key: case for case in planned if case.key not in finished}.values())
     pending.sort(key=lambda case: case.group)
@@ -91,7 +92,7 @@ def run_study(
     ran = 0
     if pending:
         compiled_loop(say)  # here, so that workers find it compiled
-    task = functools.partial(_finished_batch, base, cache, vvdp.__version__)
+    task = functools.partial(_finished_batch, base, cache, VERSION)
     batching = Batching(group=attrgetter("group"))
     with hold_interrupts() as interrupted:
         for done in kept_batches(task, pending, directory, engine, interrupted, batching):
@@ -184,7 +185,7 @@ def _places(numbers: list[int]) -> str:
 
 def _key(system: System, digest: str, stepping: str) -> str:
     """What a case is known by: every resolved number, and everything else that its results depend on."""
-    found = hashlib.sha256(repr((vvdp.__version__, digest, system.circuit.digest, stepping)).encode())
+    found = hashlib.sha256(repr((VERSION, digest, system.circuit.digest, stepping)).encode())
     case = system.case
     programs = (*case.memory.values(), *case.settings.values())
     for part in (case.state, case.params, case.command, *programs, *system.tables.values()):
@@ -202,7 +203,8 @@ def _names(form: Hashable) -> bytes:
 def _inputs(system: System, settings: Settings) -> dict[str, tuple[float | str, Kind]]:
     """Value [SI] and kind of what a case sets; text for a value that changes over time or is none."""
     rows = {f"{row.table}.{row.key}": row for row in system.rows}
-    return {key: _input(rows[key]) if key in rows else (str(value), NUMBER) for key, value in settings.items()}
+    found = {key: rows.get(setting_path(system.content, key)) for key in settings}
+    return {key: (str(settings[key]), NUMBER) if row is None else _input(row) for key, row in found.items()}
 
 
 def _input(row: Sourced) -> tuple[float | str, Kind]:
@@ -245,7 +247,7 @@ def _finished_batch(
     one = systems[0]
     cases = [system.case for system in systems]
     run = simulate_batch(one.model, cases, one.stepping, cores=cores, cache=cache)
-    check_same((vvdp.__version__, run.digest), (version, batch[0].digest))
+    check_same((VERSION, run.digest), (version, batch[0].digest))
     done: list[Finished] = []
     for number, (planned, system) in enumerate(zip(batch, systems, strict=True)):
         reason, found = run.reasons[number], run.outcome(number)

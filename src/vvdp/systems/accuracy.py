@@ -18,8 +18,9 @@ OF_THE_RUN = frozenset(
 )
 """Keys that say how a run was done, not what came of it."""
 
-COARSE = frozenset(("cavitation_port_share",))
-"""Keys of shares of the time in which something holds: they jump, and are known to about a hundredth of themselves."""
+COARSE = ("cavitation_port_share", "_cavitation_share", "wave_roughness_")
+"""What is in keys of shares of the time in which something holds, which jump, and of differences between neighbours:
+they are known to about a hundredth of themselves."""
 
 
 class Move(NamedTuple):
@@ -28,6 +29,11 @@ class Move(NamedTuple):
     key: str
     value: float
     change: float
+
+
+def is_coarse(key: str) -> bool:
+    """Whether a number is known to about a hundredth of itself."""
+    return any(word in key for word in COARSE)
 
 
 def moves(found: Summary, finer: Summary, units: Mapping[str, str]) -> tuple[Move, ...]:
@@ -39,7 +45,7 @@ def moves(found: Summary, finer: Summary, units: Mapping[str, str]) -> tuple[Mov
     values = {
         key: float(value)
         for key, value in finer.items()
-        if not isinstance(value, bool) and key not in OF_THE_RUN | COARSE and key in found
+        if not isinstance(value, bool) and key in found and key not in OF_THE_RUN and not is_coarse(key)
     }
     largest: dict[str, float] = {}
     for key, value in values.items():

@@ -19,6 +19,7 @@ from vvdp.estimation.chamber_observer import ChamberObserver, SpringDrive
 from vvdp.fluid.oil import Oil
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
+from vvdp.programs.spool_encoder import WatchSettings
 from vvdp.systems.axial_loop import PROGRAM, UNKNOWN, AxialObserverTable, AxialPlace, AxialSequence, pollution_model
 from vvdp.systems.axial_sensor import AxialSensorTable, axial_sensor_of
 from vvdp.systems.axial_tables import PilotSupply
@@ -47,7 +48,6 @@ from vvdp.systems.chamber_loop import (
     watched_start,
     watched_step,
 )
-from vvdp.systems.spool_encoder import WatchSettings
 
 Step = Callable[..., Any]
 

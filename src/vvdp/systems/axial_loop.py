@@ -128,6 +128,29 @@ class AxialCommand(NamedTuple):
     frozen: Fraction
 
 
+class Target(NamedTuple):
+    """Where the spool is wanted, and its stop."""
+
+    wanted: Position
+    stop: Position
+
+
+class Observed(NamedTuple):
+    """Phase of the pollution, what the optical sensor shows, and the observability margin."""
+
+    phase: Phase
+    measured: Position
+    margin: Ratio
+
+
+class Demand(NamedTuple):
+    """Flow that a law asks for, the absolute pressure of the chamber that goes with it, and what the loop stores."""
+
+    flow: Flow
+    pressure: Pressure
+    storage: Energy
+
+
 UNKNOWN = AxialCommand(
     drive=0.0,
     stage=HOME,
@@ -201,17 +224,15 @@ def sight_of(
 
 
 def next_reference(
-    reference: Reference, stage: Stage, positions: tuple[float, float], period: float, settings: ReferenceFilter
+    reference: Reference, stage: Stage, target: Target, period: float, settings: ReferenceFilter
 ) -> Reference:
     """The reference at a sample, at rest at the stop until the drive is controlled.
 
-    positions  that is wanted, and of the stop [m]
-    period     of the samples [s]
+    period  of the samples [s]
     """
-    wanted, stop = positions
     if stage.number == RUN:
-        return reference_step(reference, wanted, period, settings)
-    return reference_at_rest(stop)
+        return reference_step(reference, target.wanted, period, settings)
+    return reference_at_rest(target.stop)
 
 
 def next_stage(stage: Stage, time: float, held: float, known: bool, sequence: AxialSequence) -> Stage:
@@ -241,34 +262,28 @@ def show(
     drive_command: float,
     stage: Stage,
     reference: Reference,
-    seen: tuple[Phase, float, float],
+    observed: Observed,
     estimate: AxialEstimate,
-    wanted: tuple[float, float, float],
+    demand: Demand,
 ) -> AxialCommand:
-    """The command of a drive, with what is believed and wanted.
-
-    seen    phase of the pollution, what the sensor shows [m], and the observability margin [1]
-    wanted  flow [m^3/s], pressure of the chamber [Pa, absolute], and what the loop stores then [J]
-    """
-    phase, measured, margin = seen
-    flow, pressure, storage = wanted
-    known = 1.0 if is_known(phase) else 0.0
+    """The command of a drive, with what is believed and wanted."""
+    known = 1.0 if is_known(observed.phase) else 0.0
     return AxialCommand(
         drive=drive_command,
         stage=stage.number,
         reference=reference.position,
-        measured=measured,
+        measured=observed.measured,
         position=estimate.position,
         velocity=estimate.velocity,
         position_deviation=estimate.position_deviation,
         velocity_deviation=estimate.velocity_deviation,
         pollution=estimate.pollution,
-        margin=margin,
-        flow=flow,
-        desired_pressure=pressure,
-        storage=storage,
-        spool_angle=phase.angle,
-        spool_speed=phase.speed,
+        margin=observed.margin,
+        flow=demand.flow,
+        desired_pressure=demand.pressure,
+        storage=demand.storage,
+        spool_angle=observed.phase.angle,
+        spool_speed=observed.phase.speed,
         known=known,
         frozen=estimate.frozen,
     )

@@ -22,14 +22,13 @@ from vvdp.results.result import Table
 from vvdp.systems.axial_charts import control_charts
 from vvdp.systems.axial_loop import PROGRAM, RUN, SETTLED
 from vvdp.systems.chamber_loop import ChamberLoop, WatchedLoop
-from vvdp.systems.extras import Extras, Summary
+from vvdp.systems.extras import Extras, LoadedSystem, Summary
 from vvdp.systems.extras import Line as Row
 
 if TYPE_CHECKING:
     from vvdp.simulation.outcome import Outcome
     from vvdp.simulation.record import Record
     from vvdp.simulation.run import Run
-    from vvdp.systems.system import System
 
 EXPLAINED = 3.0
 """So many of the deviations that an observer states explain a flow that is off."""
@@ -79,7 +78,7 @@ class Controlled(NamedTuple):
     reference: Any
 
 
-def loop_of(system: "System") -> ChamberLoop:
+def loop_of(system: LoadedSystem) -> ChamberLoop:
     """The values of the loop of a system."""
     settings = system.circuit.network.programs[PROGRAM].settings
     found = settings.loop if isinstance(settings, WatchedLoop) else settings

@@ -54,7 +54,7 @@ def axial_sight(system: "System") -> AxialSight:
     if len(found) != 1:
         return AxialSight()
     sensor, reads = found[0]
-    moved, spool = (reads[word].rpartition(".")[0] for word in ("position", "angle"))
+    moved, spool = (str(reads[word]).rpartition(".")[0] for word in ("position", "angle"))
     node = network.nodes.get(spool)
     source = node.speed if isinstance(node, DrivenShaft) else None
     speed = float(signal_value(0.0, source)) if isinstance(source, Signal) else None

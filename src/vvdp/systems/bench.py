@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -23,17 +23,16 @@ from vvdp.simulation.values import as_value, flat, leaves
 from vvdp.systems.bench_overview import ANALYTIC, OVERVIEW, OVERVIEW_NOTE, QUANTITIES
 from vvdp.systems.bench_tables import AxialOperation, DriveMotor, DutyOperation, Limits, OrificeLoad, PressureLoad
 from vvdp.systems.bench_validity import bench_bounds, bench_warnings, efficiency, switching_limits, transition_loss
+from vvdp.systems.bench_values import BenchValues
+from vvdp.systems.bound import Bound
 from vvdp.systems.extras import Extras, Summary
 from vvdp.systems.port_cavitation import lowest_cavitation_number
 from vvdp.systems.spool_estimate import estimate_lines, estimate_numbers, estimate_quantities
-from vvdp.systems.validity import Bound
+from vvdp.systems.system import System
 from vvdp.valve.flow_map import quasi_steady_mean
 from vvdp.valve.losses import full_open_loss, range_warnings
 from vvdp.valve.operating_point import OperatingPoint, SetPoint, operating_point
 from vvdp.valve.rotary import RotaryValve
-
-if TYPE_CHECKING:
-    from vvdp.systems.system import System
 
 WATCHING = ("encoder", "spool_filter")
 """Tables of a watched spool; a system file has both or neither."""
@@ -80,7 +79,9 @@ class RotaryBench(Extras):
 
     CLOSED_FORMS = ANALYTIC
 
-    def __init__(self, system: "System", tables: Mapping[str, Any] | None = None) -> None:
+    system: System
+
+    def __init__(self, system: System, tables: Mapping[str, Any] | None = None) -> None:
         super().__init__(system)
         self.tables = given = system.tables if tables is None else tables
         self.oil: Oil = given["oil"]
@@ -174,6 +175,25 @@ class RotaryBench(Extras):
         settings = self.tables.get("spool_filter")
         leaves_ripple = settings is not None and settings.ripple_order == 0.0
         return 2.0 * np.pi / self.valve.sections if leaves_ripple else 0.0
+
+    @property
+    def values(self) -> BenchValues:
+        """What its checks read."""
+        return BenchValues(
+            valve=self.valve,
+            oil=self.oil,
+            load_line=self.load_line,
+            duty_ratio=self.duty_ratio,
+            axial_position=self.axial_position,
+            is_placed=self.is_placed,
+            temperature=float(signal_value(0.0, self.operation.oil_temperature)),
+            reference=self.reference,
+            tank_pressure=self.tank_pressure,
+            cavitation_pressure=self.limits.cavitation_pressure,
+            inlet_volume=self.inlet_volume,
+            ripple_amplitude=self.pump.ripple_amplitude,
+            averaging_angle=self.averaging_angle,
+        )
 
     @property
     def is_steady(self) -> bool:
@@ -281,7 +301,7 @@ class RotaryBench(Extras):
             "load_flow_fraction": _ratio(_load_flow(totals), pump_flow),
             "mean_load_opening": totals.valve_load_opening,
             "cavitation_port_share": min(max(totals.valve_cavitating, 0.0), 1.0),
-            "cavitation_number_lowest": lowest_cavitation_number(self, found, (run.low[place], run.high[place])),
+            "cavitation_number_lowest": lowest_cavitation_number(self.values, found, (run.low[place], run.high[place])),
             "input_power_W": shaft,
             "spool_motor_power_W": motor,
             "load_power_W": load_power,
@@ -343,7 +363,7 @@ class RotaryBench(Extras):
             load_pressure = float(found["pressure_mean_load_line_Pa"]) + self.reference
             point = self.set_point(load_pressure)._replace(flow=self.delivered_flow(load_pressure))
             yield from self.average_limits()
-            yield from switching_limits(self, found)
+            yield from switching_limits(self.values, found)
             if point.flow > 0.0:
                 yield from range_warnings(point.duty_ratio, point.condition(self.oil), self.valve)
             else:
@@ -368,11 +388,11 @@ class RotaryBench(Extras):
 
     def bounds(self, found: Mapping[str, Any]) -> Iterator[Bound]:
         """The bounds of the laws of valve and spool at what a run has `found`."""
-        return bench_bounds(self, found)
+        return bench_bounds(self.values, found)
 
     def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
         """What is to be known before the numbers of a bench, in sentences."""
-        return bench_warnings(self, found)
+        return bench_warnings(self.values, found, self.closed_form_limits(found))
 
     def operating_point(self, load_pressure: float) -> OperatingPoint:
         """The valve's analytic drops, speeds and losses at the start, against `load_pressure` [Pa, absolute]."""
@@ -403,7 +423,7 @@ class RotaryBench(Extras):
         return point.flow - quasi_steady_mean(point.duty_ratio, point.condition(self.oil), self.valve).pump_leakage_flow
 
 
-def rotary_bench(system: "System", verb: str) -> RotaryBench:
+def rotary_bench(system: System, verb: str) -> RotaryBench:
     """The bench that a system is. Raises ConfigError, which names `verb`, where it is none."""
     found = system.extras
     if isinstance(found, RotaryBench):

@@ -14,6 +14,14 @@ from vvdp.base.kinds import (
 )
 from vvdp.base.params import Params
 from vvdp.hydraulics.orifice import Orifice
+from vvdp.valve.validity import CAVITATION_PRESSURE
+
+LARGEST_PRESSURE = 701.01325e5
+"""Absolute pressure [Pa] beyond which no result is to be trusted where a system says nothing else: 700 bar, twice what
+pumps and hoses of industry are rated for; assumed."""
+LARGEST_SPEED = 2000.0
+"""Speed of a shaft [rad/s] beyond which none is to be trusted where a system says nothing else: 19 000 rpm, twice what
+small axial piston machines are rated for; assumed."""
 
 
 class OrificeLoad(Orifice):
@@ -35,9 +43,11 @@ class DriveMotor(Params):
 
 
 class Limits(Params):
-    """Bounds that are watched and reported."""
+    """Bounds that are watched and reported; beyond one of them no result is to be trusted."""
 
-    cavitation_pressure: Pressure
+    cavitation_pressure: Pressure = CAVITATION_PRESSURE
+    largest_pressure: Pressure = LARGEST_PRESSURE
+    largest_speed: Speed = LARGEST_SPEED
 
 
 class DutyOperation(Params):

@@ -1,17 +1,17 @@
 """Up to where the laws of a test bench of the rotary valve hold, and which of its numbers mean something."""
 
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, NamedTuple
 
 from vvdp.base.display import percent, with_unit
 from vvdp.base.kinds import DUTY_RATIO, MEAN_POWER, NUMBER, RATIO, TEMPERATURE_DIFFERENCE
-from vvdp.base.signal import signal_value
 from vvdp.fluid.mixture import mean_bulk_modulus
-from vvdp.fluid.oil import density, dynamic_viscosity
+from vvdp.fluid.oil import Oil, density, dynamic_viscosity
+from vvdp.systems.bench_values import BenchValues
+from vvdp.systems.bound import Bound
 from vvdp.systems.load_ripple import estimated_ripple, vessel_capacity
 from vvdp.systems.spool_estimate import estimate_doubts
 from vvdp.systems.spool_travel import duty_travel
-from vvdp.systems.validity import Bound
 from vvdp.valve.gap_flow import sheared_temperature_rise, taylor_number
 from vvdp.valve.geometry import barrier_width
 from vvdp.valve.losses import compression_regime
@@ -27,9 +27,6 @@ from vvdp.valve.validity import (
     WAVE_TRANSITS,
     wave_transits,
 )
-
-if TYPE_CHECKING:
-    from vvdp.systems.bench import RotaryBench
 
 STORED = 0.02
 """Stored power, over the power put in, above which there is no efficiency: given to the load instead, or saved at the
@@ -49,6 +46,25 @@ STOP_ROOM = 0.05
 """Share of the helix length by which a spool may go beyond the ends of the duty ratio, to its stops: 1 mm here."""
 HEAT_CONDUCTION = 0.13
 """Thermal conductivity of mineral oil [W/(m K)]."""
+
+
+class ValveReading(NamedTuple):
+    """What the laws of a rotary valve were used at in a run.
+
+    temperature     of the oil at the start [K]
+    flow            mean, that comes to it [m^3/s]
+    pwm_frequency   mean [Hz]
+    inlet_pressure  mean, absolute [Pa]
+    fastest         largest speed of its spool either way [rad/s]
+    """
+
+    valve: RotaryValve
+    oil: Oil
+    temperature: float
+    flow: float
+    pwm_frequency: float
+    inlet_pressure: float
+    fastest: float
 
 
 def efficiency(load_power: float, put_in: float, stored: float) -> float:
@@ -88,7 +104,7 @@ def transition_loss(beyond_open: float, put_in: float) -> float:
     return beyond_open if beyond_open >= -DUST * abs(put_in) else float("nan")
 
 
-def bench_bounds(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator[Bound]:
+def bench_bounds(bench: BenchValues, found: Mapping[str, Any]) -> Iterator[Bound]:
     """The bounds of the laws of valve and spool at what a run has `found`."""
     low, high = bench.duty_ratio.extremes
     ends = duty_travel(bench.valve)
@@ -101,60 +117,78 @@ def bench_bounds(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator[Bou
         most=ends.high / bench.valve.helix_length + STOP_ROOM,
         kind=DUTY_RATIO,
     )
-    temperature = signal_value(0.0, bench.operation.oil_temperature)
-    rho, mu = density(temperature, bench.oil), dynamic_viscosity(temperature, bench.oil)
-    yield from _flow_bounds(bench, found, rho, mu)
-    yield from _clearance_bounds(bench.valve)
-    fastest = max(abs(float(found[f"speed_{end}_spool_rad_s"])) for end in ("min", "max"))
+    yield from valve_bounds(_bench_reading(bench, found))
+
+
+def _bench_reading(bench: BenchValues, found: Mapping[str, Any]) -> ValveReading:
+    return ValveReading(
+        valve=bench.valve,
+        oil=bench.oil,
+        temperature=bench.temperature,
+        flow=float(found["mean_pump_flow_m3_s"]),
+        pwm_frequency=float(found["pwm_frequency_Hz"]),
+        inlet_pressure=float(found["pressure_mean_inlet_Pa"]) + bench.reference,
+        fastest=max(abs(float(found[f"speed_{end}_spool_rad_s"])) for end in ("min", "max")),
+    )
+
+
+def valve_bounds(reading: ValveReading, name: str = "") -> Iterator[Bound]:
+    """The bounds of the laws of a rotary valve and its spool; with a `name` where there may be several."""
+    rho, mu = (law(reading.temperature, reading.oil) for law in (density, dynamic_viscosity))
+    of = f" of {name}" if name else ""
+    yield from _flow_bounds(reading, rho, mu, of)
+    yield from _clearance_bounds(reading.valve, of)
     yield _bound(
-        "Taylor number of the clearance",
-        taylor_number(fastest, rho, mu, bench.valve),
+        f"Taylor number of the clearance{of}",
+        taylor_number(reading.fastest, rho, mu, reading.valve),
         "vortices brake the spool more than the linear law of friction",
         most=TAYLOR_NUMBER,
     )
     yield _bound(
-        "warming of the film by its shear",
-        sheared_temperature_rise(fastest, mu, HEAT_CONDUCTION, bench.valve),
+        f"warming of the film{of} by its shear",
+        sheared_temperature_rise(reading.fastest, mu, HEAT_CONDUCTION, reading.valve),
         "friction is less than that of oil at its temperature",
         most=SHEAR_WARMING,
         kind=TEMPERATURE_DIFFERENCE,
     )
 
 
-def _flow_bounds(bench: "RotaryBench", found: Mapping[str, Any], rho: float, mu: float) -> Iterator[Bound]:
+def _flow_bounds(reading: ValveReading, rho: float, mu: float, of: str) -> Iterator[Bound]:
     """Of the nozzles where oil flows, and of the volumes where the valve switches."""
-    flow, frequency = float(found["mean_pump_flow_m3_s"]), abs(float(found["pwm_frequency_Hz"]))
-    if flow > 0.0:
-        reynolds = float(nozzle_reynolds_number(flow, rho, mu, bench.valve))
+    frequency = abs(reading.pwm_frequency)
+    if reading.flow > 0.0:
+        reynolds = float(nozzle_reynolds_number(reading.flow, rho, mu, reading.valve))
         yield _bound(
-            "Reynolds number of the nozzles", reynolds, "the drop of their flow is no longer quadratic", least=LAMINAR
+            f"Reynolds number of the nozzles{of}",
+            reynolds,
+            "the drop of their flow is no longer quadratic",
+            least=LAMINAR,
         )
     if frequency > 0.0:
-        pressure = float(found["pressure_mean_inlet_Pa"]) + bench.reference
         yield _bound(
-            "pressure waves across the valve during a transition",
-            wave_transits(frequency, pressure, rho, bench.oil, bench.valve),
+            f"pressure waves across the valve{of} during a transition",
+            wave_transits(frequency, reading.inlet_pressure, rho, reading.oil, reading.valve),
             f"at {frequency:.4g} Hz its oil is not under one pressure",
             least=WAVE_TRANSITS,
         )
 
 
-def _clearance_bounds(valve: RotaryValve) -> Iterator[Bound]:
+def _clearance_bounds(valve: RotaryValve, of: str) -> Iterator[Bound]:
     yield _bound(
-        "clearance over radius",
+        f"clearance over radius{of}",
         valve.radial_clearance / valve.spool_radius,
         "leakage and friction are those of a thin film",
         most=CURVATURE,
         kind=RATIO,
     )
     yield _bound(
-        "breadth of the barriers over the clearance",
+        f"breadth of the barriers{of} over the clearance",
         barrier_width(valve) / valve.radial_clearance,
         "the leakage past them is that of a long slot",
         least=SLOT_LENGTH,
         kind=RATIO,
     )
-    yield _bound("eccentricity of the spool", valve.eccentricity, "it touches the sleeve", most=ECCENTRICITY)
+    yield _bound(f"eccentricity of the spool{of}", valve.eccentricity, "it touches the sleeve", most=ECCENTRICITY)
 
 
 def _bound(label: str, value: float, otherwise: str, **ends: Any) -> Bound:
@@ -163,7 +197,7 @@ def _bound(label: str, value: float, otherwise: str, **ends: Any) -> Bound:
     return Bound(label=label, otherwise=otherwise, **given)
 
 
-def switching_limits(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator[str]:
+def switching_limits(bench: BenchValues, found: Mapping[str, Any]) -> Iterator[str]:
     """What of switching, pump and air in a run no quasi-steady average knows, a sentence each."""
     if found["averaged_periods"] < 1:
         yield "the valve does not switch"
@@ -177,14 +211,14 @@ def switching_limits(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator
             f"the load line is so stiff that its pressure swings by about {percent(swing)} within a period, above "
             f"{percent(LOAD_SWING)}, where quasi-steady averages take it as constant"
         )
-    if bench.pump.ripple_amplitude > RIPPLE:
-        yield f"the pump's flow pulsates by {percent(bench.pump.ripple_amplitude)}, which is in no quasi-steady average"
+    if bench.ripple_amplitude > RIPPLE:
+        yield f"the pump's flow pulsates by {percent(bench.ripple_amplitude)}, which is in no quasi-steady average"
     if bench.oil.air_fraction > FREE_AIR:
         air = percent(bench.oil.air_fraction)
         yield f"the oil has {air} of free air, whose compression is in no quasi-steady average"
 
 
-def load_swing(bench: "RotaryBench", found: Mapping[str, Any]) -> float:
+def load_swing(bench: BenchValues, found: Mapping[str, Any]) -> float:
     """Estimated swing of the load pressure within a period, over its mean above the tank's [1]; 0 against a source."""
     pressure = float(found["pressure_mean_load_line_Pa"]) + bench.reference
     delivered, frequency = float(found["mean_load_flow_m3_s"]), float(found["pwm_frequency_Hz"])
@@ -195,7 +229,7 @@ def load_swing(bench: "RotaryBench", found: Mapping[str, Any]) -> float:
     return swing / (pressure - bench.tank_pressure)
 
 
-def filling_share(bench: "RotaryBench", found: Mapping[str, Any]) -> float:
+def filling_share(bench: BenchValues, found: Mapping[str, Any]) -> float:
     """Time that filling the inlet up to the load takes over the time in which a port opens, of a run [1]."""
     pressure = float(found["pressure_mean_load_line_Pa"]) + bench.reference
     return compression_regime(
@@ -208,8 +242,11 @@ def filling_share(bench: "RotaryBench", found: Mapping[str, Any]) -> float:
     )
 
 
-def bench_warnings(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator[str]:
-    """What is to be known before the numbers of a bench, in sentences: what they leave out, what the motor takes."""
+def bench_warnings(bench: BenchValues, found: Mapping[str, Any], limits: Iterable[str]) -> Iterator[str]:
+    """What is to be known before the numbers of a bench, in sentences: what they leave out, what the motor takes.
+
+    limits  why the closed forms do not describe the run, a sentence each
+    """
     if found["averaged_periods"] < 1:
         yield "no whole PWM period lies in the averaging window: the means are over plain time"
     put_in = found["input_power_W"] + found["spool_motor_power_W"]
@@ -220,6 +257,6 @@ def bench_warnings(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator[s
     if found["motor_overloaded"]:
         power, rated = found["input_power_W"], found["motor_rated_power_W"]
         yield f"the input power of {power:.4g} W exceeds the motor's {rated:.4g} W"
-    for limit in bench.closed_form_limits(found):
+    for limit in limits:
         yield f"no analytic results: {limit}"
     yield from estimate_doubts(found, bench.averaging_angle)

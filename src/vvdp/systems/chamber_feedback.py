@@ -18,6 +18,7 @@ from vvdp.control.chamber import ChamberReading
 from vvdp.control.passivity import passivity_law, printed_passivity_law
 from vvdp.control.reference import Rate
 from vvdp.estimation.axial_filter import Phase
+from vvdp.programs.spool_encoder import watch_step
 from vvdp.sensing.encoder import Shaft
 from vvdp.systems.axial_loop import AxialCommand, AxialPlace, known_phase, turned_phase
 from vvdp.systems.chamber_loop import (
@@ -32,7 +33,6 @@ from vvdp.systems.chamber_loop import (
     chamber_view,
     printed_axial_step,
 )
-from vvdp.systems.spool_encoder import watch_step
 
 
 class VelocityFilter(Params):

@@ -22,6 +22,7 @@ from vvdp.control.storage import loop_balance
 from vvdp.estimation.axial_filter import AxialEstimate, AxialMemory, Phase
 from vvdp.estimation.chamber_observer import ChamberObserver, chamber_observer_start, chamber_observer_step
 from vvdp.estimation.observability import observability_margin
+from vvdp.programs.spool_encoder import WatchMemory, WatchSettings, watch_start, watch_step
 from vvdp.sensing.axial_sensor import AxialSensor, SpoolPlace, axial_sensor_start, axial_sensor_step
 from vvdp.sensing.encoder import Shaft
 from vvdp.sensing.instrument import InstrumentMemory
@@ -31,7 +32,10 @@ from vvdp.systems.axial_loop import (
     AxialCommand,
     AxialPlace,
     AxialSequence,
+    Demand,
+    Observed,
     Stage,
+    Target,
     is_known,
     known_phase,
     next_reference,
@@ -40,7 +44,6 @@ from vvdp.systems.axial_loop import (
     sight_of,
     turned_phase,
 )
-from vvdp.systems.spool_encoder import WatchMemory, WatchSettings, watch_start, watch_step
 
 AT_STOP = 0.2e-3
 """So near the stop a spool that the spring presses there is taken to rest at it [m]."""
@@ -159,7 +162,7 @@ def chamber_view(
     return ChamberView(
         sensor=sensor,
         observer=observed,
-        reference=next_reference(memory.reference, stage, (wanted, stop), period, settings.reference),
+        reference=next_reference(memory.reference, stage, Target(wanted, stop), period, settings.reference),
         stage=stage,
         estimate=estimate,
         reading=ChamberReading(estimate.position, estimate.velocity, place.pressure),
@@ -178,7 +181,8 @@ def chamber_command(
     if view.stage.number == RUN:
         command = valve_command(wanted.flow, pressure, drive.valve)
         storage = loop_balance(wanted.flow, view.reference, view.reading, gains, drive).storage
-    seen, asked = (view.phase, view.measured, view.margin), (wanted.flow, wanted.desired.pressure, storage)
+    observed = Observed(view.phase, view.measured, view.margin)
+    demand = Demand(wanted.flow, wanted.desired.pressure, storage)
     memory = LoopMemory(
         sensor=view.sensor,
         observer=view.observer,
@@ -187,7 +191,7 @@ def chamber_command(
         command=command,
         reading=view.reading,
     )
-    return memory, show(command, view.stage, view.reference, seen, view.estimate, asked)
+    return memory, show(command, view.stage, view.reference, observed, view.estimate, demand)
 
 
 def passive_axial_step(

@@ -74,7 +74,7 @@ def network_function(name: str, folder: Path) -> NetworkFunction:
     found: Any
     if ":" in name:
         function = name.partition(":")[2]
-        module = _module(module_name(name), folder)
+        module = load_module(module_name(name), folder)
         found = getattr(module, function, None)
         if found is None:
             public = [n for n, value in vars(module).items() if inspect.isfunction(value) and not n.startswith("_")]
@@ -90,7 +90,8 @@ def network_function(name: str, folder: Path) -> NetworkFunction:
     return found
 
 
-def _module(name: str, folder: Path) -> types.ModuleType:
+def load_module(name: str, folder: Path) -> types.ModuleType:
+    """The module of that name, in `folder` or installed. Raises ParameterError where there is none."""
     path = local_file(name, folder)
     if path is not None:
         return run_local_module(name, path)

@@ -4,6 +4,7 @@ import dataclasses
 import inspect
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Annotated, Any, NamedTuple, get_type_hints
 
@@ -12,7 +13,6 @@ from vvdp.base.kinds import (
     Angle,
     Compliance,
     Inertia,
-    Kind,
     Mass,
     Polytropic,
     Position,
@@ -21,11 +21,10 @@ from vvdp.base.kinds import (
     Speed,
     SpeedSignal,
     TemperatureSignal,
-    Time,
     Velocity,
     Volume,
 )
-from vvdp.base.params import Params, field_kinds, refused_field, without_class
+from vvdp.base.params import Params, without_class
 from vvdp.base.signal import Signal
 from vvdp.base.tables import (
     Sourced,
@@ -33,26 +32,22 @@ from vvdp.base.tables import (
     build,
     fault_at,
     inner_table,
-    join,
     nearest,
-    read_values,
     refuse_unknown,
     suggestion,
 )
-from vvdp.base.units import parse, parsed_difference
-from vvdp.components.library import COMPONENTS, PROGRAMS, UsualOil
+from vvdp.components.library import COMPONENTS, UsualOil
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.volume import Vessel
-from vvdp.network.assembly import Assembly
+from vvdp.network.assembly import Assembly, InnerCircuit
 from vvdp.network.component import Component
 from vvdp.network.network import ROOM_TEMPERATURE, Network
 from vvdp.network.nodes import Chamber, Load, Rotor
-from vvdp.network.program import ProgramType
-from vvdp.sensing.instrument import Instrument, ideal_instrument
 from vvdp.systems.bench_tables import Limits
+from vvdp.systems.drawn_programs import ProgramDrawer
 from vvdp.systems.part_keys import PartType, other_type, part_keys
 
-TABLES = ("oil", "oils", "operation", "nodes", "components", "programs", "limits", "faults", "geometry")
+TABLES = ("oil", "oils", "operation", "nodes", "components", "programs", "parts", "limits", "faults", "geometry")
 DRAWING_WORDS = ("type", "at")
 
 
@@ -113,14 +108,6 @@ class RodTable(Params):
     velocity: Velocity = 0.0
 
 
-class ProgramTimes(Params):
-    """When a program is called: every `period` (0: the run's), first at `phase`; it acts `latency` later."""
-
-    period: Time = 0.0
-    phase: Time = 0.0
-    latency: Time = 0.0
-
-
 def _add_volume(net: Network, name: str, v: VolumeTable, oil: Oil) -> None:
     net.volume(name, Chamber(volume=v.volume), start=v.start, oil=oil)
 
@@ -178,11 +165,11 @@ class Drawing(NamedTuple):
     tables: dict[str, Params]
 
 
-class Drawer:
+class Drawer(ProgramDrawer):
     """Draws one file: what it has found wrong so far, and where each value comes from."""
 
-    def __init__(self, content: Mapping[str, Any], origin: Table, faults: list[Fault]) -> None:
-        self.content, self.origin, self.faults = content, origin, faults
+    def __init__(self, content: Mapping[str, Any], origin: Table, faults: list[Fault], folder: Path) -> None:
+        self.content, self.origin, self.faults, self.folder = content, origin, faults, folder
         self.rows: list[Sourced] = []
 
     def network(self) -> Network | None:
@@ -195,13 +182,18 @@ class Drawer:
         net = Network(
             oil, temperature=heat.oil_temperature if heat else ROOM_TEMPERATURE, **{n: o for n, o in oils.items() if o}
         )
+        for name, part in self._parts("parts"):
+            self._add_circuit(net, name, part["drawn"])
         for name, part in self._validly_named_parts(net, "nodes"):
             self._add_node(net, name, part, {n: o for n, o in oils.items() if o})
         for name, part in self._validly_named_parts(net, "components"):
             self._add_component(net, name, part)
-        for name, part in self._validly_named_parts(net, "programs"):
-            self._add_program(net, name, part)
+        self._add_programs(net, dict(self._validly_named_parts(net, "programs")))
         return None if self.faults else net
+
+    def _add_circuit(self, net: Network, name: str, drawn: Mapping[str, Any]) -> None:
+        net.circuits[name] = InnerCircuit(drawn["source"], drawn["ports"], frozenset(drawn["names"]))
+        self._place(net, name, f"parts.{name}", drawn)
 
     def limits(self) -> Limits | None:
         """What is watched and reported; None where the file says nothing."""
@@ -368,78 +360,13 @@ class Drawer:
         table = self._table(type("Start", (Params,), {"__annotations__": hints}), f"{path}.start", given)
         return component.state(**{key: getattr(table, key) for key in hints}) if table else None
 
-    def _add_program(self, net: Network, name: str, part: Mapping[str, Any]) -> None:
-        path = f"programs.{name}"
-        kind: ProgramType | None = self._type(path, part, PROGRAMS)
-        if kind is None:
-            return
-        fields = kind.reading._fields  # type: ignore[attr-defined]
-        own = set(_fields(kind.settings)) if kind.settings else set()
-        if not self._has_own_keys(path, part, PROGRAMS):
-            return
-        for key in fields:
-            if not isinstance(part.get(key), str):
-                self._fault(f"{path}.{key}", 'missing; expected what it reads, such as "inlet.pressure"')
-        given = {key: value for key, value in part.items() if key in own}
-        settings = self._table(kind.settings, path, given) if kind.settings else None
-        times = self._table(ProgramTimes, path, {k: part[k] for k in ("period", "phase", "latency") if k in part})
-        if self._has_faults(path):
-            return
-        reads = {key: part[key] for key in fields}
-        sensors = self._sensors(kind, f"{path}.sensors", inner_table(part, "sensors", self.origin, self.faults, path))
-        if self._has_faults(path):
-            return
-        period = times.period or None
-        self._try(
-            path,
-            lambda: net.program(
-                name,
-                kind,
-                settings,
-                reads=reads,
-                sensors=sensors,
-                period=period,
-                phase=times.phase,
-                latency=times.latency,
-            ),
-        )
-
-    def _sensors(self, kind: ProgramType, path: str, given: Mapping[str, Any]) -> dict[str, Instrument]:
-        """The instruments through which a program reads; each value has the unit of what is read."""
-        kinds, found = field_kinds(kind.reading), {}
-        for name, entries in given.items():
-            measured = kinds.get(name)
-            if measured is None or not isinstance(entries, Mapping):
-                self._fault(f"{path}.{name}", f"not read by the program{nearest(name, list(kinds))}")
-                continue
-            readers = {key: partial(_instrument_value, key, measured) for key in field_kinds(Instrument)}
-            values = read_values(readers, entries, f"{path}.{name}", self.origin, self.faults)
-            ideal = ideal_instrument(values.get("range_low", measured.low), measured.high)
-            try:
-                found[name] = dataclasses.replace(ideal, **values)
-            except ParameterError as problem:
-                key, message = refused_field(problem, Instrument)
-                self._fault(join(f"{path}.{name}", key), message)
-        return found
-
-
-def _instrument_value(key: str, measured: Kind, entry: object) -> float:
-    """One value of an instrument for a quantity of a kind [SI]. Raises ParameterError."""
-    if key in ("range_low", "range_high", "dropout_reading"):
-        return parse(entry, measured)
-    if key in ("resolution", "offset", "noise", "bias"):
-        return parsed_difference(entry, measured)
-    kind = field_kinds(Instrument)[key]
-    assert kind is not None
-    return parse(entry, kind)
-
 
 def _fields(cls: type[Params]) -> list[str]:
     return list(inspect.signature(cls).parameters)
 
 
-def draw_network(content: Mapping[str, Any], table: Table, faults: list[Fault]) -> Drawing:
-    """What a file draws. Faults are appended to `faults`."""
-    drawer = Drawer(content, table, faults)
+def draw_network(content: Mapping[str, Any], table: Table, faults: list[Fault], folder: Path = Path()) -> Drawing:
+    """What a file draws; modules that it names are looked for in `folder`. Faults are appended to `faults`."""
+    drawer = Drawer(content, table, faults, folder)
     limits = drawer.limits()
     return Drawing(drawer.network(), drawer.rows, {} if limits is None else {"limits": limits})

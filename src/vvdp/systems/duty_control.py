@@ -23,6 +23,7 @@ from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber
+from vvdp.programs.spool_encoder import EncoderTable, watch_settings
 from vvdp.systems.axial_control import (
     AxialControl,
     add_drive,
@@ -39,7 +40,6 @@ from vvdp.systems.duty_bench import DutyControl, GerotorDutyControl
 from vvdp.systems.gerotor_control import GerotorTables, PIGains, add_watched_gerotor
 from vvdp.systems.gerotor_loop import DriveBelief, GerotorSequence
 from vvdp.systems.rotary_bench import join_load, joints, new_bench, pump_unit
-from vvdp.systems.spool_encoder import EncoderTable, watch_settings
 from vvdp.valve.rotary import RotaryValve
 
 

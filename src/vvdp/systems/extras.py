@@ -1,19 +1,21 @@
 """What a system may bring along beyond others: numbers, lines on the console, warnings, figures."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from vvdp.base.kinds import Kind
 from vvdp.results.chart import Chart
 from vvdp.results.result import Table
+from vvdp.systems.bound import Bound
 
 if TYPE_CHECKING:
     from vvdp.base.signal import Signal
+    from vvdp.geometry.shape import ValveShape
+    from vvdp.network.build import Circuit
+    from vvdp.simulation.model import Case, Model
     from vvdp.simulation.outcome import Outcome
     from vvdp.simulation.record import Record
     from vvdp.simulation.run import Run
-    from vvdp.systems.system import System
-    from vvdp.systems.validity import Bound
 
 Summary = dict[str, float | bool]
 
@@ -29,6 +31,41 @@ class Line(NamedTuple):
     kind: Kind
     closed_form: tuple[str, ...] = ()
     group: str = ""
+
+
+class LoadedSystem(Protocol):
+    """What extras, bounds and messages read of a system (`systems.system.System`), which is built on them."""
+
+    @property
+    def name(self) -> str:
+        """Name of its file."""
+
+    @property
+    def circuit(self) -> "Circuit":
+        """Its network and the functions written from it."""
+
+    @property
+    def case(self) -> "Case":
+        """The values that the circuit starts from."""
+
+    @property
+    def model(self) -> "Model":
+        """The plain functions of the circuit."""
+
+    @property
+    def tables(self) -> Mapping[str, Any]:
+        """Values of the tables of its file."""
+
+    @property
+    def shape(self) -> "ValveShape | None":
+        """The valve as a solid; None where the file has no table [geometry]."""
+
+    @property
+    def extras(self) -> "Extras | None":
+        """What the system brings along beyond others; None where that is nothing."""
+
+    def with_tables(self, tables: Mapping[str, Any]) -> "LoadedSystem":
+        """The same system drawn from other tables."""
 
 
 class Extras:
@@ -55,7 +92,7 @@ class Extras:
     CLOSED_FORMS: tuple[str, ...] = ()
     """Keys of what `closed_forms` gives."""
 
-    def __init__(self, system: "System") -> None:
+    def __init__(self, system: "LoadedSystem") -> None:
         self.system = system
         self.tables: Mapping[str, Any] = system.tables
 
@@ -84,7 +121,7 @@ class Extras:
         """What the numbers of a summary show to be right, each in one line."""
         yield from ()
 
-    def bounds(self, found: Mapping[str, Any]) -> "Iterator[Bound]":  # noqa: ARG002
+    def bounds(self, found: Mapping[str, Any]) -> Iterator[Bound]:  # noqa: ARG002
         """What must lie within its bounds for the laws of its components to hold, at what a run has `found`."""
         yield from ()
 

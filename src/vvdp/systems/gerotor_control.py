@@ -21,6 +21,7 @@ from vvdp.estimation.signal_generator import (
 from vvdp.hydraulics.gerotor_drive import GerotorDrive
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
+from vvdp.programs.spool_encoder import WatchSettings
 from vvdp.systems.axial_loop import PROGRAM, UNKNOWN, AxialObserverTable, pollution_model
 from vvdp.systems.axial_sensor import AxialSensorTable, axial_sensor_of
 from vvdp.systems.gerotor_filters import (
@@ -46,7 +47,6 @@ from vvdp.systems.gerotor_loop import (
     watched_gerotor_start,
     watched_gerotor_step,
 )
-from vvdp.systems.spool_encoder import WatchSettings
 
 
 class PIGains(Params):

@@ -19,6 +19,7 @@ from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest
 from vvdp.estimation.axial_filter import AxialEstimate, AxialMemory, AxialSeen, Phase
 from vvdp.estimation.gerotor_observer import GerotorObserver, gerotor_observer_start, gerotor_observer_step
 from vvdp.hydraulics.gerotor_drive import GerotorBelief, gerotor_command, gerotor_flow
+from vvdp.programs.spool_encoder import WatchMemory, WatchSettings, watch_start, watch_step
 from vvdp.sensing.axial_sensor import AxialSensor, SpoolPlace, axial_sensor_start, axial_sensor_step
 from vvdp.sensing.encoder import Shaft
 from vvdp.sensing.instrument import InstrumentMemory
@@ -28,7 +29,10 @@ from vvdp.systems.axial_loop import (
     RUN,
     AxialCommand,
     AxialSequence,
+    Demand,
+    Observed,
     Stage,
+    Target,
     is_known,
     known_phase,
     next_reference,
@@ -37,7 +41,6 @@ from vvdp.systems.axial_loop import (
     sight_of,
     turned_phase,
 )
-from vvdp.systems.spool_encoder import WatchMemory, WatchSettings, watch_start, watch_step
 
 ALWAYS_SEEN = 2.0
 """Observability margin of a position that a known flow moves: no pollution of mean zero looks like it [1]."""
@@ -167,10 +170,10 @@ def gerotor_view(
     stage = next_stage(memory.stage, place.time, 1.0, is_known(phase), settings.sequence)
     stage = Stage(stage.number, stage.since, 1.0 if stage.number == HOME or stage.number == LEARN else 0.0)
     flow = memory.settled + (memory.flow - memory.settled) * np.exp(-period / settings.calibration.lag)
-    positions = (wanted, settings.stop_position)
+    target = Target(wanted, settings.stop_position)
     return GerotorView(
         sensor=sensor,
-        reference=next_reference(memory.reference, stage, positions, period, settings.reference),
+        reference=next_reference(memory.reference, stage, target, period, settings.reference),
         stage=stage,
         integral=memory.integral,
         seen=sight_of(signal, phase, stage, flow, 0.0, ALWAYS_SEEN),
@@ -200,8 +203,8 @@ def position_command(
         settled=settled,
         flow=view.seen.flow,
     )
-    seen, asked = (view.seen.phase, view.measured, view.seen.margin), (flow, 101325.0, 0.0)
-    return memory, show(command, view.stage, view.reference, seen, estimate, asked)
+    observed, demand = Observed(view.seen.phase, view.measured, view.seen.margin), Demand(flow, 101325.0, 0.0)
+    return memory, show(command, view.stage, view.reference, observed, estimate, demand)
 
 
 def gerotor_axial_step(

@@ -8,16 +8,15 @@ from vvdp.results.result import Table
 from vvdp.systems.axial_charts import gerotor_charts
 from vvdp.systems.axial_loop import PROGRAM
 from vvdp.systems.axial_numbers import MOTION, lines_of, motion_numbers
-from vvdp.systems.extras import Extras, Summary
+from vvdp.systems.extras import Extras, LoadedSystem, Summary
 from vvdp.systems.gerotor_loop import GerotorControl, WatchedGerotor
 
 if TYPE_CHECKING:
     from vvdp.simulation.record import Record
     from vvdp.simulation.run import Run
-    from vvdp.systems.system import System
 
 
-def gerotor_numbers(run: "Run", system: "System", helix_length: float) -> Summary:
+def gerotor_numbers(run: "Run", system: LoadedSystem, helix_length: float) -> Summary:
     """How well the drive of a system was controlled; `helix_length` [m]."""
     settings = system.circuit.network.programs[PROGRAM].settings
     loop = settings.loop if isinstance(settings, WatchedGerotor) else settings

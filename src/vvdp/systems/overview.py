@@ -6,9 +6,11 @@ from typing import Any, NamedTuple
 from vvdp.base.display import key_suffix, percent
 from vvdp.base.kinds import GAUGE_PRESSURE, POSITION, SPEED, VELOCITY, Kind
 from vvdp.base.signal import Signal
+from vvdp.base.units import ATMOSPHERE
 from vvdp.network.network import Network, Part
 from vvdp.network.nodes import HydraulicNode, Rod, Shaft
 from vvdp.network.paths import flows_of, moving_parts
+from vvdp.network.sense import idle_nodes
 from vvdp.simulation.outcome import SETTLED
 from vvdp.systems.spool_travel import travel_warnings
 from vvdp.systems.summary import is_closed
@@ -104,6 +106,23 @@ def loss_lines(system: System, found: Mapping[str, Any]) -> Iterator[LossLine]:
         yield LossLine(name, float(found[f"loss_{name}_W"]), ())
 
 
+def circuit_loss_lines(system: System, found: Mapping[str, Any]) -> Iterator[LossLine]:
+    """What each part that is a circuit of its own turns to heat, whole and by what is in it."""
+    lines = tuple(loss_lines(system, found))
+    for name, circuit in system.circuit.network.circuits.items():
+        inner = (line for line in lines if line.component in circuit.names)
+        parts = tuple((line.component.removeprefix(f"{name}_"), line.loss) for line in inner)
+        yield LossLine(name, float(found[f"loss_{name}_W"]), parts)
+
+
+def circuit_power_lines(system: System, found: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
+    """What nodes and components in each part that is a circuit of its own give from outside [W], where some do."""
+    powers = dict(power_lines(system, found))
+    for name, circuit in system.circuit.network.circuits.items():
+        if inner := [power for source, power in powers.items() if source in circuit.names]:
+            yield name, sum(inner)
+
+
 def power_lines(system: System, found: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
     """What nodes and components give from outside [W]: positive into the circuit."""
     network = system.circuit.network
@@ -119,6 +138,14 @@ def warnings(system: System, found: Mapping[str, Any]) -> Iterator[str]:
     if not found["finished"]:
         yield f"the run was interrupted at {found['duration_s']:.6g} s"
     yield from broken_bounds(system, found)
+    for node in idle_nodes(system.circuit.network):
+        yield f"{node} is joined to nothing: is a component missing?"
+    reference = system.circuit.network.oil.reference_pressure
+    if abs(reference - ATMOSPHERE) > 1.0:
+        yield (
+            f"pressures are printed above the oil's reference pressure of {reference / 1e5:.5g} bar absolute, and read "
+            f"above the atmosphere's {ATMOSPHERE / 1e5:.5g} bar"
+        )
     yield from travel_warnings(system)
     if not found["settled"] and expects_steady_state(system, found):
         yield (

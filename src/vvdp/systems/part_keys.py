@@ -8,8 +8,13 @@ from vvdp.base.params import Params, default_values
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Component
 from vvdp.network.program import ProgramType
+from vvdp.programs.generic import GenericProgram
 
-PartType = Component | Assembly | ProgramType
+PartType = Component | Assembly | ProgramType | GenericProgram
+
+
+PROGRAM_KEYS = ("sensors", "period", "phase", "latency", "previous")
+"""Keys that every program may have."""
 
 
 class PartKeys(NamedTuple):
@@ -22,9 +27,11 @@ class PartKeys(NamedTuple):
 def part_keys(part: PartType) -> PartKeys:
     """The keys of a component or program in a file: ports, inputs or readings, values, and what a drawing adds."""
     classes: tuple[type[Params], ...]
+    part = part.type if isinstance(part, GenericProgram) else part
     if isinstance(part, ProgramType):
         classes = (part.settings,) if part.settings else ()
-        joined, optional = {*part.reading._fields}, {"sensors", "period", "phase", "latency"}  # type: ignore[attr-defined]
+        inputs = {*part.reading._fields}  # type: ignore[attr-defined]
+        joined, optional = inputs - {*part.defaults, "time"}, {*inputs, *PROGRAM_KEYS}
     elif isinstance(part, Assembly):
         classes, joined, optional = (part.params,), {*part.ports}, {"at", "start"}
     else:

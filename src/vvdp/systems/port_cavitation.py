@@ -1,24 +1,21 @@
 """The lowest cavitation number at the ports of the rotary valve, from the extremes of a run."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from vvdp.base.signal import signal_value
 from vvdp.fluid.oil import density
+from vvdp.systems.bench_values import BenchValues
 from vvdp.valve.branch import branch_law, law_flow
 from vvdp.valve.gap_flow import cavitation_number
 from vvdp.valve.geometry import Openings, port_openings
-
-if TYPE_CHECKING:
-    from vvdp.systems.bench import RotaryBench
 
 ANGLES = 720
 """Angles of a PWM period at which the openings are looked at."""
 
 
-def lowest_cavitation_number(bench: "RotaryBench", found: Mapping[str, Any], angles: tuple[float, float]) -> float:
+def lowest_cavitation_number(bench: BenchValues, found: Mapping[str, Any], angles: tuple[float, float]) -> float:
     """A lower bound of the cavitation number of the nozzles over a run [1]; nan where no port is open.
 
     It belongs to the highest inlet pressure, the lowest pressure behind the port, and the smallest opening: a port that
@@ -29,7 +26,7 @@ def lowest_cavitation_number(bench: "RotaryBench", found: Mapping[str, Any], ang
     """
     highest = float(found["pressure_max_inlet_Pa"]) + bench.reference
     smallest = smallest_openings(bench, angles)
-    rho = density(signal_value(0.0, bench.operation.oil_temperature), bench.oil)
+    rho = density(bench.temperature, bench.oil)
     law = branch_law(rho, bench.valve, bench.oil.vapour_pressure)
     numbers = []
     for opening, node in ((smallest.load, "load_line"), (smallest.tank, "tank")):
@@ -37,11 +34,11 @@ def lowest_cavitation_number(bench: "RotaryBench", found: Mapping[str, Any], ang
         if np.isfinite(opening) and highest > lowest:
             share = float(law_flow(highest - lowest, opening, law).nozzle_share) if opening > 0.0 else 1.0
             behind = highest - share * (highest - lowest)
-            numbers.append(cavitation_number(highest, behind, bench.limits.cavitation_pressure))
+            numbers.append(cavitation_number(highest, behind, bench.cavitation_pressure))
     return float(min(numbers, default=np.nan))
 
 
-def smallest_openings(bench: "RotaryBench", angles: tuple[float, float]) -> Openings:
+def smallest_openings(bench: BenchValues, angles: tuple[float, float]) -> Openings:
     """The smallest openings of both ports while the spool turns between two `angles` [rad]; 0 for one that shuts.
 
     One that never opens has nan.

@@ -11,6 +11,7 @@ from vvdp.base.kinds import (
     MEAN_POWER,
     NUMBER,
     POSITION,
+    RATIO,
     SPEED,
     VELOCITY,
     VOLUME,
@@ -21,6 +22,7 @@ from vvdp.network.nodes import HydraulicNode, Rod, Shaft, can_boil, free_air_nam
 from vvdp.network.paths import flows_of, moving_parts
 from vvdp.results.result import Number
 from vvdp.systems.system import System
+from vvdp.systems.valve_numbers import valve_quantities
 
 OF_ANY_RUN: Mapping[str, tuple[Kind, str]] = {
     "duration_s": (DURATION, "simulated time"),
@@ -49,7 +51,7 @@ EXTREMES = {"mean": "mean", "min": "lowest", "max": "highest"}
 def quantities(system: System) -> dict[str, tuple[Kind, str]]:
     """Kind and label of every key that a summary of the system may have."""
     own = {} if system.extras is None else dict(system.extras.QUANTITIES)
-    return dict(OF_ANY_RUN) | dict(_of_nodes(system)) | dict(_of_parts(system)) | own
+    return dict(OF_ANY_RUN) | dict(_of_nodes(system)) | dict(_of_parts(system)) | dict(valve_quantities(system)) | own
 
 
 def summary_units(system: System) -> dict[str, str]:
@@ -96,6 +98,9 @@ def _of_parts(system: System) -> Iterator[tuple[str, tuple[Kind, str]]]:
     for name in moving_parts(network):
         for which in ("min", "max"):
             yield f"position_{which}_{name}_m", (POSITION, f"{name.replace('_', ' ')} position, {EXTREMES[which]}")
+    for circuit in network.circuits:
+        yield f"loss_{circuit}_W", (MEAN_POWER, f"{circuit.replace('_', ' ')} loss")
     for whole in network.groups:
         yield f"flow_mean_{whole}_m3_s", (FLOW, f"{whole.replace('_', ' ')} flow, mean")
         yield f"loss_{whole}_W", (MEAN_POWER, f"{whole.replace('_', ' ')} loss")
+        yield f"wave_roughness_{whole}", (RATIO, f"roughness of the waves in {whole.replace('_', ' ')}")

@@ -20,6 +20,7 @@ from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber, Connection, Source
+from vvdp.programs.spool_encoder import EncoderTable, add_encoder, watch_settings
 from vvdp.systems.bench import RotaryBench
 from vvdp.systems.bench_tables import (
     AxialOperation,
@@ -31,7 +32,6 @@ from vvdp.systems.bench_tables import (
     OrificeLoad,
     PressureLoad,
 )
-from vvdp.systems.spool_encoder import EncoderTable, add_encoder, watch_settings
 from vvdp.valve.rotary import RotaryValve
 
 

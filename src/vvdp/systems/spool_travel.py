@@ -1,7 +1,7 @@
 """How far a rotary valve's spool moves along its axis: by its drive, by its helix, and as its solids allow."""
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -15,11 +15,9 @@ from vvdp.geometry.shape import Travel, ValveShape, travel
 from vvdp.network.network import Network
 from vvdp.network.nodes import Connection, Source
 from vvdp.simulation.values import flat, leaves
+from vvdp.systems.extras import LoadedSystem
 from vvdp.valve.geometry import transition_fraction
 from vvdp.valve.rotary import RotaryValve
-
-if TYPE_CHECKING:
-    from vvdp.systems.system import System
 
 SLACK = 1e-3
 """Share of the helix length by which two travels may differ and still agree."""
@@ -68,7 +66,7 @@ def _length(position: float) -> str:
     return with_unit(position, POSITION)
 
 
-def travel_warnings(system: "System") -> Iterator[str]:
+def travel_warnings(system: LoadedSystem) -> Iterator[str]:
     """Where the axial drive of a system's spool, its helix and its solids contradict each other, in sentences.
 
     The drive's travel is that between its end stops. Solids are looked at where the file has a table [geometry], a
@@ -93,7 +91,7 @@ def rotary_valves(network: Network, tables: Mapping[str, Any]) -> list[RotaryVal
     return list(dict.fromkeys(each for each in (*held, *tables.values()) if isinstance(each, RotaryValve)))
 
 
-def require_rotary_valve(system: "System", verb: str) -> RotaryValve:
+def require_rotary_valve(system: LoadedSystem, verb: str) -> RotaryValve:
     """The rotary valve of a system. Raises ConfigError, which names `verb`, where it has none or several."""
     found = rotary_valves(system.circuit.network, system.tables)
     if len(found) != 1:
@@ -139,7 +137,7 @@ def prescribed_travel(network: Network) -> Travel | None:
     return Travel(min(ends), max(ends))
 
 
-def first_position(system: "System") -> float | None:
+def first_position(system: LoadedSystem) -> float | None:
     """Where the spool of a system's rotary valve stands along its axis at first [m]; None where nothing says."""
     state = system.case.state
     known = dict(zip((path for path, _, _ in leaves(state)), flat(state).tolist(), strict=True))

@@ -24,8 +24,10 @@ from vvdp.simulation.outcome import SETTLED, Outcome, outcome
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves
 from vvdp.systems.extras import Summary as Summary
+from vvdp.systems.pipe_waves import wave_numbers
 from vvdp.systems.system import System
 from vvdp.systems.validity import broken_bounds, cavitation_pressure, lowest_pressure
+from vvdp.systems.valve_numbers import valve_numbers
 
 
 def summary(system: System, run: Run) -> Summary:
@@ -42,7 +44,8 @@ def run_summary(system: System, run: Run) -> Summary:
     """The part of a summary that the run itself gives: all but the closed forms, in a tenth of the time."""
     simulated = simulated_summary(outcome(run), system)
     recorded: Summary = {} if system.extras is None else system.extras.record_numbers(run)
-    return simulated | recorded
+    waves = wave_numbers(system, run)
+    return simulated | recorded | waves | (validity(system, simulated | waves) if waves else {})
 
 
 def closed_forms(system: System, found: Mapping[str, float | bool]) -> Summary:
@@ -63,6 +66,7 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
         **_node_numbers(run, system),
         **_part_numbers(run, system),
     }
+    found |= valve_numbers(system, _means(run), found)
     balances = _balances(run)
     if system.extras is not None:
         found |= system.extras.simulation_numbers(run, found | balances)
@@ -179,6 +183,9 @@ def _part_numbers(run: Outcome, system: System) -> Summary:
     for whole, chain in system.circuit.network.groups.items():
         found[f"flow_mean_{whole}_m3_s"] = found[f"flow_mean_{chain.parts[-1]}_m3_s"]
         found[f"loss_{whole}_W"] = float(sum(found[f"loss_{part}_W"] for part in chain.parts))
+    for circuit in system.circuit.network.circuits:
+        inside = system.circuit.network.parts_inside(circuit)
+        found[f"loss_{circuit}_W"] = float(sum(found.get(f"loss_{part}_W", 0.0) for part in inside))
     return found
 
 

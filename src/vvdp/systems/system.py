@@ -33,6 +33,7 @@ from vvdp.geometry.shape_tables import read_shape
 from vvdp.network.build import Circuit
 from vvdp.network.build import build as build_circuit
 from vvdp.network.network import Network
+from vvdp.network.sense import check_sense
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Method, Stepping
 from vvdp.systems.circuits import (
@@ -43,16 +44,18 @@ from vvdp.systems.circuits import (
     table_slots,
 )
 from vvdp.systems.drawing import TABLES, Drawing, Temperature, draw_network
+from vvdp.systems.expansion import expand
 from vvdp.systems.extras import Extras
 from vvdp.systems.fault_tables import FAULTS, FaultReader
 from vvdp.systems.faults import NamedFault, OtherValue, change_entries, change_tables, faulty_network
 from vvdp.systems.options import duration_of, lasting, option_keys, without_other_position
 from vvdp.systems.own_modules import OwnModule, folder_of_saved, own_module
+from vvdp.systems.own_programs import own_code
 from vvdp.systems.spool_travel import rotary_valves
 from vvdp.valve.rotary import RotaryValve
 
 HEADINGS = ("title", "circuit")
-DRAWN = ("nodes", "components")
+DRAWN = ("nodes", "components", "parts")
 
 
 SAMPLES_PER_SWING = 20
@@ -269,13 +272,16 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     Raises ConfigError with all its faults.
     """
     faults: list[Fault] = []
+    expansion = expand(table, folder)
+    table = expansion.table
     content = dict(table.content)
     run, method = _run_table(content.pop("run", None), table, faults)
     function = _function(table, folder, faults)
     _refuse_unknown_tables(function, table, faults)
     content.pop(FAULTS, None)
     lengths = None if function is not None and SHAPE in table_slots(function) else content.pop(SHAPE, None)
-    drawing, failing = _fail(_draw(function, content, table, faults), function, content, table, faults)
+    drawn = _draw(function, content, table, faults, folder)
+    drawing, failing = _fail(drawn, function, content, table, faults, folder)
     network, rows, values = drawing
     if run is not None:
         rows += [row for row in run[1] if (row.key, row.note) != ("longest_step", "default")]  # none
@@ -284,12 +290,12 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     circuit = stepping = None
     if network is not None and run is not None and not faults:
         try:
-            circuit, stepping = build_circuit(network), run[0].stepping(method)
+            circuit, stepping = _sensible_circuit(network, function), run[0].stepping(method)
             _check_temperature(network.temperature, stepping.sample_period)
         except (NetworkError, ParameterError) as problem:
             faults.append(_locate_fault(without_class(str(problem)), table))
     if faults or circuit is None or stepping is None or run is None:
-        raise ConfigError(list(dict.fromkeys(faults)))
+        raise ConfigError(list(dict.fromkeys(map(expansion.locate, faults))))
     return System(
         name=name,
         title=str(table.content.get("title", name)),
@@ -302,8 +308,15 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         function=function,
         lengths=lengths,
         faults=failing,
-        module=None if function is None else own_module(str(table.content["circuit"]), folder),
+        module=own_module(str(own_code(table.content)), folder),
     )
+
+
+def _sensible_circuit(network: Network, function: NetworkFunction | None) -> Circuit:
+    """The circuit of a network; one that a file draws has to make sense too. Raises NetworkError."""
+    if function is None:
+        check_sense(network)
+    return build_circuit(network)
 
 
 def _refuse_unknown_tables(function: NetworkFunction | None, table: Table, faults: list[Fault]) -> None:
@@ -328,17 +341,19 @@ def saved_system(directory: Directory, name: str, recorded: Any, trust: str = ""
     """
     place = directory.path / "system.toml"
     table = parsed_table(directory.text("system.toml"), str(place))
-    return built_system(table, name, folder_of_saved(table.content.get("circuit"), str(place), recorded, trust))
+    return built_system(table, name, folder_of_saved(own_code(table.content), str(place), recorded, trust))
 
 
-def _draw(function: NetworkFunction | None, content: Mapping[str, Any], table: Table, faults: list[Fault]) -> Drawing:
+def _draw(
+    function: NetworkFunction | None, content: Mapping[str, Any], table: Table, faults: list[Fault], folder: Path
+) -> Drawing:
     """What a file draws, through its function or by itself."""
     if function is not None:
         values, rows = _tables(function, content, table, faults)
         return Drawing(None if faults else _drawn_by(function, values, table, faults), rows, values)
     if set(DRAWN).isdisjoint(content):
         return Drawing(None, [], {})
-    return draw_network(content, table, faults)
+    return draw_network(content, table, faults, folder)
 
 
 def _fail(
@@ -347,6 +362,7 @@ def _fail(
     content: Mapping[str, Any],
     table: Table,
     faults: list[Fault],
+    folder: Path,
 ) -> tuple[Drawing, tuple[NamedFault, ...]]:
     """What a file draws with what it says that fails in it."""
     if drawing.network is None or FAULTS not in table.content or faults:
@@ -356,7 +372,7 @@ def _fail(
 
     def redraw(others: Sequence[OtherValue]) -> Network | None:
         if function is None:
-            return draw_network(change_entries(content, others), table, wrong).network
+            return draw_network(change_entries(content, others), table, wrong, folder).network
         return _drawn_by(function, change_tables(drawing.tables, others), table, wrong)
 
     network = None

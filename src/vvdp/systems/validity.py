@@ -1,15 +1,16 @@
 """Whether the laws of a system hold at what a run came to: bounds, each with its source, and sentences from them."""
 
-import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
-from vvdp.base.display import with_unit
-from vvdp.base.kinds import POSITION, PRESSURE_DIFFERENCE, TEMPERATURE, Kind
+from vvdp.base.kinds import POSITION, PRESSURE_DIFFERENCE, TEMPERATURE
 from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.network.nodes import HydraulicNode
-from vvdp.systems.system import System
+from vvdp.systems.bound import Bound
+from vvdp.systems.extras import LoadedSystem
+from vvdp.systems.pipe_waves import wave_bounds
+from vvdp.systems.plausibility import plausible_bounds
+from vvdp.systems.valve_numbers import placed_valve_bounds
 from vvdp.valve.validity import CAVITATION_PRESSURE
 
 COLDEST, HOTTEST = 258.15, 373.15
@@ -20,36 +21,7 @@ STOP_GIVES = 0.01
 """Of the stroke, by which end stops may give way: theirs are springs."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Bound:
-    """A number of a run, from `low` to `high`, that must lie between `least` and `most` for a law to hold."""
-
-    label: str
-    kind: Kind
-    low: float
-    high: float
-    least: float = -float("inf")
-    most: float = float("inf")
-    otherwise: str
-
-    @property
-    def is_kept(self) -> bool:
-        """Whether the number lies inside; one that is not known does."""
-        return not (self.low < self.least or self.high > self.most)
-
-    @property
-    def sentence(self) -> str:
-        """What is the matter where it does not."""
-        under = self.low < self.least
-        value, limit = (self.low, self.least) if under else (self.high, self.most)
-        least, most, found = (with_unit(number, self.kind) for number in (self.least, self.most, value))
-        limits = f"{'below' if under else 'above'} {with_unit(limit, self.kind)}"
-        if math.isfinite(self.least) and math.isfinite(self.most):
-            limits = f"outside {least} to {most}"
-        return f"{self.label}: {found}, {limits}; {self.otherwise}"
-
-
-def bounds(system: System, found: Mapping[str, Any]) -> Iterator[Bound]:
+def bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
     """The bounds of all laws at what a run has `found`."""
     extras = system.extras
     temperature = system.circuit.network.temperature if extras is None else extras.temperature
@@ -74,12 +46,15 @@ def bounds(system: System, found: Mapping[str, Any]) -> Iterator[Bound]:
                 least=least,
                 otherwise="the oil cavitates, which its law leaves out; oil.vapour_pressure brings it in",
             )
+    yield from plausible_bounds(system, found)
+    yield from wave_bounds(found)
+    yield from placed_valve_bounds(system, found)
     yield from _strokes(system, found)
     if extras is not None:
         yield from extras.bounds(found)
 
 
-def _strokes(system: System, found: Mapping[str, Any]) -> Iterator[Bound]:
+def _strokes(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
     """Rods within the strokes of their cylinders; what an end stop gives way is none of it."""
     for part in system.circuit.network.parts.values():
         for cylinder in (each for each in part.values if isinstance(each, Cylinder)):
@@ -96,12 +71,12 @@ def _strokes(system: System, found: Mapping[str, Any]) -> Iterator[Bound]:
             )
 
 
-def broken_bounds(system: System, found: Mapping[str, Any]) -> list[str]:
+def broken_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> list[str]:
     """A sentence for every law that is used outside its range; empty where none is."""
     return [bound.sentence for bound in bounds(system, found) if not bound.is_kept]
 
 
-def lowest_pressures(system: System, found: Mapping[str, Any]) -> list[tuple[str, float]]:
+def lowest_pressures(system: LoadedSystem, found: Mapping[str, Any]) -> list[tuple[str, float]]:
     """All nodes with oil, prescribed ones included, and how low they fell [Pa, absolute], the lowest first."""
     nodes = system.circuit.network.nodes.items()
     low = [
@@ -112,12 +87,12 @@ def lowest_pressures(system: System, found: Mapping[str, Any]) -> list[tuple[str
     return sorted(low, key=lambda each: each[1])
 
 
-def lowest_pressure(system: System, found: Mapping[str, Any]) -> tuple[str, float]:
+def lowest_pressure(system: LoadedSystem, found: Mapping[str, Any]) -> tuple[str, float]:
     """The node whose pressure fell lowest, prescribed ones included, and that pressure [Pa, absolute]."""
     return next(iter(lowest_pressures(system, found)), ("", float("nan")))
 
 
-def cavitation_pressure(system: System) -> float:
+def cavitation_pressure(system: LoadedSystem) -> float:
     """Below which the oil of a system is held to cavitate [Pa, absolute]."""
     limits = system.tables.get("limits")
     return CAVITATION_PRESSURE if limits is None else float(limits.cavitation_pressure)

@@ -7,9 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from vvdp.components.pump_unit import PumpUnit
 from vvdp.control.flow_map import FlowMap
-from vvdp.fluid.oil import Oil, density
 from vvdp.hydraulics.pump import Pump
 from vvdp.hydraulics.relief_valve import ReliefValve
 from vvdp.valve.condition import Condition
@@ -22,18 +20,6 @@ FINE, COARSE = 0.01, 0.06
 
 PRESSURES = (0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
 """Pressures behind the valve, over that of the relief valve."""
-
-
-def unit_flow_map(unit: PumpUnit, oil: Oil, pump_speed: float, temperature: float, tank_pressure: float) -> FlowMap:
-    """The flow map of a pump unit.
-
-    pump_speed     [rad/s]
-    temperature    of the oil [K]
-    tank_pressure  absolute [Pa]
-    """
-    flow = unit.pump.displacement * pump_speed
-    at = valve_condition(flow, density(temperature, oil), tank_pressure, unit.pump, unit.relief_valve)
-    return flow_map_of(unit.valve, at)
 
 
 def valve_condition(

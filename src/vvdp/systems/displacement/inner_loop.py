@@ -6,6 +6,7 @@ Source  ours, docs/models/displacement-control.md
 from typing import NamedTuple
 
 from vvdp.base.kinds import Angle, Fraction, Position, Pressure, Speed, Time
+from vvdp.programs.spool_encoder import watch_step
 from vvdp.sensing.encoder import Shaft
 from vvdp.systems.axial_loop import STOP, AxialCommand, AxialPlace, Stage, known_phase
 from vvdp.systems.chamber_loop import LoopMemory, WatchedLoop, WatchedMemory, passive_axial_step
@@ -17,7 +18,6 @@ from vvdp.systems.gerotor_loop import (
     WatchedGerotorMemory,
     gerotor_axial_step,
 )
-from vvdp.systems.spool_encoder import watch_step
 
 
 class LedPlace(NamedTuple):

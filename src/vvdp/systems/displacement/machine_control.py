@@ -32,6 +32,7 @@ from vvdp.control.reference import Rate, ReferenceFilter
 from vvdp.estimation.load_observer import LoadObserver
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
+from vvdp.programs.spool_encoder import WatchSettings
 from vvdp.sensing.instrument import Instrument, ideal_instrument
 from vvdp.systems.axial_loop import PROGRAM as AXIAL
 from vvdp.systems.axial_loop import UNKNOWN
@@ -41,9 +42,11 @@ from vvdp.systems.displacement.inner_loop import LedGerotorPlace, LedPlace, led_
 from vvdp.systems.displacement.machine_loop import (
     IDLE,
     PROGRAM,
+    GerotorMachinePlace,
     MachineLoop,
     MachinePlace,
     SpoolRange,
+    gerotor_machine_step,
     machine_start,
     machine_step,
 )
@@ -51,7 +54,6 @@ from vvdp.systems.displacement.machine_tables import MachineOperation
 from vvdp.systems.displacement.stages import MachineSequence
 from vvdp.systems.displacement.supervision import SpoolSpring, Supervised, Supervision
 from vvdp.systems.gerotor_loop import GerotorLoop, WatchedGerotor, watched_gerotor_start
-from vvdp.systems.spool_encoder import WatchSettings
 
 SAMPLE_PERIOD = 1e-3
 """Of the outer loop [s]."""
@@ -256,10 +258,12 @@ def add_outer_loop(net: Network, loop: MachineLoop, sensors: CylinderSensors, pa
         "spool_speed": f"{AXIAL}.spool_speed",
         "spool_measured": f"{AXIAL}.measured",
         "spool_reference": f"{AXIAL}.reference",
-        "chamber_pressure": paths.chamber_pressure or paths.line_pressure,
         "pump_speed": "pump_motor.speed",
     }
-    kind = ProgramType(machine_step, MachinePlace, IDLE, MachineLoop, machine_start)
+    kind = ProgramType(gerotor_machine_step, GerotorMachinePlace, IDLE, MachineLoop, machine_start)
+    if paths.chamber_pressure:
+        kind = ProgramType(machine_step, MachinePlace, IDLE, MachineLoop, machine_start)
+        reads["chamber_pressure"] = paths.chamber_pressure
     net.program(
         PROGRAM,
         kind,
@@ -268,6 +272,7 @@ def add_outer_loop(net: Network, loop: MachineLoop, sensors: CylinderSensors, pa
         sensors=instruments(sensors),
         period=loop.law.sample_period,
         latency=sensors.latency,
+        previous=True,
     )
 
 

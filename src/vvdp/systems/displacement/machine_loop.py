@@ -74,7 +74,7 @@ PROGRAM = "displacement"
 class MachinePlace(NamedTuple):
     """What the sensors show, and what the axial control said at the last sample.
 
-    `chamber_pressure` is that at the spool, where a chamber moves it.
+    `chamber_pressure` is that at the spool; nan where no chamber moves it.
     """
 
     time: Time
@@ -83,6 +83,23 @@ class MachinePlace(NamedTuple):
     pressure_b: Pressure
     line_pressure: Pressure
     chamber_pressure: Pressure
+    pump_speed: Speed
+    spool_stage: Count
+    spool_known: Fraction
+    spool_position: Position
+    spool_speed: Speed
+    spool_measured: Position
+    spool_reference: Position
+
+
+class GerotorMachinePlace(NamedTuple):
+    """What the sensors of a machine show whose spool a gerotor moves, without a chamber; else as `MachinePlace`."""
+
+    time: Time
+    position: Position
+    pressure_a: Pressure
+    pressure_b: Pressure
+    line_pressure: Pressure
     pump_speed: Speed
     spool_stage: Count
     spool_known: Fraction
@@ -409,6 +426,31 @@ def machine_step(
         supervision=view.supervision,
     )
     return after, shown_command(view, demand, spool)
+
+
+def gerotor_machine_step(
+    t: float,
+    memory: MachineMemory,
+    place: GerotorMachinePlace,
+    settings: MachineLoop,
+) -> tuple[MachineMemory, MachineCommand]:
+    """Program: one sample of the outer loop of a machine that has no chamber to be watched."""
+    seen = MachinePlace(
+        time=place.time,
+        position=place.position,
+        pressure_a=place.pressure_a,
+        pressure_b=place.pressure_b,
+        line_pressure=place.line_pressure,
+        pump_speed=place.pump_speed,
+        spool_stage=place.spool_stage,
+        spool_known=place.spool_known,
+        spool_position=place.spool_position,
+        spool_speed=place.spool_speed,
+        spool_measured=place.spool_measured,
+        spool_reference=place.spool_reference,
+        chamber_pressure=np.nan,
+    )
+    return machine_step(t, memory, seen, settings)
 
 
 def shown_command(view: MachineView, demand: DisplacementDemand, spool: SpoolDemand) -> MachineCommand:

@@ -33,6 +33,7 @@ from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber
+from vvdp.programs.spool_encoder import EncoderTable, watch_settings
 from vvdp.systems.axial_control import AxialControl, chamber_loop, chosen_law
 from vvdp.systems.axial_loop import AxialObserverTable, AxialSequence
 from vvdp.systems.axial_sensor import AxialSensorTable
@@ -68,7 +69,6 @@ from vvdp.systems.displacement.stages import MachineSequence
 from vvdp.systems.displacement.supervision import NO_SPRING, SpoolSpring, Supervision
 from vvdp.systems.gerotor_control import GerotorTables, PIGains, control_values, periodic_observer
 from vvdp.systems.gerotor_loop import DriveBelief, GerotorLoop, GerotorSequence
-from vvdp.systems.spool_encoder import EncoderTable, watch_settings
 from vvdp.valve.rotary import RotaryValve
 
 HIGHEST_DUTY = 1.3

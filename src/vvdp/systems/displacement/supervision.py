@@ -140,7 +140,7 @@ class MachineSight(NamedTuple):
 
     `watched` is 1 while the cylinder is controlled. `expected` is the position that the load observer expected, `slow`
     are pressures averaged over a PWM period. `spool_measured` is what the optical sensor shows, `chamber_pressure` that
-    at the spool.
+    at the spool, nan where no chamber moves it: then nothing is said of it.
     """
 
     time: Time
@@ -281,10 +281,12 @@ def sensor_residuals(sight: MachineSight, last: Array, repeats: Array, settings:
     found = np.zeros(len(WATCHED))
     middle = 0.5 * (cylinder.lowest_position + cylinder.highest_position)
     reach = 0.5 * (cylinder.highest_position - cylinder.lowest_position) + limits.position_margin
-    pressures = (fast.pressure_a, fast.pressure_b, fast.line_pressure, sight.chamber_pressure)
+    pressures, chamber = (fast.pressure_a, fast.pressure_b, fast.line_pressure), sight.chamber_pressure
     lowest, highest = min(pressures), max(pressures)
+    is_outside = lowest < limits.lowest_pressure or highest > limits.highest_pressure
+    is_outside = is_outside or chamber < limits.lowest_pressure or chamber > limits.highest_pressure
     found[0] = abs(sight.position - middle) / reach
-    found[1] = 2.0 if lowest < limits.lowest_pressure or highest > limits.highest_pressure else 0.0
+    found[1] = 2.0 if is_outside else 0.0
     found[2] = repeats[0] / limits.repeats
     found[3] = maximum(np.max(repeats[1:4]), repeats[5]) / limits.repeats
     found[4] = repeats[4] / limits.repeats

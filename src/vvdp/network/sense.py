@@ -1,0 +1,60 @@
+"""Networks that fit together and still say nothing: each is refused with its cause."""
+
+from collections.abc import Iterator
+
+from vvdp.base.errors import NetworkError
+from vvdp.hydraulics.relief_valve import ReliefValve
+from vvdp.network.network import Network, Part
+from vvdp.network.nodes import Chamber, OilVolume, Rod, Shaft
+from vvdp.network.paths import takes_surplus
+
+
+def check_sense(network: Network) -> None:
+    """Raises NetworkError where a part can do nothing, or where what it does is not told by the network."""
+    for fault in (*_empty_volumes(network), *_short_circuits(network), *_surplus(network)):
+        raise NetworkError(fault)
+
+
+def idle_nodes(network: Network) -> Iterator[str]:
+    """Nodes with a state that nothing joins; a tank or a source may wait for a study that joins it."""
+    joined = {node for part in network.parts.values() for node in part.nodes.values()}
+    for name, node in network.nodes.items():
+        if isinstance(node, OilVolume | Shaft | Rod) and name not in joined:
+            yield name
+
+
+def _empty_volumes(network: Network) -> Iterator[str]:
+    """Volumes of 0 m^3 whose pressure would have no finite rate; a moving wall may give them their oil."""
+    walled = {
+        part.nodes[port]
+        for part in network.parts.values()
+        if part.component.moves_walls
+        for port in part.component.hydraulic_ports
+    }
+    for name, node in network.nodes.items():
+        empty = isinstance(node, OilVolume) and isinstance(node.values, Chamber) and node.values.volume == 0.0
+        if empty and name not in walled:
+            yield f"{name}.volume: 0 m^3; its pressure would jump: give it the oil of its pipes, such as 10 cc"
+
+
+def _short_circuits(network: Network) -> Iterator[str]:
+    for part in network.parts.values():
+        ends = [part.nodes[port] for port in part.component.hydraulic_ports]
+        if len(ends) > 1 and len(set(ends)) == 1:
+            yield f"{part.name} has all its ports at {ends[0]!r}, so it moves no oil; join one of them to another node"
+
+
+def _surplus(network: Network) -> Iterator[str]:
+    """Ideal valves at a prescribed pressure: they take what is left over in a volume."""
+    for part in filter(_is_ideal, network.parts.values()):
+        node = part.nodes[part.component.hydraulic_ports[0]]
+        if not isinstance(network.nodes[node], OilVolume):
+            yield (
+                f"{part.name} is ideal (override_pressure 0): it takes what is left over in a volume, and {node!r} "
+                "has a prescribed pressure; give it an override_pressure, or join it to a volume"
+            )
+
+
+def _is_ideal(part: Part) -> bool:
+    reliefs = [value for value in part.values if isinstance(value, ReliefValve)]
+    return takes_surplus(part) and all(relief.override_pressure == 0.0 for relief in reliefs)

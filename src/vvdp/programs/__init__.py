@@ -1,0 +1,1 @@
+"""Sampled programs that a system file names: controllers, filters, references, estimators."""

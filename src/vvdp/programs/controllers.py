@@ -1,0 +1,103 @@
+"""PI and PID controllers as programs: of any quantity, with limits, anti-windup and a bumpless start."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from vvdp.base.kinds import Kind, Ratio, Time
+from vvdp.base.params import Params, refuse, require_less, require_positive
+from vvdp.control.pid import PidGains, PidMemory, Sample, pid_start, pid_step
+from vvdp.network.program import ProgramType
+from vvdp.programs.generic import GenericProgram, Written
+from vvdp.programs.quantities import LARGEST, Gain, Input, Output, Plain, of_gain
+
+
+class Pi(Params):
+    """K, T_i, the limits of the command and what it starts from; a `tracking_time` of 0 clamps the integral."""
+
+    gain: Gain
+    reset_time: Time
+    lowest: Output = -LARGEST
+    highest: Output = LARGEST
+    start: Output = 0.0
+    setpoint_weight: Plain = 1.0
+    tracking_time: Time = 0.0
+
+    def check(self) -> None:
+        require_positive(self, "reset_time")
+        require_less(self, "lowest", "highest")
+
+
+class Pid(Pi):
+    """A PI controller with a derivative of what is measured, filtered with `derivative_time`/`filter_ratio`."""
+
+    derivative_time: Time
+    filter_ratio: Ratio = 10.0
+
+    def check(self) -> None:
+        super().check()
+        require_positive(self, "derivative_time")
+        if not self.filter_ratio >= 1.0:
+            refuse(self, "filter_ratio", "must be at least 1; usual values are 2 to 20")
+
+
+class Controlled(NamedTuple):
+    """What is measured, its reference, and what is added to the command."""
+
+    reads: Input
+    reference: Input
+    feedforward: Output = 0.0
+
+
+class Value(NamedTuple):
+    """What a program gives."""
+
+    value: Output
+
+
+def controller_start(settings: Pi) -> PidMemory:
+    """Before the first sample."""
+    return pid_start()
+
+
+def pi_program_step(t: float, memory: PidMemory, reading: Controlled, settings: Pi) -> tuple[PidMemory, Value]:
+    """PI controller with limits, anti-windup and a bumpless start; one sample at time t [s]."""
+    gains = PidGains(
+        gain=settings.gain,
+        reset_time=settings.reset_time,
+        derivative_time=0.0,
+        filter_time=0.0,
+        setpoint_weight=settings.setpoint_weight,
+        tracking_time=settings.tracking_time,
+        lowest=settings.lowest,
+        highest=settings.highest,
+        start=settings.start,
+    )
+    sample = Sample(reading.reads, reading.reference, reading.feedforward)
+    after, command = pid_step(t, memory, sample, gains)
+    return after, Value(command)
+
+
+def pid_program_step(t: float, memory: PidMemory, reading: Controlled, settings: Pid) -> tuple[PidMemory, Value]:
+    """PID controller with limits, anti-windup, a bumpless start and a filtered derivative; one sample at time t [s]."""
+    gains = PidGains(
+        gain=settings.gain,
+        reset_time=settings.reset_time,
+        derivative_time=settings.derivative_time,
+        filter_time=settings.derivative_time / settings.filter_ratio,
+        setpoint_weight=settings.setpoint_weight,
+        tracking_time=settings.tracking_time,
+        lowest=settings.lowest,
+        highest=settings.highest,
+        start=settings.start,
+    )
+    sample = Sample(reading.reads, reading.reference, reading.feedforward)
+    after, command = pid_step(t, memory, sample, gains)
+    return after, Value(command)
+
+
+def _by_gain(read: Sequence[Kind], values: Written) -> Kind:
+    return of_gain(values.get("gain"), read[0])
+
+
+PI = GenericProgram(ProgramType(pi_program_step, Controlled, Value(0.0), Pi, controller_start), _by_gain)
+PID = GenericProgram(ProgramType(pid_program_step, Controlled, Value(0.0), Pid, controller_start), _by_gain)

@@ -1,0 +1,184 @@
+"""Encoder and event-based Kalman filter as two programs: the filter reads the edges of the encoder."""
+
+from dataclasses import fields, replace
+from typing import NamedTuple
+
+from vvdp.base.kinds import Angle, Count, Fraction, Ratio, SignedFraction, Speed, Time
+from vvdp.base.params import Params, refuse
+from vvdp.base.signal import signal_value
+from vvdp.estimation.estimator import Estimate, to_estimate
+from vvdp.estimation.event_filter import event_filter_step
+from vvdp.estimation.event_memory import EventFilterMemory, event_filter_start
+from vvdp.estimation.event_settings import EventFilter, EventFilterValues, event_filter
+from vvdp.estimation.threshold import (
+    RampSlope,
+    SignalLevel,
+    ThresholdAdaptation,
+    ThresholdMemory,
+    threshold_start,
+    threshold_step,
+)
+from vvdp.network.program import ProgramType
+from vvdp.programs.generic import GenericProgram
+from vvdp.programs.spool_encoder import EncoderTable, encoder_of
+from vvdp.sensing.encoder import Encoder, EncoderMemory, Shaft, encoder_reading, encoder_start
+from vvdp.sensing.reading import Reading
+from vvdp.sensing.wheel import equal_wheel
+
+
+class ShaftEncoder(EncoderTable):
+    """An encoder on a shaft that stands at `start_angle` at first."""
+
+    start_angle: Angle = 0.0
+
+
+class WatchedShaft(NamedTuple):
+    """The shaft at a sample, and what is added to the threshold of the comparator."""
+
+    time: Time
+    angle: Angle
+    speed: Speed
+    threshold_shift: SignedFraction = 0.0
+
+
+class EncoderSettings(Params):
+    """What the program of an encoder works with."""
+
+    encoder: Encoder
+    angle: Angle
+    seed: Count
+
+
+def encoder_settings(table: ShaftEncoder) -> EncoderSettings:
+    """The settings of an encoder as its step takes them."""
+    return EncoderSettings(encoder=encoder_of(table), angle=table.start_angle, seed=table.seed)
+
+
+def encoder_program_start(settings: EncoderSettings) -> EncoderMemory:
+    """Before the first sample."""
+    return encoder_start(settings.encoder, 0.0, settings.angle, settings.seed)
+
+
+def encoder_program_step(
+    t: float, memory: EncoderMemory, reading: WatchedShaft, settings: EncoderSettings
+) -> tuple[EncoderMemory, Reading]:
+    """Edges of a code wheel on a shaft since the last sample."""
+    shaft = Shaft(reading.time, reading.angle, reading.speed)
+    threshold = signal_value(reading.time, settings.encoder.threshold) + reading.threshold_shift
+    return encoder_reading(memory, shaft, threshold, settings.encoder)
+
+
+class WheelFilter(EventFilterValues):
+    """The event-based Kalman filter for a wheel of equal sectors, one edge moved to mark the index."""
+
+    sectors: Count
+    index_shift: Fraction = 0.0
+
+    def check(self) -> None:
+        super().check()
+        if self.sectors % 1.0:
+            refuse(self, "sectors", "must be a whole number")
+
+
+def filter_settings(table: WheelFilter) -> EventFilter:
+    """The settings of an event filter as its step takes them."""
+    numbers = {field.name: getattr(table, field.name) for field in fields(EventFilterValues)}
+    return replace(event_filter(equal_wheel(int(table.sectors), table.index_shift)), **numbers)
+
+
+def filter_start(settings: EventFilter) -> EventFilterMemory:
+    """Before the first sample: nothing is known but the wheel."""
+    return event_filter_start(settings, 0.0, 0.0, 0.0)
+
+
+def filter_step(
+    t: float, memory: EventFilterMemory, reading: Reading, settings: EventFilter
+) -> tuple[EventFilterMemory, Estimate]:
+    """Angle and speed of a shaft from the edges of its encoder, by the event-based Kalman filter."""
+    return event_filter_step(memory, reading, settings)
+
+
+class AdaptedFilter(WheelFilter):
+    """The event filter and what adapts the `threshold` of the comparator, which is that of the encoder at first."""
+
+    threshold: SignalLevel
+    ramp_slope: RampSlope
+    adaptation_gain: Ratio = 0.02
+    lowest: SignalLevel = 0.1
+    highest: SignalLevel = 0.9
+    dither: Ratio = 0.0
+
+
+class ThresholdSettings(Params):
+    """What the program of a threshold works with."""
+
+    adaptation: ThresholdAdaptation
+    threshold: SignalLevel
+
+
+class ThresholdSeen(NamedTuple):
+    """Angle and speed of the shaft, the threshold without dither, and what the encoder is to add to its own."""
+
+    angle: Angle
+    speed: Speed
+    threshold: SignalLevel
+    threshold_shift: SignedFraction
+
+
+def threshold_settings(table: AdaptedFilter) -> ThresholdSettings:
+    """The settings of a threshold that is adapted as its step takes them."""
+    adaptation = ThresholdAdaptation(
+        filter=filter_settings(table),
+        gain=table.adaptation_gain,
+        ramp_slope=table.ramp_slope,
+        lowest=table.lowest,
+        highest=table.highest,
+        dither=table.dither,
+    )
+    return ThresholdSettings(adaptation=adaptation, threshold=table.threshold)
+
+
+def threshold_program_start(settings: ThresholdSettings) -> ThresholdMemory:
+    """Before the first sample: nothing is known but the wheel and the threshold."""
+    return threshold_start(settings.adaptation, settings.threshold, 0.0, 0.0, 0.0)
+
+
+def threshold_program_step(
+    t: float, memory: ThresholdMemory, reading: Reading, settings: ThresholdSettings
+) -> tuple[ThresholdMemory, ThresholdSeen]:
+    """Angle, speed and the threshold of the comparator from the edges of an encoder, by an event filter that adapts."""
+    after, found = threshold_step(memory, reading, settings.adaptation)
+    shift = found.comparator_threshold - settings.threshold
+    return after, ThresholdSeen(found.estimate.angle, found.estimate.speed, found.threshold, shift)
+
+
+def _first_estimate(settings: EventFilter, reading: NamedTuple) -> Estimate:
+    return to_estimate(filter_start(settings).belief, 0.0, 0.0, 0.0, 0.0)
+
+
+NO_EDGE = Reading(time=0.0, edges=0.0, edge_time=0.0, edge_interval=0.0, polarity=0.0)
+NOTHING_KNOWN = Estimate(
+    angle=0.0,
+    speed=0.0,
+    angle_deviation=0.0,
+    speed_deviation=0.0,
+    innovation=0.0,
+    innovation_deviation=0.0,
+    missed_edges=0.0,
+    standstill=0.0,
+)
+ENCODER = GenericProgram(
+    ProgramType(encoder_program_step, WatchedShaft, NO_EDGE, ShaftEncoder, encoder_program_start),
+    made=encoder_settings,
+)
+EVENT_FILTER = GenericProgram(
+    ProgramType(filter_step, Reading, NOTHING_KNOWN, WheelFilter, filter_start),
+    first=_first_estimate,
+    made=filter_settings,
+)
+THRESHOLD = GenericProgram(
+    ProgramType(
+        threshold_program_step, Reading, ThresholdSeen(0.0, 0.0, 0.5, 0.0), AdaptedFilter, threshold_program_start
+    ),
+    made=threshold_settings,
+)

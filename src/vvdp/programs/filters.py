@@ -1,0 +1,123 @@
+"""Programs that pass on what they read, slower or within limits: low-pass, rate limit, limit, reference."""
+
+from typing import NamedTuple
+
+from vvdp.base.kinds import Fraction, Number, Time
+from vvdp.base.params import Params, require_less, require_positive
+from vvdp.base.powers import expm1
+from vvdp.base.select import clip
+from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step
+from vvdp.network.program import ProgramType
+from vvdp.programs.controllers import Value
+from vvdp.programs.generic import GenericProgram
+from vvdp.programs.quantities import LARGEST, Input, Output, OutputRate, SecondRate, ThirdRate
+
+
+class Read(NamedTuple):
+    """What is read."""
+
+    reads: Input
+
+
+class LastValue(NamedTuple):
+    """The value that was given last and when, and whether there was a sample (1)."""
+
+    value: Number
+    time: Number
+    begun: Fraction
+
+
+def last_value_start(settings: Params) -> LastValue:
+    """Before the first sample."""
+    return LastValue(0.0, 0.0, 0.0)
+
+
+class LowPass(Params):
+    """T of 1/(T s + 1)."""
+
+    time_constant: Time
+
+    def check(self) -> None:
+        require_positive(self, "time_constant")
+
+
+def low_pass_step(t: float, memory: LastValue, reading: Read, settings: LowPass) -> tuple[LastValue, Value]:
+    """First-order low-pass filter; at time t [s], exact for an input that is held, begins at the first sample."""
+    value = reading.reads
+    if memory.begun > 0.5:
+        value = memory.value - expm1((memory.time - t) / settings.time_constant) * (reading.reads - memory.value)
+    return LastValue(value, t, 1.0), Value(value)
+
+
+class RateLimit(Params):
+    """How fast the command may rise and fall, both above 0."""
+
+    rise: OutputRate
+    fall: OutputRate
+
+    def check(self) -> None:
+        require_positive(self, "rise", "fall")
+
+
+def rate_limit_step(t: float, memory: LastValue, reading: Read, settings: RateLimit) -> tuple[LastValue, Value]:
+    """What is read, with limited rates of rise and fall; at time t [s], begins at the first sample."""
+    value = reading.reads
+    if memory.begun > 0.5:
+        interval = t - memory.time
+        value = clip(value, memory.value - settings.fall * interval, memory.value + settings.rise * interval)
+    return LastValue(value, t, 1.0), Value(value)
+
+
+class Limits(Params):
+    """Between which values the command stays."""
+
+    lowest: Output = -LARGEST
+    highest: Output = LARGEST
+
+    def check(self) -> None:
+        require_less(self, "lowest", "highest")
+
+
+def limit_step(t: float, memory: NamedTuple, reading: Read, settings: Limits) -> tuple[NamedTuple, Value]:
+    """What is read, held between limits."""
+    return memory, Value(clip(reading.reads, settings.lowest, settings.highest))
+
+
+class Smooth(NamedTuple):
+    """A smooth reference with its first three derivatives."""
+
+    value: Output
+    rate: OutputRate
+    second_derivative: SecondRate
+    third_derivative: ThirdRate
+
+
+class SmoothMemory(NamedTuple):
+    """The reference at the last sample, what was read then and when, and whether there was a sample (1)."""
+
+    reference: Reference
+    reads: Number
+    time: Number
+    begun: Fraction
+
+
+def smooth_start(settings: ReferenceFilter) -> SmoothMemory:
+    """Before the first sample."""
+    return SmoothMemory(reference=reference_at_rest(0.0), reads=0.0, time=0.0, begun=0.0)
+
+
+def smooth_step(
+    t: float, memory: SmoothMemory, reading: Read, settings: ReferenceFilter
+) -> tuple[SmoothMemory, Smooth]:
+    """What is read, smoothed by four equal poles, with its derivatives; at time t [s], exact for a held input."""
+    found = reference_at_rest(reading.reads)
+    if memory.begun > 0.5:
+        found = reference_step(memory.reference, memory.reads, t - memory.time, settings)
+    after = SmoothMemory(reference=found, reads=reading.reads, time=t, begun=1.0)
+    return after, Smooth(found.position, found.velocity, found.acceleration, found.jerk)
+
+
+LOW_PASS = GenericProgram(ProgramType(low_pass_step, Read, Value(0.0), LowPass, last_value_start))
+RATE_LIMIT = GenericProgram(ProgramType(rate_limit_step, Read, Value(0.0), RateLimit, last_value_start))
+LIMIT = GenericProgram(ProgramType(limit_step, Read, Value(0.0), Limits))
+REFERENCE = GenericProgram(ProgramType(smooth_step, Read, Smooth(0.0, 0.0, 0.0, 0.0), ReferenceFilter, smooth_start))

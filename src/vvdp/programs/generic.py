@@ -1,0 +1,46 @@
+"""A program for any physical quantity."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from vvdp.base.kinds import Kind
+from vvdp.base.params import Params
+from vvdp.network.program import ProgramType
+from vvdp.programs.quantities import PLAIN, replacements, with_kinds
+
+Written = Mapping[str, Any]
+"""The values of a program as a file gives them."""
+
+
+def as_read(read: Sequence[Kind], values: Written) -> Kind:
+    """A command of the quantity that is read."""
+    return read[0]
+
+
+@dataclass(frozen=True)
+class GenericProgram:
+    """A program that is written with the kinds of `programs.quantities`, and works for any quantity.
+
+    type    the program with these kinds
+    output  output(what each input reads, values as a file gives them) -> quantity of the command
+    first   first(settings, first reading) -> command before it is called
+    made    made(values of the file) -> settings of the step, where these are of another class
+    """
+
+    type: ProgramType
+    output: Callable[[Sequence[Kind], Written], Kind] = as_read
+    first: Callable[[Any, Any], Any] | None = None
+    made: Callable[[Any], Params] | None = None
+
+    def for_quantities(self, read: Sequence[Kind], output: Kind | None = None) -> ProgramType:
+        """The program for one circuit, where its first inputs read these quantities and its command is `output`."""
+        second = read[1] if len(read) > 1 else PLAIN
+        kinds = replacements(read[0] if read else PLAIN, second, output or self.output(read, {}))
+        settings = self.type.settings
+        return replace(
+            self.type,
+            reading=with_kinds(self.type.reading, kinds),
+            command=with_kinds(type(self.type.command), kinds)(*self.type.command),
+            settings=settings and with_kinds(settings, kinds),
+        )

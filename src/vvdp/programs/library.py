@@ -1,0 +1,35 @@
+"""The programs by the names that a system file uses."""
+
+from collections.abc import Mapping
+
+from vvdp.network.program import ProgramType
+from vvdp.programs.arithmetic import PRODUCT, SUM, TABLE
+from vvdp.programs.controllers import PI, PID
+from vvdp.programs.encoders import ENCODER, EVENT_FILTER, THRESHOLD
+from vvdp.programs.estimators import FLOW_MAP, LOAD_OBSERVER, PERIOD_AVERAGE
+from vvdp.programs.filters import LIMIT, LOW_PASS, RATE_LIMIT, REFERENCE
+from vvdp.programs.generic import GenericProgram
+from vvdp.programs.pulses import CYCLE, PWM
+from vvdp.programs.unloading import UNLOADING
+
+PROGRAMS: Mapping[str, ProgramType | GenericProgram] = {
+    "cycle": CYCLE,
+    "encoder": ENCODER,
+    "event-filter": EVENT_FILTER,
+    "flow-map": FLOW_MAP,
+    "limit": LIMIT,
+    "load-observer": LOAD_OBSERVER,
+    "low-pass": LOW_PASS,
+    "period-average": PERIOD_AVERAGE,
+    "pi": PI,
+    "pid": PID,
+    "product": PRODUCT,
+    "pwm": PWM,
+    "rate-limit": RATE_LIMIT,
+    "reference": REFERENCE,
+    "sum": SUM,
+    "table": TABLE,
+    "threshold": THRESHOLD,
+    "unloading": UNLOADING,
+}
+"""Programs that a system file can name, by their type."""

@@ -1,0 +1,42 @@
+"""Programs of a user's own in a file that draws its circuit: `type = "my_module:HOLD"`."""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.tables import nearest
+from vvdp.network.program import ProgramType
+from vvdp.programs.generic import GenericProgram
+from vvdp.systems.circuits import load_module
+from vvdp.systems.own_modules import module_name
+
+
+def own_code(content: Mapping[str, Any]) -> Any:
+    """What a file names of a user's own: its circuit, else the type of its first program with a module."""
+    return content["circuit"] if "circuit" in content else next(_own_types(content), None)
+
+
+def _own_types(content: Mapping[str, Any]) -> Iterator[str]:
+    programs = content.get("programs")
+    for part in programs.values() if isinstance(programs, Mapping) else ():
+        word = part.get("type") if isinstance(part, Mapping) else None
+        if isinstance(word, str) and ":" in word:
+            yield word
+
+
+def own_program(word: str, content: Mapping[str, Any], folder: Path) -> ProgramType | GenericProgram:
+    """The program that `word`, "module:NAME", names; its module is looked for in `folder` first.
+
+    All programs of a file are of one module: it is the one that a saved run may run again. Raises ParameterError.
+    """
+    name, attribute = module_name(word), word.partition(":")[2]
+    if name != (first := module_name(own_code(content))):
+        raise ParameterError(f"{word!r}: programs of your own are in one module; {first!r} is named before")
+    known = vars(load_module(name, folder))
+    found = known.get(attribute)
+    if not isinstance(found, ProgramType | GenericProgram):
+        programs = [key for key, value in known.items() if isinstance(value, ProgramType | GenericProgram)]
+        what = "is no ProgramType" if attribute in known else "is not there"
+        raise ParameterError(f"{attribute!r} {what} in {name}{nearest(attribute, programs)}")
+    return found

@@ -1,0 +1,87 @@
+"""What a part offers to the file that uses it: what each port carries, and quantity and default of each value."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from vvdp.base.display import value_text
+from vvdp.base.kinds import Kind
+from vvdp.base.params import default_values, field_kinds
+from vvdp.components.library import COMPONENTS
+from vvdp.network.assembly import Assembly
+from vvdp.systems.drawing import NODES
+from vvdp.systems.part_files import PARTS, VALUES, PartFile, find_part
+from vvdp.systems.part_scopes import as_table
+from vvdp.systems.part_uses import joined_ports
+
+
+@dataclass(frozen=True)
+class OfferedValue:
+    """A value that a part offers: its physical quantity, and its default as text; empty where it has to be given."""
+
+    kind: Kind | None
+    default: str
+
+
+def part_ports(file: PartFile) -> dict[str, str]:
+    """The ports of a part, and what each carries; empty where no component ends there."""
+    found = dict.fromkeys(file.ports, "")
+    for entry in as_table(file.table.content.get("components")).values():
+        found |= {entry[port]: what for port, what in joined_ports(entry).items() if entry.get(port) in found}
+    for entry in as_table(file.table.content.get(PARTS)).values():
+        inner = part_ports(find_part(entry, file.folder))
+        found |= {entry[port]: what for port, what in inner.items() if entry.get(port) in found}
+    return found
+
+
+def part_values(file: PartFile) -> dict[str, OfferedValue]:
+    """The values that a part offers. Raises ParameterError, ConfigError where a part in it is not there."""
+    given = as_table(file.table.content.get(VALUES))
+    found = {}
+    for name, targets in file.values.items():
+        offered = _value_at(file, targets[0]) if targets else OfferedValue(None, "")
+        own = _text(given[name], None) if isinstance(given[name], Mapping) else ""
+        found[name] = OfferedValue(offered.kind, own or offered.default)
+    return found
+
+
+def _value_at(file: PartFile, path: str) -> OfferedValue:
+    """The value at a path of a file, in a part of it where the path leads there."""
+    group, name, *keys = path.split(".")
+    parts = as_table(file.table.content.get(PARTS))
+    if name in parts and keys:
+        inner = find_part(parts[name], file.folder)
+        entry = as_table(parts[name]).get(keys[0]) if group == PARTS else None
+        found = part_values(inner)[keys[0]] if group == PARTS and len(keys) == 1 else None
+        if found is None:
+            return _value_at(inner, ".".join((group, *keys)))
+        return OfferedValue(found.kind, _text(entry, found.kind) or found.default)
+    entry = as_table(as_table(file.table.content.get(group)).get(name))
+    kind, usual = _kind(group, str(entry.get("type")), keys[0])
+    text = _text(entry.get(keys[0]), kind)
+    return OfferedValue(kind, text or (value_text(usual, kind) if kind and isinstance(usual, float) else ""))
+
+
+def _kind(group: str, word: str, key: str) -> tuple[Kind | None, Any]:
+    """Quantity and default of a key of a node or component of a type; that of a program depends on what it reads."""
+    classes: tuple[Any, ...] = ()
+    if group == "nodes" and word in NODES:
+        classes = (NODES[word].table,)
+    elif group == "components" and (component := COMPONENTS.get(word)):
+        if isinstance(component, Assembly):
+            classes = (component.params,)
+        else:
+            classes = tuple(component.params)
+            for argument in component.inputs:
+                if argument.name == key:
+                    return argument.kind, argument.default
+    for cls in classes:
+        if key in (kinds := field_kinds(cls)):
+            return kinds[key], default_values(cls).get(key)
+    return None, None
+
+
+def _text(entry: Any, kind: Kind | None) -> str:
+    """An entry as a person wrote it."""
+    value = entry.get("value", "changes" if kind else "") if isinstance(entry, Mapping) else entry
+    return "" if value is None else str(value)

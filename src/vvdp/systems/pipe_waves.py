@@ -1,0 +1,56 @@
+"""Whether the pieces of a pipe are short enough for its waves: how smooth the pressure along it is."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from vvdp.base.arrays import Array
+from vvdp.base.kinds import RATIO
+from vvdp.components.pipes import LAYERED_PIPE, PIPE
+from vvdp.simulation.run import Run
+from vvdp.simulation.values import leaves
+from vvdp.systems.bound import Bound
+from vvdp.systems.extras import LoadedSystem
+
+ROUGHEST = 0.03
+"""Roughness up to which the highest and the lowest pressure of a lossless line are within 3 % of the highest."""
+
+
+def roughness(pressures: Array) -> float:
+    """How rough the pressure along a pipe is at worst, over the highest pressure [1].
+
+    That is its fourth difference from piece to piece, which long waves nearly lack, and the shortest have 16 times. Of
+    fewer than five pieces it is the whole swing. docs/models/components.md tells what it does to the extremes.
+
+    pressures  absolute, in every piece at every time, shape (times, pieces) [Pa]
+    """
+    swing = pressures - pressures.mean(axis=0)
+    rough = np.diff(swing, 4, axis=1) if pressures.shape[1] > 4 else swing
+    return float(np.abs(rough).max() / pressures.max())
+
+
+def wave_numbers(system: LoadedSystem, run: Run) -> dict[str, float]:
+    """The roughness of each pipe of a recorded run, by key."""
+    places = {path: place for place, (path, _, _) in enumerate(leaves(run.case.state))}
+    return {
+        f"wave_roughness_{name}": roughness(run.states[:, [places[node] for node in pipe.nodes]])
+        for name, pipe in system.circuit.network.groups.items()
+        if pipe.assembly in (PIPE, LAYERED_PIPE)
+    }
+
+
+def wave_bounds(found: Mapping[str, Any]) -> Iterator[Bound]:
+    """The bounds of the roughness of the pipes of which a run tells it."""
+    for key in found:
+        if key.startswith("wave_roughness_"):
+            name = key.removeprefix("wave_roughness_").replace("_", " ")
+            yield Bound(
+                label=f"roughness of the waves in {name}",
+                kind=RATIO,
+                low=float(found[key]),
+                high=float(found[key]),
+                most=ROUGHEST,
+                otherwise="waves shorter than its pieces swing from one to the next, and neither its highest nor its "
+                "lowest pressure is to be trusted; give it more pieces, or its ends slower changes",
+            )

@@ -1,0 +1,73 @@
+"""Results that no machine could show: pressures and speeds beyond all components, relief valves that stay shut."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from vvdp.base.kinds import PRESSURE_DIFFERENCE, SPEED
+from vvdp.hydraulics.relief_valve import LoadReliefValve, ReliefValve
+from vvdp.network.network import Part
+from vvdp.network.nodes import DrivenShaft, HydraulicNode, Shaft
+from vvdp.systems.bench_tables import Limits
+from vvdp.systems.bound import Bound
+from vvdp.systems.extras import LoadedSystem
+
+ABOVE_SETTING = 1.2
+"""Pressure above the outside, over that at which a relief valve passes its rated flow, from which one that stays shut
+is a mistake."""
+
+
+def plausible_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
+    """The bounds of what components can take, at what a run has `found`: the nodes that go furthest."""
+    limits = system.tables.get("limits") or Limits()
+    nodes = system.circuit.network.nodes
+    highest = {name: _highest(system, found, name) for name, node in nodes.items() if isinstance(node, HydraulicNode)}
+    if highest:
+        top = max(highest, key=highest.__getitem__)
+        yield Bound(
+            label=f"highest absolute pressure, at {top.replace('_', ' ')}",
+            kind=PRESSURE_DIFFERENCE,
+            low=highest[top],
+            high=highest[top],
+            most=limits.largest_pressure,
+            otherwise="no component stands it: is a unit wrong, a port the wrong way round, or a relief valve missing? "
+            "limits.largest_pressure moves the limit",
+        )
+    for name, node in nodes.items():
+        if isinstance(node, Shaft | DrivenShaft) and f"speed_max_{name}_rad_s" in found:
+            ends = (float(found[f"speed_{end}_{name}_rad_s"]) for end in ("min", "max"))
+            fastest = max(map(abs, ends))
+            yield Bound(
+                label=f"speed of {name.replace('_', ' ')}",
+                kind=SPEED,
+                low=fastest,
+                high=fastest,
+                most=limits.largest_speed,
+                otherwise="no shaft turns so fast: is a unit wrong, or a load missing? limits.largest_speed moves "
+                "the limit",
+            )
+    for part in system.circuit.network.parts.values():
+        for relief in (value for value in part.values if isinstance(value, ReliefValve)):
+            yield from _stays_shut(system, found, part, relief)
+
+
+def _highest(system: LoadedSystem, found: Mapping[str, Any], node: str) -> float:
+    """The highest pressure of a node [Pa, absolute]."""
+    oil = system.circuit.network.nodes[node].oil  # type: ignore[union-attr]
+    return float(found[f"pressure_max_{node}_Pa"]) + float(oil.reference_pressure)
+
+
+def _stays_shut(system: LoadedSystem, found: Mapping[str, Any], part: Part, relief: ReliefValve) -> Iterator[Bound]:
+    """Of a relief valve through which nothing flowed, the highest pressure at its ports; its setting is its bound."""
+    if isinstance(relief, LoadReliefValve) or found.get(f"flow_mean_{part.name}_m3_s", 1.0) != 0.0:
+        return
+    ends = {port: part.nodes[port] for port in ("a", "b") if port in part.nodes}
+    highest = {port: _highest(system, found, node) for port, node in ends.items()}
+    port = max(highest, key=highest.__getitem__)
+    yield Bound(
+        label=f"pressure at port {port} of {part.name.replace('_', ' ')}, through which nothing flowed",
+        kind=PRESSURE_DIFFERENCE,
+        low=highest[port],
+        high=highest[port],
+        most=ABOVE_SETTING * (relief.cracking_pressure + relief.override_pressure),
+        otherwise="it limits the pressure at its port a: are its ports the wrong way round?",
+    )

@@ -1,0 +1,72 @@
+"""Waves in a pipe of pieces: what the roughness of its pressure says of its extremes."""
+
+import numpy as np
+import pytest
+
+from vvdp.base.tables import Table
+from vvdp.simulation.run import simulate
+from vvdp.systems.pipe_waves import ROUGHEST, roughness
+from vvdp.systems.summary import summary
+from vvdp.systems.system import built_system
+from vvdp.systems.validity import broken_bounds
+
+LENGTH, DENSITY, MODULUS = 10.0, 876.0, 1.4e9
+TRANSIT = LENGTH * np.sqrt(DENSITY / MODULUS)
+"""Time of a wave from end to end: 7.910 ms."""
+
+
+def test_roughness_by_hand():
+    """The shortest wave has 16 times its amplitude, one of 12 pieces 16 sin(pi/12)^4, a straight line nothing."""
+    zigzag, t = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0]), np.array([[-1.0], [1.0]])
+    assert roughness(100.0 + t * zigzag) == pytest.approx(16.0 / 101.0, rel=1e-14)
+    long_wave = np.cos(2.0 * np.pi * np.arange(13) / 12.0)
+    assert roughness(100.0 + t * long_wave) == pytest.approx(16.0 * np.sin(np.pi / 12.0) ** 4 / 101.0, rel=1e-12)
+    assert roughness(100.0 + t * np.arange(7.0)) == pytest.approx(0.0, abs=1e-14)
+
+
+def test_what_does_not_change_is_not_rough():
+    assert roughness(np.tile([1e5, 9e5, 2e5, 7e5, 1e5], (3, 1))) == 0.0
+
+
+def test_fewer_than_five_pieces_are_rough_by_their_whole_swing():
+    assert roughness(np.array([[99.0, 99.0], [101.0, 101.0]])) == pytest.approx(1.0 / 101.0, rel=1e-14)
+
+
+def closed_pipe(pieces, rise):
+    """A lossless pipe with a closed end, whose other end goes from 100 to 150 bar within a time [s]."""
+    pressure = {"table": [["0 s", "100 bar"], ["5 ms", "100 bar"], [f"{5e-3 + rise} s", "150 bar"]]}
+    circuit = {
+        "oil": {"density": "876 kg/m^3", "liquid_bulk_modulus": "1.4 GPa", "air_fraction": "0"},
+        "nodes": {
+            "supply": {"type": "pressure-source", "pressure": pressure},
+            "end": {"type": "volume", "volume": "1 cc", "start": "100 bar"},
+        },
+        "components": {
+            "pipe": {
+                "type": "pipe", "a": "supply", "b": "end", "length": "10 m", "diameter": "20 mm",
+                "hose_compliance": "0 1/Pa", "wall_friction": "0", "pieces": str(pieces), "start": "100 bar",
+            },
+        },
+        "run": {"until": "0.2 s", "relative_tolerance": "1e-7"},
+    }  # fmt: skip
+    system = built_system(Table("pipe", circuit, {}), "pipe")
+    return system, summary(system, simulate(system.model, system.case, system.stepping))
+
+
+@pytest.mark.parametrize(
+    ("pieces", "transits"), [(5, 1e-3), (20, 1e-3), (40, 1e-3), (40, 0.25), (20, 0.5), (40, 1.0), (80, 1.0)]
+)
+def test_extremes_are_right_or_the_run_is_not_valid(pieces, transits):
+    """A change within two transits doubles at the closed end, to 200 bar, whatever its shape (d'Alembert)."""
+    system, found = closed_pipe(pieces, transits * TRANSIT)
+    off = abs(found["pressure_max_end_Pa"] / 200e5 - 1.0)
+    assert found["within_validity"] == (found["wave_roughness_pipe"] <= ROUGHEST)
+    if off > 0.03:
+        assert not found["trusted"]
+        assert any("waves shorter than its pieces" in told for told in broken_bounds(system, found))
+
+
+def test_a_change_that_the_pieces_resolve_is_trusted_and_doubles():
+    _, found = closed_pipe(80, TRANSIT)
+    assert found["trusted"]
+    assert found["pressure_max_end_Pa"] == pytest.approx(200e5, rel=0.03)
