@@ -156,3 +156,13 @@ def test_a_node_that_nothing_joins_is_told(node):
 def test_a_tank_may_wait_for_a_study_that_joins_it():
     system = drawn(changed({"nodes.spare": {"type": "tank"}}))
     assert list(idle_nodes(system.circuit.network)) == []
+
+
+def test_a_relief_valve_between_two_volumes_may_stay_shut_below_a_higher_pressure():
+    """A valve for 20 bar guards a volume at rest; behind it the line stands at 70 bar, as its other ports may."""
+    guarded = {"type": "relief-valve", "a": "other", "b": "line", "cracking_pressure": "20 bar",
+               "override_pressure": "5 bar", "rated_flow": "40 lpm"}  # fmt: skip
+    volume = {"type": "volume", "volume": "0.5 l", "start": "0 bar"}
+    system = drawn(changed({"nodes.other": volume, "components.guard": guarded}))
+    found = summary(system, simulate(system.model, system.case, system.stepping))
+    assert found["flow_mean_guard_m3_s"] == 0.0 and found["trusted"]

@@ -61,29 +61,24 @@ def controller_start(settings: Pi) -> PidMemory:
 
 def pi_program_step(t: float, memory: PidMemory, reading: Controlled, settings: Pi) -> tuple[PidMemory, Value]:
     """PI controller with limits, anti-windup and a bumpless start; one sample at time t [s]."""
-    gains = PidGains(
-        gain=settings.gain,
-        reset_time=settings.reset_time,
-        derivative_time=0.0,
-        filter_time=0.0,
-        setpoint_weight=settings.setpoint_weight,
-        tracking_time=settings.tracking_time,
-        lowest=settings.lowest,
-        highest=settings.highest,
-        start=settings.start,
-    )
-    sample = Sample(reading.reads, reading.reference, reading.feedforward)
-    after, command = pid_step(t, memory, sample, gains)
-    return after, Value(command)
+    return _sample(t, memory, reading, settings, 0.0, 0.0)
 
 
 def pid_program_step(t: float, memory: PidMemory, reading: Controlled, settings: Pid) -> tuple[PidMemory, Value]:
     """PID controller with limits, anti-windup, a bumpless start and a filtered derivative; one sample at time t [s]."""
+    filter_time = settings.derivative_time / settings.filter_ratio
+    return _sample(t, memory, reading, settings, settings.derivative_time, filter_time)
+
+
+def _sample(
+    t: float, memory: PidMemory, reading: Controlled, settings: Pi, derivative_time: float, filter_time: float
+) -> tuple[PidMemory, Value]:
+    """One sample at time t [s] of either controller; derivative and filter time [s]."""
     gains = PidGains(
         gain=settings.gain,
         reset_time=settings.reset_time,
-        derivative_time=settings.derivative_time,
-        filter_time=settings.derivative_time / settings.filter_ratio,
+        derivative_time=derivative_time,
+        filter_time=filter_time,
         setpoint_weight=settings.setpoint_weight,
         tracking_time=settings.tracking_time,
         lowest=settings.lowest,

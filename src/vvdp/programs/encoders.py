@@ -1,6 +1,5 @@
 """Encoder and event-based Kalman filter as two programs: the filter reads the edges of the encoder."""
 
-from dataclasses import fields, replace
 from typing import NamedTuple
 
 from vvdp.base.kinds import Angle, Count, Fraction, Ratio, SignedFraction, Speed, Time
@@ -9,7 +8,7 @@ from vvdp.base.signal import signal_value
 from vvdp.estimation.estimator import Estimate, to_estimate
 from vvdp.estimation.event_filter import event_filter_step
 from vvdp.estimation.event_memory import EventFilterMemory, event_filter_start
-from vvdp.estimation.event_settings import EventFilter, EventFilterValues, event_filter
+from vvdp.estimation.event_settings import EventFilter, EventFilterValues
 from vvdp.estimation.threshold import (
     RampSlope,
     SignalLevel,
@@ -20,7 +19,7 @@ from vvdp.estimation.threshold import (
 )
 from vvdp.network.program import ProgramType
 from vvdp.programs.generic import GenericProgram
-from vvdp.programs.spool_encoder import EncoderTable, encoder_of
+from vvdp.programs.spool_encoder import EncoderTable, encoder_of, filter_of
 from vvdp.sensing.encoder import Encoder, EncoderMemory, Shaft, encoder_reading, encoder_start
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import equal_wheel
@@ -82,8 +81,7 @@ class WheelFilter(EventFilterValues):
 
 def filter_settings(table: WheelFilter) -> EventFilter:
     """The settings of an event filter as its step takes them."""
-    numbers = {field.name: getattr(table, field.name) for field in fields(EventFilterValues)}
-    return replace(event_filter(equal_wheel(int(table.sectors), table.index_shift)), **numbers)
+    return filter_of(table, equal_wheel(int(table.sectors), table.index_shift))
 
 
 def filter_start(settings: EventFilter) -> EventFilterMemory:

@@ -22,7 +22,7 @@ from vvdp.sensing.encoder import (
     encoder_step,
 )
 from vvdp.sensing.photodiode import LightSpot
-from vvdp.sensing.wheel import equal_wheel
+from vvdp.sensing.wheel import CodeWheel, equal_wheel
 
 
 class EncoderTable(Params):
@@ -92,13 +92,16 @@ def encoder_of(table: EncoderTable) -> Encoder:
     )
 
 
+def filter_of(values: EventFilterValues, wheel: CodeWheel) -> EventFilter:
+    """The event filter with these values for a code wheel."""
+    numbers = {field.name: getattr(values, field.name) for field in fields(EventFilterValues)}
+    return replace(event_filter(wheel), **numbers)
+
+
 def watch_settings(table: EncoderTable, values: EventFilterValues, angle: float) -> WatchSettings:
     """Encoder and filter of two tables, for a spool that stands at `angle` [rad] at first."""
     encoder = encoder_of(table)
-    numbers = {field.name: getattr(values, field.name) for field in fields(EventFilterValues)}
-    return WatchSettings(
-        encoder=encoder, filter=replace(event_filter(encoder.wheel), **numbers), angle=angle, seed=table.seed
-    )
+    return WatchSettings(encoder=encoder, filter=filter_of(values, encoder.wheel), angle=angle, seed=table.seed)
 
 
 def add_encoder(net: Network, spool: str, settings: WatchSettings) -> None:

@@ -109,7 +109,7 @@ def choose_method(clock, step, cut, heaviness, stiffness):
     stiffness  step times fastest rate, as the last two stages of an explicit step tell it
     """
     if clock[METHOD] == STIFF:
-        clock[SPARED] += 6.0 / STABLE * step * clock[FASTEST]
+        clock[SPARED] += 6.0 / STABLE * step * clock[FASTEST]  # six evaluations for each explicit step
         clock[SIGNS] += 1.0
         if step * clock[FASTEST] < heaviness and clock[SIGNS] > FIRST_STEPS and not cut:
             loses = clock[EVALUATIONS] - clock[STIFF_FIRST] > clock[SPARED]

@@ -6,7 +6,7 @@ from typing import Any
 from vvdp.base.kinds import PRESSURE_DIFFERENCE, SPEED
 from vvdp.hydraulics.relief_valve import LoadReliefValve, ReliefValve
 from vvdp.network.network import Part
-from vvdp.network.nodes import DrivenShaft, HydraulicNode, Shaft
+from vvdp.network.nodes import HydraulicNode, OilVolume, Shaft
 from vvdp.systems.bench_tables import Limits
 from vvdp.systems.bound import Bound
 from vvdp.systems.extras import LoadedSystem
@@ -33,7 +33,7 @@ def plausible_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator
             "limits.largest_pressure moves the limit",
         )
     for name, node in nodes.items():
-        if isinstance(node, Shaft | DrivenShaft) and f"speed_max_{name}_rad_s" in found:
+        if isinstance(node, Shaft):
             ends = (float(found[f"speed_{end}_{name}_rad_s"]) for end in ("min", "max"))
             fastest = max(map(abs, ends))
             yield Bound(
@@ -57,17 +57,21 @@ def _highest(system: LoadedSystem, found: Mapping[str, Any], node: str) -> float
 
 
 def _stays_shut(system: LoadedSystem, found: Mapping[str, Any], part: Part, relief: ReliefValve) -> Iterator[Bound]:
-    """Of a relief valve through which nothing flowed, the highest pressure at its ports; its setting is its bound."""
-    if isinstance(relief, LoadReliefValve) or found.get(f"flow_mean_{part.name}_m3_s", 1.0) != 0.0:
+    """Of a relief valve through which nothing flowed, the highest pressure behind it; its setting is its bound.
+
+    Only where a prescribed pressure is before it, which no valve limits: between two volumes either may be the higher.
+    """
+    if isinstance(relief, LoadReliefValve) or not {"a", "b"} <= part.nodes.keys():
         return
-    ends = {port: part.nodes[port] for port in ("a", "b") if port in part.nodes}
-    highest = {port: _highest(system, found, node) for port, node in ends.items()}
-    port = max(highest, key=highest.__getitem__)
+    before = system.circuit.network.nodes[part.nodes["a"]]
+    if isinstance(before, OilVolume) or found.get(f"flow_mean_{part.name}_m3_s") != 0.0:
+        return
+    highest = _highest(system, found, part.nodes["b"])
     yield Bound(
-        label=f"pressure at port {port} of {part.name.replace('_', ' ')}, through which nothing flowed",
+        label=f"pressure at port b of {part.name.replace('_', ' ')}, through which nothing flowed",
         kind=PRESSURE_DIFFERENCE,
-        low=highest[port],
-        high=highest[port],
+        low=highest,
+        high=highest,
         most=ABOVE_SETTING * (relief.cracking_pressure + relief.override_pressure),
         otherwise="it limits the pressure at its port a: are its ports the wrong way round?",
     )

@@ -55,7 +55,7 @@ def closed_forms(system: System, found: Mapping[str, float | bool]) -> Summary:
 
 def simulated_summary(run: Outcome, system: System) -> Summary:
     """The part of a summary that the simulation alone gives, of a recorded run or of a case in a batch."""
-    window = run.window
+    window, means = run.window, _means(run)
     found: Summary = {
         "duration_s": run.end,
         "finished": run.finished,
@@ -63,10 +63,10 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
         "averaged_to_s": window.end,
         "averaged_periods": float(window.periods),
         "settled": window.settled,
-        **_node_numbers(run, system),
-        **_part_numbers(run, system),
+        **_node_numbers(run, system, means),
+        **_part_numbers(system, means),
     }
-    found |= valve_numbers(system, _means(run), found)
+    found |= valve_numbers(system, means, found)
     balances = _balances(run)
     if system.extras is not None:
         found |= system.extras.simulation_numbers(run, found | balances)
@@ -114,18 +114,19 @@ def _means(run: Outcome) -> dict[str, float]:
     return {path: float(value) for path, value, _ in leaves(mean)}
 
 
-def _node_numbers(run: Outcome, system: System) -> Summary:
+def _node_numbers(run: Outcome, system: System, means: Mapping[str, float]) -> Summary:
     """Pressures, speeds and positions: means over the window, extremes over every step."""
-    window, means = run.window, _means(run)
+    window = run.window
     paths = [path for path, _, _ in leaves(run.case.state)]
     low, high = (dict(zip(paths, values, strict=True)) for values in (run.low, run.high))
     found = Summary()
     for name, node in system.circuit.network.nodes.items():
         if isinstance(node, HydraulicNode):
             reference = node.oil.reference_pressure
-            bounds = (
-                (low[name], high[name]) if isinstance(node, OilVolume) else _prescribed_bounds(node, run, system, name)
-            )
+            if isinstance(node, OilVolume):
+                bounds = low[name], high[name]
+            else:
+                bounds = _prescribed_bounds(node, run, system, means)
             mean = bounds[0] if bounds[0] == bounds[1] else means[f"totals.{name}_pressure"]
             found[f"pressure_mean_{name}_Pa"] = mean - reference
             found[f"pressure_min_{name}_Pa"] = bounds[0] - reference
@@ -150,18 +151,20 @@ def _node_numbers(run: Outcome, system: System) -> Summary:
     return found
 
 
-def _prescribed_bounds(node: Tank | PressureSource, run: Outcome, system: System, name: str) -> tuple[float, float]:
+def _prescribed_bounds(
+    node: Tank | PressureSource, run: Outcome, system: System, means: Mapping[str, float]
+) -> tuple[float, float]:
     """Bounds of a prescribed pressure [Pa, absolute], as the case has it; its mean where it is a connection."""
     if isinstance(node.pressure, Signal):
         given: Signal = attrgetter(system.circuit.place(node.pressure))(run.case.params)
         return given.extremes
-    mean = _means(run)[f"totals.{name}_pressure"]
+    mean = means[f"totals.{node.name}_pressure"]
     return mean, mean
 
 
-def _part_numbers(run: Outcome, system: System) -> Summary:
+def _part_numbers(system: System, means: Mapping[str, float]) -> Summary:
     """Mean flows, losses and powers by component, and what its sources give."""
-    means, found = _means(run), Summary()
+    found = Summary()
     nodes = system.circuit.network.nodes
     hydraulic = {f"totals.{name}_pressure" for name, node in nodes.items() if isinstance(node, HydraulicNode)}
     for path, value in means.items():
@@ -189,7 +192,7 @@ def _part_numbers(run: Outcome, system: System) -> Summary:
     return found
 
 
-def _losses(name: str, means: dict[str, float]) -> Iterator[tuple[str, float]]:
+def _losses(name: str, means: Mapping[str, float]) -> Iterator[tuple[str, float]]:
     if f"spent.{name}" in means:
         yield "", means[f"spent.{name}"]
     for path, value in means.items():
