@@ -93,11 +93,13 @@ def _node(network: Network, node: Node) -> GraphNode:
 def _kind_and_labels(node: Node) -> tuple[NodeKind, Lines]:
     match node:
         case OilVolume():
-            if isinstance(node.values, Vessel) and node.values.gas_volume > 0.0:
-                oil, gas = (with_unit(volume, VOLUME) for volume in (node.values.oil_volume, node.values.gas_volume))
-                charge = with_unit(node.values.precharge_pressure, PRESSURE_LEVEL)
-                return NodeKind.ACCUMULATOR, (oil, f"gas {gas} at {charge}")
-            return NodeKind.VOLUME, main_values(node.values)
+            if not isinstance(node.values, Vessel):
+                return NodeKind.VOLUME, main_values(node.values)
+            oil, gas = (with_unit(volume, VOLUME) for volume in (node.values.oil_volume, node.values.gas_volume))
+            if node.values.gas_volume == 0.0:
+                return NodeKind.VOLUME, (oil,)
+            charge = with_unit(node.values.precharge_pressure, PRESSURE_LEVEL)
+            return NodeKind.ACCUMULATOR, (oil, f"gas {gas} at {charge}")
         case Tank():
             pressure = node.pressure
             is_usual = pressure.is_constant and pressure.base == node.oil.reference_pressure
