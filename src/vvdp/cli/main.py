@@ -7,13 +7,15 @@ import platform
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import cache
 from types import FrameType
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
+from typer.main import get_command
 
 from vvdp.base.errors import ConfigError, NetworkError, ParameterError, VvdpError
 from vvdp.cli import (
@@ -133,6 +135,12 @@ def _common(
     pass
 
 
+@cache
+def _verbs() -> Callable[..., Any]:
+    """All verbs as the parser takes them. Typer would make them anew, with all their options, at each call."""
+    return get_command(app)
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Runs the verb in `arguments` (those of the process by default) and exits with its code."""
     gc.set_threshold(COLLECT_AFTER)
@@ -148,7 +156,7 @@ def main(arguments: list[str] | None = None) -> None:
 def _run(arguments: list[str] | None) -> int:
     """Runs a verb; its exit code. What went wrong is reported in lines that a person can act on."""
     try:
-        app(arguments, prog_name="vvdp")
+        _verbs()(arguments, prog_name="vvdp")
     except SystemExit as end:
         if end.__context__ is not None and isinstance(end.__context__.__cause__, KeyboardInterrupt):
             _tell("interrupted", INTERRUPTED)  # no verb has caught it
