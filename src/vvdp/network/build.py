@@ -93,7 +93,7 @@ def build(network: Network) -> Circuit:
 
 def _is_of_package(component: Component) -> bool:
     """Whether a component comes with the package, whose tests try each of its laws at random values."""
-    return component.law.__module__.partition(".")[0] == __name__.partition(".")[0]
+    return str(component.law.__module__).partition(".")[0] == __name__.partition(".")[0]
 
 
 def _check_inertias(network: Network, case: Case) -> None:
