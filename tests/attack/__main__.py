@@ -1,6 +1,6 @@
 """Attacks vvdp with mutated and hostile files, and says what became of each: `python -m tests.attack`.
 
-With --share 0.05 the first twentieth of each kind; --write puts the counts into docs/reliability.md.
+With --share 0.0166 the first sixtieth of each kind; --write puts the counts into docs/reliability.md.
 """
 
 import argparse

@@ -1,4 +1,4 @@
-"""Mutated and hostile files are refused or read as they stand: a twentieth here, all of them among the slow tests."""
+"""Mutated and hostile files are refused or read as they stand: a sixtieth here, all of them among the slow tests."""
 
 import json
 import subprocess
@@ -19,8 +19,8 @@ def command(*words):
     return subprocess.run([sys.executable, "-m", "tests.attack", *words], cwd=ROOT, capture_output=True, text=True)
 
 
-def test_a_twentieth_of_the_files_is_refused_or_read_as_it_stands():
-    done = command("--share", "0.05")
+def test_a_sixtieth_of_the_files_is_refused_or_read_as_it_stands():
+    done = command("--share", "0.0166")
     assert done.returncode == 0, done.stdout
     assert len(done.stdout.splitlines()) == len(FIELDS)
 

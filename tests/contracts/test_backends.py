@@ -87,11 +87,16 @@ def agrees(one, other, scale):
     return np.max(np.abs(np.where(one == other, 0.0, other - one)) / scale) < ROUNDING
 
 
+LARGE = ("displacement-control", "displacement-control-gerotor", "vvdp-duty-control-gerotor")
+"""Systems of seconds each, whose parts stand in smaller ones as well."""
+
+
 def variants():
     """Every shipped system, and the one with a rotary valve and a load line with other settings."""
     for name in shipped_systems():
         for setting in SETTINGS if name == "prototype" else ("as shipped",):
-            yield pytest.param(name, setting, id=f"{name}, {setting}")
+            marks = pytest.mark.thorough if name in LARGE else ()
+            yield pytest.param(name, setting, id=f"{name}, {setting}", marks=marks)
 
 
 @pytest.mark.parametrize(("name", "setting"), [*variants()])

@@ -60,8 +60,10 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], dict[str,
     return alone
 
 
-SUITE = [("study", 1, 10), ("map", 2, 10)]
+SUITE = [("study", 1, 3), ("map", 2, 3)]
 MANY = [
+    ("study", 1, 10),
+    ("map", 2, 10),
     *(("study", seed, 10) for seed in range(3, 9)),
     *(("map", seed, 10) for seed in range(9, 13)),
     *((name, seed, 10) for name in ("estimate", "design", "compare", "reproduce") for seed in (13, 14)),

@@ -47,7 +47,10 @@ def _time_left(elapsed: float, gone: float, still: float) -> str:
 
 @contextmanager
 def report_reach(end: float, words: Callable[[float], str]) -> Iterator[Callable[[float], None]]:
-    """What hears how much is reached, of `end`, which `words` puts into words."""
+    """What hears how much is reached, of `end`, which `words` puts into words.
+
+    The pace counts from the first time on: what is compiled before takes no part in it.
+    """
     from vvdp.cli.screen import console, say
 
     screen = console(err=True)
@@ -56,14 +59,20 @@ def report_reach(end: float, words: Callable[[float], str]) -> Iterator[Callable
 
         shown = TextColumn("{task.description}")
         with Progress(shown, BarColumn(), TimeRemainingColumn(), console=screen, transient=True) as bar:
-            task = bar.add_task(words(0.0), total=end)
-            yield lambda now: bar.update(task, completed=now, description=words(now))
+            task = bar.add_task(words(0.0), total=None)
+
+            def move(now: float) -> None:
+                if bar.tasks[task].total is None:  # until then it only pulses
+                    bar.reset(task, total=end)
+                bar.update(task, completed=now, description=words(now))
+
+            yield move
         return
     last, began = 0.0, None
 
     def line(now: float) -> None:
         nonlocal last, began
-        if began is None:  # what was compiled before takes no part in the pace
+        if began is None:
             last = time.monotonic()
             began = last, now
         if now < end and time.monotonic() - last >= LINE_INTERVAL:
