@@ -341,10 +341,12 @@ def components():
         characteristic,
         check_valve,
         compensated_throttle,
+        counterbalance_valve,
         cylinder,
         directional_valve,
         flow_control_valve,
         flow_source,
+        four_way_valve,
         friction,
         gerotor_drive,
         line,
@@ -357,9 +359,11 @@ def components():
         rod,
         seat_valve,
         shaft,
+        shuttle_valve,
         soft_switching,
         switching_valve,
         unsteady_friction,
+        variable_machine,
         variable_pump,
     )
     from vvdp.valve import branch, condition, geometry, joined_ports, torque
@@ -387,6 +391,14 @@ def components():
         modulus.PolytropicAir(**polytropic),
         modulus.YuAir(**polytropic, dissolving_rate=1e-8),
         modulus.DissolvingAir(**polytropic, critical_pressure=1e7),
+        counterbalance_valve.SequenceValve(
+            cracking_pressure=1e7, override_pressure=1e7, rated_flow=1e-3, rated_drop=1e6, opening_time=5e-3,
+            reverse_cracking_pressure=5e4, reverse_override_pressure=5e6,
+        ),
+        counterbalance_valve.CounterbalanceValve(
+            cracking_pressure=1e7, override_pressure=1e7, rated_flow=1e-3, rated_drop=1e6, opening_time=0.0,
+            reverse_cracking_pressure=5e4, reverse_override_pressure=5e6, pilot_ratio=3.0,
+        ),
         directional_valve.DirectionalValve(conductance=1e-7, overlap=0.05, transition_pressure=1e4, lag=0.01),
         proportional_valve.ProportionalValve(
             conductance=1e-7, leakage_conductance=1e-13, transition_pressure=1e4, lag=0.01
@@ -439,6 +451,15 @@ def components():
         gerotor_drive.GerotorDrive(
             area=5e-4, lag=0.01, conductance=1.1e-10, viscous_friction=8.3, lower_end=-6e-3, upper_end=27e-3
         ),
+        four_way_valve.FourWayValve(
+            conductance=1e-7, overlap_pa=0.05, overlap_pb=0.05, overlap_at=-0.1, overlap_bt=-0.1,
+            transition_pressure=1e4, natural_frequency=60.0, damping_ratio=0.7, largest_rate=20.0,
+        ),
+        shuttle_valve.ShuttleValve(changeover_pressure=1e7, rated_flow=1e-3, rated_drop=5e5),
+        variable_machine.VariableMachine(
+            displacement=5e-6, leakage_conductance=1e-12, shaft_damping=0.01, coulomb_torque=2.0, coulomb_speed=3.0,
+            inertia=0.02, pressure_friction=0.03, response_time=0.05, largest_rate=10.0,
+        ),
         gerotor_drive.GerotorMap(**gerotor),
         gerotor_drive.GerotorBelief(**gerotor, straight_flow=1e-6),
         gerotor_drive.GerotorCalibration(commands=(-1.0, -0.1, 0.1, 1.0), flows=(-3e-5, 0.0, 0.0, 3e-5)),
@@ -480,6 +501,9 @@ def components():
             ),
             gerotor_drive.GerotorState: lambda: gerotor_drive.GerotorState(
                 float(rng.uniform(-3e-5, 3e-5)), float(rng.uniform(-8e-3, 30e-3))
+            ),
+            four_way_valve.ValveSpool: lambda: four_way_valve.ValveSpool(
+                float(rng.uniform(-1.0, 1.0)), float(rng.uniform(-40.0, 40.0))
             ),
             switching_valve.SpoolState: lambda: switching_valve.SpoolState(
                 float(rng.uniform(-1e-4, 1.1e-3)), float(rng.uniform(-1.0, 1.0))

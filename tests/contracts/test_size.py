@@ -114,6 +114,7 @@ ALLOWED = {
     "components.directed_flows.directed_source": LAW,
     "components.directional_valves.directional_valve": LAW,
     "components.directional_valves.throttled_directional_valve": LAW,
+    "components.four_way_valves.four_way_valve": LAW,
     "components.machines.controlled_pump": LAW,
     "components.meters.transition_meter": LAW,
     "components.rotary_valve.rotary_valve": LAW,

@@ -28,6 +28,7 @@ from vvdp.components.directional_valves import (
 from vvdp.components.drives import DRIVE_COUPLING
 from vvdp.components.flow_control_units import UNIT_VALVE
 from vvdp.components.flow_sources import FLOW_SOURCE
+from vvdp.components.four_way_valves import FOUR_WAY_VALVE
 from vvdp.components.gerotor_drives import CALIBRATED_GEROTOR_DRIVE, GEROTOR_DRIVE
 from vvdp.components.lines import COLUMN, LINE
 from vvdp.components.machines import CONTROLLED_PUMP, MOTOR, PUMP
@@ -37,12 +38,15 @@ from vvdp.components.rods import CYLINDER, END_STOP, LOAD_FORCE, PLUNGER, ROD_BR
 from vvdp.components.rotary_valve import ROTARY_VALVE
 from vvdp.components.self_acting_valves import (
     CHECK_VALVE,
+    COUNTERBALANCE_VALVE,
     FLOW_CONTROL_VALVE,
     LOAD_RELIEF_VALVE,
     PILOT_CHECK_VALVE,
     REDUCING_VALVE,
     RELIEF_VALVE,
+    SEQUENCE_VALVE,
     SHOCK_VALVE,
+    SHUTTLE_VALVE,
 )
 from vvdp.components.shafts import LOAD_TORQUE, ROTOR, SHAFT_BRAKE, SHAFT_FRICTION, TORSION_SPRING
 from vvdp.components.switching_valves import (
@@ -53,6 +57,7 @@ from vvdp.components.switching_valves import (
     SWITCHING_VALVE,
     TWO_WAY_VALVE,
 )
+from vvdp.components.variable_machines import VARIABLE_MOTOR, VARIABLE_PUMP
 from vvdp.fluid.oil import Oil
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Component
@@ -84,6 +89,7 @@ COMPONENTS = _by_name(
     COLUMN,
     COMPENSATED_THROTTLE,
     CONTROLLED_PUMP,
+    COUNTERBALANCE_VALVE,
     CYLINDER,
     DIRECTED_RETURN,
     DIRECTED_SOURCE,
@@ -93,6 +99,7 @@ COMPONENTS = _by_name(
     END_STOP,
     FLOW_CONTROL_VALVE,
     FLOW_SOURCE,
+    FOUR_WAY_VALVE,
     GEROTOR_DRIVE,
     LAMINAR_GAP,
     LAYERED_PIPE,
@@ -118,10 +125,12 @@ COMPONENTS = _by_name(
     ROD_FRICTION,
     ROTARY_VALVE,
     ROTOR,
+    SEQUENCE_VALVE,
     SERIES_THROTTLES,
     SHAFT_BRAKE,
     SHAFT_FRICTION,
     SHOCK_VALVE,
+    SHUTTLE_VALVE,
     SPRING,
     SWITCHING_VALVE,
     THREE_WAY_PROPORTIONAL_VALVE,
@@ -130,6 +139,8 @@ COMPONENTS = _by_name(
     TWO_WAY_VALVE,
     UNIT_VALVE,
     UNLOADING_VALVE,
+    VARIABLE_MOTOR,
+    VARIABLE_PUMP,
     WEIGHT,
 )
 """Components that a system file can name, by their type."""

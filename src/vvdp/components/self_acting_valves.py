@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from vvdp.base.kinds import Flow, Fraction, Kink, Mode, Power
-from vvdp.base.select import select
+from vvdp.base.select import clip, select
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.check_valve import (
     CheckState,
@@ -12,6 +12,16 @@ from vvdp.hydraulics.check_valve import (
     check_opening_rate,
     check_side,
     poppet_flow,
+)
+from vvdp.hydraulics.counterbalance_valve import (
+    CounterbalanceValve,
+    SequenceValve,
+    lift_rate,
+    lift_side,
+    opening_share,
+    pilot_aid,
+    reverse_side,
+    two_way_flow,
 )
 from vvdp.hydraulics.flow import passage
 from vvdp.hydraulics.flow_control_valve import FlowControlValve, controlled_flow, controlled_side
@@ -38,6 +48,7 @@ from vvdp.hydraulics.relief_valve import (
     setting_fall,
     throttled_relief_flow,
 )
+from vvdp.hydraulics.shuttle_valve import ShuttleValve, ball_position, ball_side, seat_flow
 from vvdp.network.component import Component
 
 
@@ -92,6 +103,28 @@ class FlowControlPassage(NamedTuple):
     """What goes through a flow control valve, and on which side of the drops that it balances."""
 
     flow: Flow
+    loss: Power
+    side: Kink
+
+
+class SequenceFlows(NamedTuple):
+    """Flows of a sequence or counterbalance valve into its nodes, its loss, the rate of its opening, and where its
+    poppet and its check valve stand."""
+
+    a: Flow
+    b: Flow
+    loss: Power
+    rates: OpeningState
+    side: Kink
+    reverse: Kink
+
+
+class ShuttleFlows(NamedTuple):
+    """Flows of a shuttle valve into its nodes, its loss, and where its ball stands."""
+
+    a: Flow
+    b: Flow
+    outlet: Flow
     loss: Power
     side: Kink
 
@@ -186,6 +219,59 @@ def flow_control_valve(
     return FlowControlPassage(flow, loss, controlled_side(drop, values))
 
 
+def sequence_valve(
+    a: FluidState, b: FluidState, drain: FluidState, state: OpeningState, values: SequenceValve
+) -> SequenceFlows:
+    """Valve that opens from a to b when the pressure at a is far enough above that at its drain, where no oil flows.
+
+    Its check valve lets oil pass from b to a.
+    """
+    return _sequence_flows(a, b, a.pressure - drain.pressure, state, values)
+
+
+def counterbalance_valve(
+    a: FluidState, b: FluidState, pilot: FluidState, state: OpeningState, values: CounterbalanceValve
+) -> SequenceFlows:
+    """Overcentre valve: it holds the load at a until that pressure and the pilot's, where no oil flows, open it to b.
+
+    Its check valve lets oil pass from b to a.
+    """
+    aid = pilot_aid(pilot.pressure - b.pressure, values)
+    return _sequence_flows(a, b, a.pressure - b.pressure + aid, state, values)
+
+
+def _sequence_flows(
+    a: FluidState, b: FluidState, lifting: float, state: OpeningState, values: SequenceValve
+) -> SequenceFlows:
+    """A valve from a to b that a pressure above that behind its spring opens."""
+    y = select(values.opening_time > 0.0, state.opening, clip(opening_share(lifting, values), 0.0, 1.0))
+    drop = a.pressure - b.pressure
+    flow, loss = passage(two_way_flow(drop, y, values), a, b)
+    return SequenceFlows(
+        a=-flow,
+        b=flow,
+        loss=loss,
+        rates=OpeningState(lift_rate(lifting, state.opening, values)),
+        side=lift_side(lifting, values),
+        reverse=reverse_side(drop, values),
+    )
+
+
+def shuttle_valve(a: FluidState, b: FluidState, outlet: FluidState, values: ShuttleValve) -> ShuttleFlows:
+    """Shuttle valve: its outlet is joined to that of the ends a and b whose pressure is higher."""
+    difference = a.pressure - b.pressure
+    position = ball_position(difference, values)
+    from_a = passage(seat_flow(a.pressure - outlet.pressure, position, values), a, outlet)
+    from_b = passage(seat_flow(b.pressure - outlet.pressure, 1.0 - position, values), b, outlet)
+    return ShuttleFlows(
+        a=-from_a.flow,
+        b=-from_b.flow,
+        outlet=from_a.flow + from_b.flow,
+        loss=from_a.loss + from_b.loss,
+        side=ball_side(difference, values),
+    )
+
+
 CHECK_VALVE = Component(check_valve, symbol="check_valve", start=check_start)
 PILOT_CHECK_VALVE = Component(pilot_check_valve, symbol="pilot_check_valve", start=pilot_check_start)
 RELIEF_VALVE = Component(relief_valve, symbol="relief_valve")
@@ -193,3 +279,6 @@ LOAD_RELIEF_VALVE = Component(load_relief_valve, symbol="relief_valve")
 SHOCK_VALVE = Component(shock_valve, symbol="relief_valve")
 REDUCING_VALVE = Component(reducing_valve, symbol="reducing_valve", start=reducing_start)
 FLOW_CONTROL_VALVE = Component(flow_control_valve, symbol="flow_control_valve")
+SEQUENCE_VALVE = Component(sequence_valve, symbol="sequence_valve")
+COUNTERBALANCE_VALVE = Component(counterbalance_valve, symbol="counterbalance_valve")
+SHUTTLE_VALVE = Component(shuttle_valve, symbol="shuttle_valve")

@@ -36,6 +36,12 @@ def hydraulic_motor() -> Symbol:
     return Symbol((-26, -26, 26, 26), drawn, _round_shape("inlet", "outlet"), (-26, 26))
 
 
+def variable_motor() -> Symbol:
+    """A hydraulic motor of variable displacement."""
+    fixed = hydraulic_motor()
+    return replace(fixed, svg=fixed.svg + arrow((-24, 24), (24, -24), 9))
+
+
 def flow_source() -> Symbol:
     """A source that holds a flow."""
     drawn = _circle(ROUND) + arrow((0, 5), (0, -24), 9)

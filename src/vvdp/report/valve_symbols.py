@@ -65,6 +65,44 @@ def unloading_valve() -> Symbol:
     return Symbol((-34, -36, 46, 36), _pressure_valve(-8) + pilot, terminals)
 
 
+def sequence_valve() -> Symbol:
+    """A sequence valve: opened by the pressure at its inlet, its spring drained on its own; a check valve beside it."""
+    pilot = pipe((0, 28), (-32, 28), (-32, 0), (-20, 0), pilot=True)
+    drain = pipe((46, 0), (58, 0), (58, 48), pilot=True)
+    terminals = through(48) | {"drain": Terminal(58, 48, Side.BOTTOM)}
+    return Symbol((-62, -48, 58, 48), _pressure_valve(-8) + pilot + drain + _bypass(-48), terminals)
+
+
+def counterbalance_valve() -> Symbol:
+    """A counterbalance valve: opened by the pressure at its inlet and by a pilot, with a check valve beside it."""
+    own = pipe((0, 28), (-32, 28), (-32, 7), (-20, 7), pilot=True)
+    pilot = pipe((-34, -7), (-20, -7), pilot=True)
+    terminals = through(48) | {"pilot": Terminal(-34, -7, Side.LEFT)}
+    drawn = _pressure_valve(-8) + own + pilot + _bypass(70)
+    return Symbol((-34, -48, 84, 48), drawn, terminals)
+
+
+def _bypass(x: float) -> str:
+    """A check valve from top to bottom beside a valve, in lines that join those of the valve."""
+    ball = f'<circle cx="{x:g}" cy="-4" r="8"/>'
+    seat = pipe((x - 14, -6), (x, -17), (x + 14, -6))
+    lines = pipe((0, -42), (x, -42), (x, -17)) + pipe((x, 4), (x, 42), (0, 42))
+    return ball + seat + lines + pipe((0, 36), (0, 48)) + pipe((0, -36), (0, -48))
+
+
+def shuttle_valve() -> Symbol:
+    """A shuttle valve: the higher of the pressures at both ends reaches the line above."""
+    seats = pipe((-12, -11), (-24, 0), (-12, 11)) + pipe((12, -11), (24, 0), (12, 11))
+    ends = pipe((-24, 0), (-40, 0), (-40, 32)) + pipe((24, 0), (40, 0), (40, 32)) + pipe((0, -32), (0, -16))
+    terminals = {
+        "A": Terminal(-40, 32, Side.BOTTOM),
+        "B": Terminal(40, 32, Side.BOTTOM),
+        "outlet": Terminal(0, -32, Side.TOP),
+    }
+    drawn = box(-30, -16, 30, 16) + seats + '<circle cx="-11" cy="0" r="9"/>' + ends
+    return Symbol((-40, -32, 40, 32), drawn, terminals)
+
+
 def reducing_valve() -> Symbol:
     """A pressure-reducing valve, closed by the pressure at its outlet."""
     pilot = pipe((0, -28), (-32, -28), (-32, 0), (-20, 0), pilot=True)
