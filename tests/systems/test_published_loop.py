@@ -33,11 +33,12 @@ from vvdp.control.storage import estimation_storage, least_estimation_weight, lo
 from vvdp.estimation.axial_filter import Phase
 from vvdp.estimation.noise_basis import function_count, write_basis
 from vvdp.numerics.kalman import covariance_of
+from vvdp.programs import chamber_loop
+from vvdp.programs.axial_loop import PROGRAM, AxialCommand, AxialPlace
+from vvdp.programs.chamber_loop import ChamberLoop, LoopMemory, PassiveLoop, passive_axial_step
 from vvdp.sensing.axial_sensor import pollution_at
-from vvdp.systems import axial_control, axial_numbers, chamber_loop
-from vvdp.systems.axial_loop import PROGRAM, AxialCommand, AxialPlace
+from vvdp.systems import axial_control, axial_numbers
 from vvdp.systems.axial_numbers import loop_of, rows_under_control, samples_under_control
-from vvdp.systems.chamber_loop import ChamberLoop, LoopMemory, PassiveLoop, passive_axial_step
 
 pytestmark = pytest.mark.heavy
 

@@ -4,6 +4,9 @@ from collections.abc import Mapping
 
 from vvdp.network.program import ProgramType
 from vvdp.programs.arithmetic import PRODUCT, SUM, TABLE
+from vvdp.programs.axial_sensor import AXIAL_SENSOR
+from vvdp.programs.chamber_laws import BACKSTEPPING, PASSIVITY, PRINTED_PASSIVITY
+from vvdp.programs.chamber_observer import CHAMBER_OBSERVER
 from vvdp.programs.controllers import PI, PID
 from vvdp.programs.encoders import ENCODER, EVENT_FILTER, THRESHOLD
 from vvdp.programs.estimators import FLOW_MAP, LOAD_OBSERVER, PERIOD_AVERAGE
@@ -13,6 +16,9 @@ from vvdp.programs.pulses import CYCLE, PWM
 from vvdp.programs.unloading import UNLOADING
 
 PROGRAMS: Mapping[str, ProgramType | GenericProgram] = {
+    "axial-sensor": AXIAL_SENSOR,
+    "backstepping": BACKSTEPPING,
+    "chamber-observer": CHAMBER_OBSERVER,
     "cycle": CYCLE,
     "encoder": ENCODER,
     "event-filter": EVENT_FILTER,
@@ -20,9 +26,11 @@ PROGRAMS: Mapping[str, ProgramType | GenericProgram] = {
     "limit": LIMIT,
     "load-observer": LOAD_OBSERVER,
     "low-pass": LOW_PASS,
+    "passivity": PASSIVITY,
     "period-average": PERIOD_AVERAGE,
     "pi": PI,
     "pid": PID,
+    "printed-passivity": PRINTED_PASSIVITY,
     "product": PRODUCT,
     "pwm": PWM,
     "rate-limit": RATE_LIMIT,

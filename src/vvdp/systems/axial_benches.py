@@ -26,6 +26,9 @@ from vvdp.hydraulics.gerotor_drive import GerotorCalibration, GerotorDrive, Gero
 from vvdp.hydraulics.rod import EndStop, Spring
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber
+from vvdp.programs.axial_loop import PROGRAM, AxialObserverTable, AxialSequence
+from vvdp.programs.axial_sensor import AxialSensorTable, add_axial_sensor
+from vvdp.programs.gerotor_loop import DriveBelief, GerotorSequence
 from vvdp.systems.axial_control import (
     AxialControl,
     add_chamber_control,
@@ -33,9 +36,7 @@ from vvdp.systems.axial_control import (
     chamber_loop,
     chosen_law,
 )
-from vvdp.systems.axial_loop import PROGRAM, AxialObserverTable, AxialSequence
 from vvdp.systems.axial_numbers import AxialLoop, ChamberReach
-from vvdp.systems.axial_sensor import AxialSensorTable, add_axial_sensor
 from vvdp.systems.axial_tables import (
     AxialStroke,
     ChamberOperation,
@@ -56,7 +57,6 @@ from vvdp.systems.gerotor_control import (
     PIGains,
     add_gerotor_control,
 )
-from vvdp.systems.gerotor_loop import DriveBelief, GerotorSequence
 from vvdp.systems.gerotor_numbers import GerotorHeld
 
 Given = TypeVar("Given")

@@ -19,9 +19,22 @@ from vvdp.estimation.chamber_observer import ChamberObserver, SpringDrive
 from vvdp.fluid.oil import Oil
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
+from vvdp.programs.axial_loop import PROGRAM, UNKNOWN, AxialObserverTable, AxialPlace, AxialSequence
+from vvdp.programs.axial_sensor import AxialSensorTable, axial_sensor_of
+from vvdp.programs.chamber_loop import (
+    BacksteppingLoop,
+    ChamberLoop,
+    PassiveLoop,
+    WatchedLoop,
+    backstepping_step,
+    chamber_loop_start,
+    passive_step,
+    printed_step,
+    watched_start,
+    watched_step,
+)
+from vvdp.programs.chamber_observer import observer_of
 from vvdp.programs.spool_encoder import WatchSettings
-from vvdp.systems.axial_loop import PROGRAM, UNKNOWN, AxialObserverTable, AxialPlace, AxialSequence, pollution_model
-from vvdp.systems.axial_sensor import AxialSensorTable, axial_sensor_of
 from vvdp.systems.axial_tables import PilotSupply
 from vvdp.systems.chamber_feedback import (
     RawFeedback,
@@ -35,18 +48,6 @@ from vvdp.systems.chamber_feedback import (
     true_printed_step,
     watched_printed_step,
     watched_raw_step,
-)
-from vvdp.systems.chamber_loop import (
-    BacksteppingLoop,
-    ChamberLoop,
-    PassiveLoop,
-    WatchedLoop,
-    backstepping_step,
-    chamber_loop_start,
-    passive_step,
-    printed_step,
-    watched_start,
-    watched_step,
 )
 
 Step = Callable[..., Any]
@@ -133,7 +134,6 @@ def known_drive(parts: DriveParts, pilot: PilotSupply) -> ChamberDrive:
 
 def chamber_observer(control: AxialControl, drive: ChamberDrive, friction: float, stop: float) -> ChamberObserver:
     """The observer of a table, for a drive with viscous `friction` [N s/m] whose stop lies at a position [m]."""
-    table = control.observer
     plant = SpringDrive(
         moving_mass=drive.moving_mass,
         stiffness=drive.stiffness,
@@ -142,16 +142,7 @@ def chamber_observer(control: AxialControl, drive: ChamberDrive, friction: float
         area=drive.area,
         reference_pressure=drive.oil.reference_pressure,
     )
-    return ChamberObserver(
-        drive=plant,
-        pollution=pollution_model(table, control.helix_length),
-        sample_period=table.sample_period,
-        position_drift=table.position_drift,
-        velocity_drift=table.velocity_drift,
-        position_deviation=1e-4,
-        velocity_deviation=1e-3,
-        stop_position=stop,
-    )
+    return observer_of(control.observer, plant, stop, control.helix_length)
 
 
 def chamber_loop(control: AxialControl, parts: DriveParts, pilot: PilotSupply) -> ChamberLoop:

@@ -17,11 +17,11 @@ from vvdp.control.reference import Reference
 from vvdp.control.storage import StorageBalance, pressure_balance, storage_excess
 from vvdp.control.tuning import sampling_limits, sampling_warning
 from vvdp.hydraulics.chamber_drive import static_reach
+from vvdp.programs.axial_loop import PROGRAM, RUN, SETTLED
+from vvdp.programs.chamber_loop import ChamberLoop, WatchedLoop
 from vvdp.results.chart import Chart
 from vvdp.results.result import Table
 from vvdp.systems.axial_charts import control_charts
-from vvdp.systems.axial_loop import PROGRAM, RUN, SETTLED
-from vvdp.systems.chamber_loop import ChamberLoop, WatchedLoop
 from vvdp.systems.extras import Extras, LoadedSystem, Summary
 from vvdp.systems.extras import Line as Row
 

@@ -11,15 +11,15 @@ import numpy as np
 from vvdp.components.axial_drive import ChamberDrive
 from vvdp.network.build import Circuit, build
 from vvdp.network.network import Network
+from vvdp.programs.axial_loop import PROGRAM
+from vvdp.programs.axial_sensor import AxialSensorTable
+from vvdp.programs.chamber_loop import ChamberLoop
 from vvdp.sensing.axial_sensor import AxialSensor, Pollution
 from vvdp.simulation.model import Case, initial_case
 from vvdp.simulation.run import Stepping
 from vvdp.systems.axial_control import AxialControl, add_chamber_control, add_drive, chamber_loop, known_drive
-from vvdp.systems.axial_loop import PROGRAM
-from vvdp.systems.axial_sensor import AxialSensorTable
 from vvdp.systems.axial_tables import ChamberOperation, InitialChamber, PilotSupply
 from vvdp.systems.axial_tally import TallySettings, add_tally
-from vvdp.systems.chamber_loop import ChamberLoop
 from vvdp.systems.system import System
 
 

@@ -18,10 +18,8 @@ from vvdp.control.chamber import ChamberReading
 from vvdp.control.passivity import passivity_law, printed_passivity_law
 from vvdp.control.reference import Rate
 from vvdp.estimation.axial_filter import Phase
-from vvdp.programs.spool_encoder import watch_step
-from vvdp.sensing.encoder import Shaft
-from vvdp.systems.axial_loop import AxialCommand, AxialPlace, known_phase, turned_phase
-from vvdp.systems.chamber_loop import (
+from vvdp.programs.axial_loop import AxialCommand, AxialPlace, known_phase, turned_phase
+from vvdp.programs.chamber_loop import (
     BacksteppingLoop,
     ChamberLoop,
     ChamberView,
@@ -33,6 +31,8 @@ from vvdp.systems.chamber_loop import (
     chamber_view,
     printed_axial_step,
 )
+from vvdp.programs.spool_encoder import watch_step
+from vvdp.sensing.encoder import Shaft
 
 
 class VelocityFilter(Params):

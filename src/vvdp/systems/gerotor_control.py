@@ -21,21 +21,9 @@ from vvdp.estimation.signal_generator import (
 from vvdp.hydraulics.gerotor_drive import GerotorDrive
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
-from vvdp.programs.spool_encoder import WatchSettings
-from vvdp.systems.axial_loop import PROGRAM, UNKNOWN, AxialObserverTable, pollution_model
-from vvdp.systems.axial_sensor import AxialSensorTable, axial_sensor_of
-from vvdp.systems.gerotor_filters import (
-    ClockedLoop,
-    GeneratorLoop,
-    LumpedLoop,
-    clocked_loop_start,
-    clocked_step,
-    generator_loop_start,
-    generator_step,
-    lumped_loop_start,
-    lumped_step,
-)
-from vvdp.systems.gerotor_loop import (
+from vvdp.programs.axial_loop import PROGRAM, UNKNOWN, AxialObserverTable, pollution_model
+from vvdp.programs.axial_sensor import AxialSensorTable, axial_sensor_of
+from vvdp.programs.gerotor_loop import (
     DriveBelief,
     GerotorControl,
     GerotorLoop,
@@ -46,6 +34,18 @@ from vvdp.systems.gerotor_loop import (
     gerotor_step,
     watched_gerotor_start,
     watched_gerotor_step,
+)
+from vvdp.programs.spool_encoder import WatchSettings
+from vvdp.systems.gerotor_filters import (
+    ClockedLoop,
+    GeneratorLoop,
+    LumpedLoop,
+    clocked_loop_start,
+    clocked_step,
+    generator_loop_start,
+    generator_step,
+    lumped_loop_start,
+    lumped_step,
 )
 
 

@@ -3,13 +3,13 @@
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from vvdp.programs.axial_loop import PROGRAM
+from vvdp.programs.gerotor_loop import GerotorControl, WatchedGerotor
 from vvdp.results.chart import Chart
 from vvdp.results.result import Table
 from vvdp.systems.axial_charts import gerotor_charts
-from vvdp.systems.axial_loop import PROGRAM
 from vvdp.systems.axial_numbers import MOTION, lines_of, motion_numbers
 from vvdp.systems.extras import Extras, LoadedSystem, Summary
-from vvdp.systems.gerotor_loop import GerotorControl, WatchedGerotor
 
 if TYPE_CHECKING:
     from vvdp.simulation.record import Record

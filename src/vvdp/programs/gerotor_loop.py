@@ -19,11 +19,7 @@ from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest
 from vvdp.estimation.axial_filter import AxialEstimate, AxialMemory, AxialSeen, Phase
 from vvdp.estimation.gerotor_observer import GerotorObserver, gerotor_observer_start, gerotor_observer_step
 from vvdp.hydraulics.gerotor_drive import GerotorBelief, gerotor_command, gerotor_flow
-from vvdp.programs.spool_encoder import WatchMemory, WatchSettings, watch_start, watch_step
-from vvdp.sensing.axial_sensor import AxialSensor, SpoolPlace, axial_sensor_start, axial_sensor_step
-from vvdp.sensing.encoder import Shaft
-from vvdp.sensing.instrument import InstrumentMemory
-from vvdp.systems.axial_loop import (
+from vvdp.programs.axial_loop import (
     HOME,
     LEARN,
     RUN,
@@ -41,6 +37,10 @@ from vvdp.systems.axial_loop import (
     sight_of,
     turned_phase,
 )
+from vvdp.programs.spool_encoder import WatchMemory, WatchSettings, watch_start, watch_step
+from vvdp.sensing.axial_sensor import AxialSensor, SpoolPlace, axial_sensor_start, axial_sensor_step
+from vvdp.sensing.encoder import Shaft
+from vvdp.sensing.instrument import InstrumentMemory
 
 ALWAYS_SEEN = 2.0
 """Observability margin of a position that a known flow moves: no pollution of mean zero looks like it [1]."""
