@@ -7,8 +7,9 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from vvdp.programs.axial_numbers import Controlled
 from vvdp.simulation.run import Run, simulate
-from vvdp.systems.axial_numbers import Controlled, loop_of, rows_under_control
+from vvdp.systems.axial_numbers import loop_of, rows_under_control
 from vvdp.systems.system import System, load_system, shipped_systems
 
 HELIX = 20.32

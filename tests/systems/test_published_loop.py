@@ -33,11 +33,11 @@ from vvdp.control.storage import estimation_storage, least_estimation_weight, lo
 from vvdp.estimation.axial_filter import Phase
 from vvdp.estimation.noise_basis import function_count, write_basis
 from vvdp.numerics.kalman import covariance_of
-from vvdp.programs import chamber_loop
+from vvdp.programs import axial_numbers, chamber_observer
 from vvdp.programs.axial_loop import PROGRAM, AxialCommand, AxialPlace
 from vvdp.programs.chamber_loop import ChamberLoop, LoopMemory, PassiveLoop, passive_axial_step
 from vvdp.sensing.axial_sensor import pollution_at
-from vvdp.systems import axial_control, axial_numbers
+from vvdp.systems import axial_control
 from vvdp.systems.axial_numbers import loop_of, rows_under_control, samples_under_control
 
 pytestmark = pytest.mark.heavy
@@ -275,7 +275,7 @@ def test_resonance_without_guard(monkeypatch):
     """Nothing learned at the stop: more than 50 um of the spool and 100 um of the estimate; published 77 um."""
     unlearned = change(spinning_text(speed="11.464 rev/s"), "axial_sequence", learn_time="0 s")
     guarded = tracking(unlearned, 1.5)
-    monkeypatch.setattr(chamber_loop, "observability_margin", unguarded)
+    monkeypatch.setattr(chamber_observer, "observability_margin", unguarded)
     seeds = [change(unlearned, "axial_sensor", seed=str(100 + seed)) for seed in range(20)]
     assert np.mean([tracking(text, 1.5) for text in seeds]) > 50.0 > guarded
     assert np.mean([estimation(text, 1.5) for text in seeds]) > 100.0
@@ -346,6 +346,6 @@ def test_what_the_spool_gives_is_no_rise(monkeypatch):
     though nothing is put down to an estimate. The other way round it would be one at thousands of samples."""
     monkeypatch.setattr(axial_numbers, "EXPLAINED", 0.0)
     text = change(sample_text(TRAPEZOID, 0.2), "axial_friction", viscous_friction="20 N*s/m")
-    found = axial_numbers.storage_numbers(rows_from(text, 0.2), loop_of(run_of(text)[0]))
+    found = axial_numbers.storage_numbers(rows_from(text, 0.2), loop_of(run_of(text)[0]), 0.2e-3)
     assert found["storage_rises"] == 0.0
     assert found["storage_largest_J"] == pytest.approx(1.23e-5, rel=0.05)

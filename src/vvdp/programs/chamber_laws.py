@@ -37,6 +37,7 @@ from vvdp.control.reference import Jerk, Reference, SignedAcceleration
 from vvdp.control.storage import loop_balance
 from vvdp.fluid.oil import Oil
 from vvdp.network.program import ProgramType
+from vvdp.programs.chamber_report import ChamberLawReport
 from vvdp.programs.generic import GenericProgram
 
 
@@ -210,10 +211,15 @@ def backstepping_step(
 
 
 EMPTIED = ChamberCommand(command=0.0, flow=0.0, desired_pressure=ATMOSPHERE, storage=0.0)
-PASSIVITY = GenericProgram(ProgramType(passivity_step, ChamberTask, EMPTIED, PassivityTable), made=passivity_settings)
+PASSIVITY = GenericProgram(
+    ProgramType(passivity_step, ChamberTask, EMPTIED, PassivityTable, report=ChamberLawReport),
+    made=passivity_settings,
+)
 PRINTED_PASSIVITY = GenericProgram(
-    ProgramType(printed_passivity_step, ChamberTask, EMPTIED, PassivityTable), made=passivity_settings
+    ProgramType(printed_passivity_step, ChamberTask, EMPTIED, PassivityTable, report=ChamberLawReport),
+    made=passivity_settings,
 )
 BACKSTEPPING = GenericProgram(
-    ProgramType(backstepping_step, ChamberTask, EMPTIED, BacksteppingTable), made=backstepping_settings
+    ProgramType(backstepping_step, ChamberTask, EMPTIED, BacksteppingTable, report=ChamberLawReport),
+    made=backstepping_settings,
 )

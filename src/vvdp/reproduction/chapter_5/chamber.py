@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from vvdp.control.chamber import ChamberDrive, volume_compliance
+from vvdp.programs.axial_numbers import Controlled
 from vvdp.reproduction.variant import variant
 from vvdp.simulation.run import simulate
-from vvdp.systems.axial_numbers import Controlled, loop_of, rows_under_control
+from vvdp.systems.axial_numbers import loop_of, rows_under_control
 from vvdp.systems.system import System
 
 HELIX = 20.32

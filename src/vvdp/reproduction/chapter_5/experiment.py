@@ -9,6 +9,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.kinds import GAUGE_PRESSURE, NUMBER, POSITION, RATIO, TIME
 from vvdp.base.units import ATMOSPHERE
 from vvdp.control.backstepping import best_pressure_weight
+from vvdp.programs.axial_numbers import Controlled
 from vvdp.reproduction.chapter_5.chamber import (
     BACKSTEPPING,
     MILD,
@@ -25,7 +26,7 @@ from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
 from vvdp.results.verdict import Statement, bound_statement, drawing_statement, missing_statement, number_statement
 from vvdp.simulation.run import Run, simulate
-from vvdp.systems.axial_numbers import Controlled, loop_of
+from vvdp.systems.axial_numbers import loop_of
 
 PSI = 6894.757
 LOAD = 400.0 * PSI
