@@ -1,5 +1,6 @@
 """The part `chamber-drive`: numbers by hand, with other laws, twice in a circuit, and beside a rotary valve."""
 
+import re
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -11,7 +12,7 @@ from vvdp.simulation.record import record_of
 from vvdp.simulation.run import simulate
 from vvdp.systems.program_reports import ReportedPrograms
 from vvdp.systems.summary import summary
-from vvdp.systems.system import System, load_system
+from vvdp.systems.system import System, load_system, shipped_systems
 
 pytestmark = pytest.mark.heavy
 
@@ -34,6 +35,8 @@ duty_ratio = { step = ["0.1", "0.4"], at = "1.2 s" }
 until = "1.7 s"
 average_from = "1.6 s"
 """
+
+PAGE = (Path(__file__).parents[2] / "docs" / "own-code.md").read_text("utf-8")
 
 
 def law(name: str) -> str:
@@ -87,10 +90,12 @@ def test_another_law_by_one_line():
     assert found["spool_position_error_rms_m"] != found_in(DRIVE)["spool_position_error_rms_m"]
 
 
-def test_a_law_with_other_gains_is_refused_with_its_keys():
+def test_a_law_with_other_gains_needs_those_and_drops_the_old_ones():
     with pytest.raises(ConfigError) as refused:
         system_of(DRIVE.replace("[run]", law("backstepping")))
-    assert "pressure_rate" in str(refused.value)
+    assert "programs.law.pressure_weight" in str(refused.value) and "pressure_rate" not in str(refused.value)
+    own = law("backstepping").replace("\n\n", '\npressure_weight = "3e-12 m^3/Pa"\nflow_gain = "1e-10 m^3/(s*Pa)"\n\n')
+    assert found_in(DRIVE.replace("[run]", own))["spool_position_error_rms_m"] < 200e-6
 
 
 def test_two_drives_report_under_their_names():
@@ -115,6 +120,27 @@ duty_ratio = "0.2"
     names = [chart.name for chart, _ in system.extras.charts(record_of(run))]
     assert sorted(set(names)) == sorted(names)
     assert {"drive-law-axial-control", "other-law-axial-control"} <= set(names)
+
+
+def test_the_law_of_the_page(tmp_path):
+    """One Python file and one line of TOML; the numbers of the page."""
+    code = next(each for each in re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL) if "cascade_step" in each)
+    line = next(each for each in re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL) if "my_law:LAW" in each)
+    assert len([row for row in line.splitlines() if "=" in row]) == 1
+    (tmp_path / "my_law.py").write_text(code)
+    text = shipped_systems()["axial-chamber"]
+    own = text.replace("[run]", f"{line}\n[run]")
+    (tmp_path / "drive.toml").write_text(own)
+    system = load_system(str(tmp_path / "drive.toml"))
+    run = simulate(system.model, system.case, system.stepping)
+    found = summary(system, run)
+    shown = re.search(
+        r"leaves ([\d.]+) mm rms against the reference, `passivity` ([\d.]+) mm.*?in (\d+) samples", PAGE, re.S
+    )
+    assert f"{1e3 * found['spool_position_error_rms_m']:.3f}" == shown[1]
+    assert f"{1e3 * found_in(text)['spool_position_error_rms_m']:.3f}" == shown[2]
+    assert found["storage_rises"] == float(shown[3])
+    assert any("not passive" in words for words in system.extras.warnings(found))
 
 
 UNIT = """

@@ -65,6 +65,14 @@ class Controlled(NamedTuple):
     shown: Any
     reference: Any
 
+    def rows(self, chosen: Any) -> "Controlled":
+        """The same with some of the rows; `chosen` are flags or places."""
+
+        def of(record: Any) -> Any:
+            return type(record)(**{name: column[chosen] for name, column in record._asdict().items()})
+
+        return Controlled(self.times[chosen], of(self.true), of(self.shown), of(self.reference))
+
 
 class Moved(NamedTuple):
     """How a spool moved while it was controlled, at its samples: time [s], true position and reference [m], and what

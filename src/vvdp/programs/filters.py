@@ -49,6 +49,35 @@ def low_pass_step(t: float, memory: LastValue, reading: Read, settings: LowPass)
     return LastValue(value, t, 1.0), Value(value)
 
 
+class Rate(NamedTuple):
+    """What a program gives: a rate."""
+
+    rate: OutputRate
+
+
+class SlopeMemory(NamedTuple):
+    """What was read last and when, the rate then, and whether there was a sample (1)."""
+
+    reads: Number
+    time: Number
+    rate: Number
+    begun: Fraction
+
+
+def slope_start(settings: LowPass) -> SlopeMemory:
+    """Before the first sample."""
+    return SlopeMemory(reads=0.0, time=0.0, rate=0.0, begun=0.0)
+
+
+def slope_step(t: float, memory: SlopeMemory, reading: Read, settings: LowPass) -> tuple[SlopeMemory, Rate]:
+    """Rate of what is read, behind a first-order filter; from sample to sample, at time t [s], 0 at the first."""
+    rate = 0.0
+    if memory.begun > 0.5:
+        slope = (reading.reads - memory.reads) / (t - memory.time)
+        rate = memory.rate - expm1((memory.time - t) / settings.time_constant) * (slope - memory.rate)
+    return SlopeMemory(reads=reading.reads, time=t, rate=rate, begun=1.0), Rate(rate)
+
+
 class RateLimit(Params):
     """How fast the command may rise and fall, both above 0."""
 
@@ -123,6 +152,7 @@ def smooth_step(t: float, memory: SmoothMemory, reading: Led, settings: Referenc
     return after, Smooth(found.position, found.velocity, found.acceleration, found.jerk)
 
 
+DERIVATIVE = GenericProgram(ProgramType(slope_step, Read, Rate(0.0), LowPass, slope_start))
 LOW_PASS = GenericProgram(ProgramType(low_pass_step, Read, Value(0.0), LowPass, last_value_start))
 RATE_LIMIT = GenericProgram(ProgramType(rate_limit_step, Read, Value(0.0), RateLimit, last_value_start))
 LIMIT = GenericProgram(ProgramType(limit_step, Read, Value(0.0), Limits))

@@ -10,7 +10,7 @@ from vvdp.programs.chamber_observer import CHAMBER_OBSERVER
 from vvdp.programs.controllers import PI, PID
 from vvdp.programs.encoders import ENCODER, EVENT_FILTER, THRESHOLD
 from vvdp.programs.estimators import FLOW_MAP, LOAD_OBSERVER, PERIOD_AVERAGE
-from vvdp.programs.filters import LIMIT, LOW_PASS, RATE_LIMIT, REFERENCE
+from vvdp.programs.filters import DERIVATIVE, LIMIT, LOW_PASS, RATE_LIMIT, REFERENCE
 from vvdp.programs.generic import GenericProgram
 from vvdp.programs.pulses import CYCLE, PWM
 from vvdp.programs.unloading import UNLOADING
@@ -20,6 +20,7 @@ PROGRAMS: Mapping[str, ProgramType | GenericProgram] = {
     "backstepping": BACKSTEPPING,
     "chamber-observer": CHAMBER_OBSERVER,
     "cycle": CYCLE,
+    "derivative": DERIVATIVE,
     "encoder": ENCODER,
     "event-filter": EVENT_FILTER,
     "flow-map": FLOW_MAP,

@@ -1,37 +1,28 @@
 """How well an axial drive is controlled: errors of position and estimate, and whether the storage obeys passivity."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from types import MappingProxyType
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.kinds import DUTY_RATIO, POSITION, Kind
+from vvdp.base.kinds import Kind
 from vvdp.control.chamber import ChamberReading
 from vvdp.control.reference import Reference
-from vvdp.hydraulics.chamber_drive import static_reach
-from vvdp.programs.axial_charts import control_charts
 from vvdp.programs.axial_loop import PROGRAM, RUN, SETTLED
 from vvdp.programs.axial_numbers import (
-    CHAMBER,
     Controlled,
     ExactLaw,
     Moved,
-    control_merits,
     control_warnings,
     motion_numbers,
     storage_numbers,
 )
 from vvdp.programs.chamber_loop import ChamberLoop, WatchedLoop
-from vvdp.results.chart import Chart
-from vvdp.results.result import Table
-from vvdp.systems.extras import Extras, LoadedSystem, Summary
 from vvdp.systems.extras import Line as Row
+from vvdp.systems.extras import LoadedSystem, Summary
 
 if TYPE_CHECKING:
-    from vvdp.simulation.outcome import Outcome
-    from vvdp.simulation.record import Record
     from vvdp.simulation.run import Run
 
 GROUP = "Axial control"
@@ -119,48 +110,3 @@ def law_of(loop: ChamberLoop) -> ExactLaw:
     """The law of a loop: each class of loops has gains."""
     law: Any = loop
     return law  # type: ignore[no-any-return]
-
-
-class ChamberReach(Extras):
-    """How far the supply of a chamber drive holds the spool against its spring."""
-
-    STEADY = False
-    QUANTITIES = MappingProxyType(
-        {
-            "axial_reach_m": (POSITION, "position that the pilot supply holds against the spring"),
-            "duty_reach": (DUTY_RATIO, "duty ratio of the position that the pilot supply holds"),
-        }
-    )
-
-    def simulation_numbers(self, run: "Outcome", found: Summary) -> Summary:  # noqa: ARG002
-        """The reach, and the duty ratio there, at the lowest pressure of the supply."""
-        tables = self.tables
-        pressure = tables["pilot"].supply_pressure.extremes[0]
-        reference = tables["pilot_oil"].reference_pressure
-        reach = static_reach(pressure, reference, tables["axial_piston"], tables["axial_spring"])
-        reach = min(reach, tables["axial_stops"].upper_end)
-        return {"axial_reach_m": reach, "duty_reach": reach / tables["stroke"].helix_length}
-
-
-class AxialLoop(ChamberReach):
-    """What a controlled axial drive brings along."""
-
-    OVERVIEW = lines_of(CHAMBER)
-    QUANTITIES = MappingProxyType({**CHAMBER, **ChamberReach.QUANTITIES})
-    HEADLINE = ("spool_position_error_rms_m", "spool_estimate_error_rms_m")
-
-    def record_numbers(self, run: "Run") -> Summary:
-        """How well the drive was controlled."""
-        return control_numbers(run, loop_of(self.system), self.tables["stroke"].helix_length)
-
-    def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
-        """What limits the control."""
-        yield from loop_warnings(loop_of(self.system), found)
-
-    def merits(self, found: Mapping[str, Any]) -> Iterator[str]:
-        """A storage that never rose."""
-        yield from control_merits(found)
-
-    def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:
-        """Position, pressure, storage and errors."""
-        return control_charts(record, self.tables["axial_observer"].sample_period)
