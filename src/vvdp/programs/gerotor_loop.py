@@ -153,6 +153,18 @@ def gerotor_loop_start(settings: GerotorLoop) -> GerotorMemory:
     return GerotorMemory(drive_start(settings), gerotor_observer_start(settings.observer, settings.stop_position))
 
 
+def stage_at_stop(stage: Stage, time: float, known: bool, sequence: AxialSequence) -> Stage:
+    """The stage at a sample [s] of a drive that is taken to be at its stop until it is controlled."""
+    after = next_stage(stage, time, 1.0, known, sequence)
+    return Stage(after.number, after.since, 1.0 if after.number == HOME or after.number == LEARN else 0.0)
+
+
+def flow_after(settled: float, flow: float, period: float, lag: float) -> float:
+    """What a flow [m^3/s] has come to a `period` [s] later on its way to a settled one."""
+    after: float = settled + (flow - settled) * np.exp(-period / lag)
+    return after
+
+
 def gerotor_view(
     memory: DriveMemory, place: GerotorPlace, phase: Phase, wanted: float, settings: GerotorControl
 ) -> GerotorView:
@@ -167,9 +179,8 @@ def gerotor_view(
         memory.sensor, SpoolPlace(place.time, place.position, place.angle), settings.sensor
     )
     period = settings.sample_period
-    stage = next_stage(memory.stage, place.time, 1.0, is_known(phase), settings.sequence)
-    stage = Stage(stage.number, stage.since, 1.0 if stage.number == HOME or stage.number == LEARN else 0.0)
-    flow = memory.settled + (memory.flow - memory.settled) * np.exp(-period / settings.calibration.lag)
+    stage = stage_at_stop(memory.stage, place.time, is_known(phase), settings.sequence)
+    flow = flow_after(memory.settled, memory.flow, period, settings.calibration.lag)
     target = Target(wanted, settings.stop_position)
     return GerotorView(
         sensor=sensor,

@@ -12,6 +12,7 @@ from vvdp.programs.encoders import ENCODER, EVENT_FILTER, THRESHOLD
 from vvdp.programs.estimators import FLOW_MAP, LOAD_OBSERVER, PERIOD_AVERAGE
 from vvdp.programs.filters import DERIVATIVE, LIMIT, LOW_PASS, RATE_LIMIT, REFERENCE
 from vvdp.programs.generic import GenericProgram
+from vvdp.programs.gerotor_control import FEEDFORWARD_PI, GEROTOR_OBSERVER
 from vvdp.programs.pulses import CYCLE, PWM
 from vvdp.programs.unloading import UNLOADING
 
@@ -23,7 +24,9 @@ PROGRAMS: Mapping[str, ProgramType | GenericProgram] = {
     "derivative": DERIVATIVE,
     "encoder": ENCODER,
     "event-filter": EVENT_FILTER,
+    "feedforward-pi": FEEDFORWARD_PI,
     "flow-map": FLOW_MAP,
+    "gerotor-observer": GEROTOR_OBSERVER,
     "limit": LIMIT,
     "load-observer": LOAD_OBSERVER,
     "low-pass": LOW_PASS,
