@@ -8,7 +8,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from vvdp.programs.axial_numbers import Controlled, ExactLaw
-from vvdp.programs.chamber_report import ChamberLawReport, rows_at_samples
+from vvdp.programs.chamber_report import ChamberLawReport
+from vvdp.programs.spool_report import rows_at_samples
 from vvdp.simulation.run import Run, simulate
 from vvdp.systems.system import System, load_system, shipped_systems
 

@@ -9,8 +9,10 @@ from vvdp.base.errors import ConfigError
 from vvdp.base.tables import parsed_table
 from vvdp.programs.gerotor_control import DriveTask, FeedforwardTable, feedforward_settings, feedforward_step
 from vvdp.programs.gerotor_control import feedforward_start as start
+from vvdp.simulation.record import record_of
 from vvdp.simulation.run import Run, simulate
-from vvdp.systems.system import built_system, shipped_systems
+from vvdp.systems.summary import summary
+from vvdp.systems.system import System, built_system, shipped_systems
 
 pytestmark = pytest.mark.heavy
 
@@ -85,8 +87,12 @@ relative_tolerance = "1e-10"
 """
 
 
+def loaded(text: str) -> System:
+    return built_system(parsed_table(text, "own"), "own")
+
+
 def ran(text: str) -> Run:
-    system = built_system(parsed_table(text, "own"), "own")
+    system = loaded(text)
     return simulate(system.model, system.case, system.stepping)
 
 
@@ -103,6 +109,22 @@ def test_it_is_the_sampled_block():
     asked = ran(drawn())
     late = np.interp(times, asked.times, asked.state.gerotor.position)
     assert 1e-6 < np.max(np.abs(late - one)) < 30e-6  # 20.32 mm/s times 1 ms
+
+
+KEYS = ("duty_error_rms", "spool_position_error_rms_m", "spool_estimate_error_rms_m", "spool_estimate_coverage")
+
+
+def test_the_law_reports_what_the_block_does():
+    """Asked a sample earlier the numbers are the same; the figures are those of a drive."""
+    systems = loaded(SHIPPED[: SHIPPED.index("[run]")] + drawn()[drawn().index("[run]") :]), loaded(drawn(PERIOD))
+    runs = [simulate(system.model, system.case, system.stepping) for system in systems]
+    block, found = (summary(system, run) for system, run in zip(systems, runs, strict=True))
+    assert [found[key] for key in KEYS] == pytest.approx([block[key] for key in KEYS], rel=1e-6)
+    names = [
+        [chart.name for chart, _ in system.extras.charts(record_of(run))]
+        for system, run in zip(systems, runs, strict=True)
+    ]
+    assert names[0] == names[1] != []
 
 
 def test_the_command_of_the_last_sample_breaks_the_loop():

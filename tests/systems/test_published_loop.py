@@ -37,7 +37,7 @@ from vvdp.control.storage import estimation_storage, least_estimation_weight, lo
 from vvdp.estimation.noise_basis import function_count, write_basis
 from vvdp.numerics.kalman import covariance_of
 from vvdp.programs import axial_numbers, chamber_observer
-from vvdp.programs.chamber_report import rows_at_samples
+from vvdp.programs.spool_report import rows_at_samples
 from vvdp.sensing.axial_sensor import pollution_at
 from vvdp.systems.system import System
 

@@ -108,9 +108,13 @@ def chamber_charts(
 
 def gerotor_charts(record: "Record", period: float) -> Iterator[tuple[Chart, Table]]:
     """The same of a gerotor drive."""
-    paths = drive_paths("gerotor.position")
+    yield from command_charts(record, drive_paths("gerotor.position"), f"{PROGRAM}.drive", period)
+
+
+def command_charts(record: "Record", paths: DrivePaths, command: str, period: float) -> Iterator[tuple[Chart, Table]]:
+    """The same of any drive, with its command by its path."""
     columns = motion_columns(record, paths, period) | {
-        "command": (record.commands[f"{PROGRAM}.drive"].values, SIGNED_FRACTION, "command"),
+        "command": (values_over_time(record, command), SIGNED_FRACTION, "command"),
     }
     panels = (Lines(lines=(Line(x="time_s", y="command"),), label="command"),)
     yield from drive_charts(record, paths, columns, panels, "; the pump's command")

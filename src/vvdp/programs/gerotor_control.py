@@ -28,6 +28,7 @@ from vvdp.programs.axial_loop import (
 from vvdp.programs.chamber_observer import NOTHING_SEEN, SeenSpool
 from vvdp.programs.generic import GenericProgram
 from vvdp.programs.gerotor_loop import ALWAYS_SEEN, DriveBelief, flow_after, stage_at_stop
+from vvdp.programs.spool_report import SpoolReport
 from vvdp.sensing.axial_sensor import AxialReading
 
 
@@ -227,6 +228,8 @@ GEROTOR_OBSERVER = GenericProgram(
     made=gerotor_observer_settings,
 )
 FEEDFORWARD_PI = GenericProgram(
-    ProgramType(feedforward_step, DriveTask, DriveCommand(0.0, 0.0), FeedforwardTable, feedforward_start),
+    ProgramType(
+        feedforward_step, DriveTask, DriveCommand(0.0, 0.0), FeedforwardTable, feedforward_start, report=SpoolReport
+    ),
     made=feedforward_settings,
 )
