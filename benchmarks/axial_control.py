@@ -18,8 +18,8 @@ from benchmarks.measure import (
 )
 from vvdp.simulation.replay import Replay
 from vvdp.simulation.run import Run, simulate
-from vvdp.systems.axial_loop import PROGRAM, AxialCommand, AxialPlace
-from vvdp.systems.chamber_loop import WatchedLoop, WatchedMemory, watched_step
+from vvdp.programs.axial_loop import PROGRAM, AxialCommand, AxialPlace
+from vvdp.programs.chamber_loop import WatchedLoop, WatchedMemory, watched_step
 from vvdp.systems.system import System, load_system
 
 SAMPLES = 20_000

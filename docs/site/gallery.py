@@ -117,9 +117,9 @@ ENTRIES: Mapping[str, Entry] = {
         "One chamber against a spring moves the spool of a rotary valve along its axis. Without current the spring "
         "takes it to its stop. [Details](models/axial-drives.md)",
         (
-            Number("highest position of the spool", "position_max_slide_m", POSITION, "mm"),
+            Number("highest position of the spool", "position_max_drive_slide_m", POSITION, "mm"),
             Number("position that the supply holds", "axial_reach_m", POSITION, "mm"),
-            Number("highest pressure in the chamber", "pressure_max_pilot_chamber_Pa", PRESSURE_DIFFERENCE, "bar"),
+            Number("highest pressure in it", "pressure_max_drive_pilot_chamber_Pa", PRESSURE_DIFFERENCE, "bar"),
         ),
     ),
     "axial-gerotor": Entry(

@@ -127,9 +127,9 @@ def test_a_person_reads_the_speeds(vvdp, here, is_shown):
         (("--speed", "22.5 Hz"), "--speed"),
         (("--harmonics", "0"), "harmonics: " + wording.observability.harmonics.format(value=0, low=1, high=200)),
         (("--harmonics", "2.5"), "harmonics: " + wording.observability.harmonics.format(value=2.5, low=1, high=200)),
-        (("--of", "spool"), wording.observability.none_of_these.format(part="spool", parts="slide")),
+        (("--of", "spool"), wording.observability.none_of_these.format(part="spool", parts="drive_slide")),
         (
-            ("--set", "operation.spool_speed=0 rpm"),
+            ("--set", "nodes.spool.speed=0 rpm"),
             "--speed: " + wording.observability.speed_at_start.format(speed="0 rad/s", system="axial-chamber"),
         ),
     ],

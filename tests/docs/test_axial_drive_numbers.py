@@ -14,8 +14,9 @@ from vvdp.hydraulics.gerotor_drive import gerotor_effort
 from vvdp.systems.system import load_system
 
 PAGE = " ".join((Path(__file__).parents[2] / "docs" / "models" / "axial-drives.md").read_text("utf-8").split())
-CHAMBER, GEROTOR = (load_system(name).tables for name in ("axial-chamber", "axial-gerotor"))
-PISTON, SPRING, OIL = CHAMBER["axial_piston"], CHAMBER["axial_spring"], CHAMBER["pilot_oil"]
+CHAMBER, GEROTOR = load_system("axial-chamber").circuit.network, load_system("axial-gerotor").tables
+PISTON, SPRING = (CHAMBER.parts[f"drive_axial_{name}"].values[0] for name in ("piston", "spring"))
+OIL = CHAMBER.oil
 P0, PSI = OIL.reference_pressure, 6894.757
 
 
@@ -29,7 +30,7 @@ def test_reach_of_a_supply_on_the_page(psi, words):
 
 
 def test_pressures_of_positions():
-    length = CHAMBER["stroke"].helix_length
+    length = CHAMBER.programs["drive_observer"].settings.observer.pollution.helix_length
     zero, full = (holding_pressure(x, P0, PISTON, SPRING) - P0 for x in (0.0, 1.3 * length))
     assert f"Position 0 takes {zero / 1e5:.2f} bar" in PAGE
     assert f"takes {full / 1e5:.2f} bar, {full / PSI:.0f} psi" in PAGE
@@ -38,7 +39,7 @@ def test_pressures_of_positions():
 def test_frequencies_of_the_chamber_drive():
     mass = PISTON.moving_mass
     assert f"{spring_frequency(mass, SPRING) / (2.0 * np.pi):.3f} Hz" in PAGE
-    oil = oil_stiffness(CHAMBER["pilot_chamber"].volume, fluid_state(14e5, OIL).bulk_modulus, PISTON)
+    oil = oil_stiffness(CHAMBER.nodes["drive_pilot_chamber"].values.volume, fluid_state(14e5, OIL).bulk_modulus, PISTON)
     shut = np.sqrt((SPRING.stiffness + oil) / mass) / (2.0 * np.pi)
     assert f"at 14 bar {oil / SPRING.stiffness:.0f} times as stiff, {shut:.0f} Hz" in PAGE
 

@@ -9,6 +9,7 @@ from vvdp.control.pid import PidGains, Sample, pid_start, pid_step
 from vvdp.control.reference import Reference, ReferenceFilter, reference_step
 from vvdp.programs.arithmetic import Factors, Grid, Looked, Summands, Weights, product_step, sum_step, table_step
 from vvdp.programs.filters import (
+    Led,
     Limits,
     LowPass,
     RateLimit,
@@ -116,10 +117,10 @@ def test_limit():
 def test_reference_is_the_filter_of_the_control():
     """Of the input that was held until now."""
     law = ReferenceFilter(filter_rate=30.0)
-    memory, first = smooth_step(0.0, smooth_start(law), Read(1.0), law)
+    memory, first = smooth_step(0.0, smooth_start(law), Led(1.0), law)
     assert first == (1.0, 0.0, 0.0, 0.0)
-    memory, still = smooth_step(0.1, memory, Read(3.0), law)
-    memory, found = smooth_step(0.15, memory, Read(3.0), law)
+    memory, still = smooth_step(0.1, memory, Led(3.0), law)
+    memory, found = smooth_step(0.15, memory, Led(3.0), law)
     assert still == (1.0, 0.0, 0.0, 0.0)
     assert tuple(found) == tuple(reference_step(Reference(1.0, 0.0, 0.0, 0.0), 3.0, 0.15 - 0.1, law))
 

@@ -15,10 +15,9 @@ from vvdp.control.cylinder_force import Motion, desired_force
 from vvdp.control.cylinder_storage import force_measure
 from vvdp.control.reference import Reference
 from vvdp.fluid.modulus import specific_volume_exponent, yu_bulk_modulus
-from vvdp.reproduction.chapter_5.chamber import experiment, known_drive
+from vvdp.reproduction.chapter_5.chamber import experiment, known_drive, law_of
 from vvdp.reproduction.chapter_5.compressed_oil import aerated_oil
 from vvdp.reproduction.chapter_6.cylinder import nominal_settings
-from vvdp.systems.axial_numbers import loop_of
 
 ROOT = Path(__file__).parents[2]
 NUMBERED = {2: 10, 3: 10, 4: 25, 5: 69, 6: 41}
@@ -96,7 +95,7 @@ def test_density_exponents_add_up_and_change_sign():
 @pytest.mark.parametrize("error", [-3e5, 0.0, 2e5])
 def test_velocity_error_moves_by_the_pressure_error(error):
     """(5.30): M e_v' = -(K + K_p) e - K_v e_v + A (P - P_d), the motion (5.1) under the pressure (5.29)."""
-    drive, gains = known_drive(), loop_of(experiment()).gains
+    drive, gains = known_drive(), law_of(experiment()).gains
     reference, place, speed = Reference(2.75e-3, 0.02, 0.5, 3.0), 2.77e-3, 0.021
     wanted = desired_pressure(reference, ChamberReading(place, speed, 13e5), gains, drive)
     pressure = wanted.pressure + error

@@ -7,16 +7,18 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from vvdp.programs.axial_numbers import Controlled, ExactLaw
+from vvdp.programs.chamber_report import ChamberLawReport
+from vvdp.programs.spool_report import rows_at_samples
 from vvdp.simulation.run import Run, simulate
-from vvdp.systems.axial_numbers import Controlled, loop_of, rows_under_control
 from vvdp.systems.system import System, load_system, shipped_systems
 
 HELIX = 20.32
 """Length of the helix [mm]."""
 TURN = 2.0 * np.pi
-RAW = {"velocity_rate": f"{60.0 * TURN} 1/s"}
+RAW_RATE = 60.0 * TURN
+RAW = {"velocity_rate": f"{RAW_RATE} 1/s"}
 """Filter of the raw feedback: 60 Hz."""
-TRUE = {"velocity_rate": "1e6 1/s"}
 TABLE = {
     "error_rate": "50 1/s",
     "position_gain": "550 N/m",
@@ -29,7 +31,33 @@ MILD = TABLE | {"position_gain": "55 N/m", "velocity_gain": "4 N*s/m"}
 """Those of the passivity law."""
 
 
+PLACES = {
+    ("operation", "duty_ratio"): "parts.drive",
+    ("operation", "spool_speed"): "nodes.spool",
+    ("axial_friction", "viscous_friction"): "parts.drive",
+    ("axial_reference", "filter_rate"): "parts.drive",
+    ("axial_sequence", "learn_time"): "parts.drive",
+    ("axial_observer", ""): "programs.drive.observer",
+    ("axial_sequence", ""): "programs.drive.observer",
+    ("axial_sensor", ""): "programs.drive.sensor",
+    ("passivity", ""): "programs.drive.law",
+}
+"""Where the drawn drive has what the tables of the other systems have."""
+NAMES = {("operation", "spool_speed"): "speed"}
+
+
 def change(text: str, table: str, **values: str) -> str:
+    """A system's text with other values in a table, which is added where there is none; that of the drawn drive in the
+    places that these have there."""
+    if "[parts.drive]" not in text:
+        return change_table(text, table, **values)
+    for key, value in values.items():
+        place = PLACES.get((table, key), PLACES.get((table, ""), table))
+        text = change_table(text, place, **{NAMES.get((table, key), key): value})
+    return text
+
+
+def change_table(text: str, table: str, **values: str) -> str:
     """A system's text with other values in a table, which is added where there is none."""
     parts = re.split(r"(?m)^(?=\[)", text)
     rows = dict(values)
@@ -50,7 +78,31 @@ def without(text: str, table: str) -> str:
     return "".join(part for part in re.split(r"(?m)^(?=\[)", text) if not part.startswith(f"[{table}]"))
 
 
+def told_truth(text: str, velocity_rate: float) -> str:
+    """The drawn drive with a law that is told the true position, and the true velocity behind a filter [1/s]."""
+    text = change_table(text, "programs.drive.law", position="drive.slide.position", velocity="told.value")
+    told = {"type": "low-pass", "reads": "drive.slide.velocity", "time_constant": f"{1.0 / velocity_rate!r} s"}
+    return change_table(text, "programs.told", **told)
+
+
+def told_sensor(text: str, velocity_rate: float) -> str:
+    """The drawn drive with a law that is told what the sensor shows, and its slope behind a filter [1/s]."""
+    text = change_table(text, "programs.drive.law", position="drive.sensor.position", velocity="told.rate")
+    told = {"type": "derivative", "reads": "drive.sensor.position", "time_constant": f"{1.0 / velocity_rate!r} s"}
+    return change_table(text, "programs.told", **told)
+
+
+def told_estimate(text: str) -> str:
+    """The drawn drive with a law that is told what the observer estimates."""
+    text = without(text, "programs.told")
+    return change_table(
+        text, "programs.drive.law", position="drive.observer.position", velocity="drive.observer.velocity"
+    )
+
+
 def rename(text: str, table: str, new: str) -> str:
+    if "[parts.drive]" in text:
+        return change_table(text, "programs.drive.law", type=new.replace("_", "-"))
     return text.replace(f"\n[{table}]\n", f"\n[{new}]\n")
 
 
@@ -72,11 +124,12 @@ def trapezoid_text(periods: int = 3, pause: float = 0.2) -> str:
     text = change(text, "axial_reference", filter_rate="250 1/s")
     text = change(text, "passivity", flow_gain="4e-10 m^3/(s*Pa)", pressure_rate="0 1/s")
     text = change(text, "axial_sequence", learn_time="0 s")
-    return change(change(text, "true_feedback", **TRUE), "run", until=f"{now:.6g} s", average_from=f"{now - 0.1:.6g} s")
+    return change(told_truth(text, 1e6), "run", until=f"{now:.6g} s", average_from=f"{now - 0.1:.6g} s")
 
 
 def backstepping_text(text: str, gains: dict[str, str]) -> str:
-    return change(without(text, "passivity"), "backstepping", **gains)
+    kept = [line for line in text.splitlines() if not line.startswith(("flow_gain", "pressure_rate"))]
+    return change_table("\n".join(kept) + "\n", "programs.drive.law", type="backstepping", **gains)
 
 
 def sample_text(text: str, milliseconds: float) -> str:
@@ -98,29 +151,38 @@ def run_of(text: str) -> tuple[System, Run]:
     return system, simulate(system.model, system.case, system.stepping)
 
 
+def report_of(system: System) -> ChamberLawReport:
+    """What the law of the drawn drive reports."""
+    return ChamberLawReport(system.circuit.network, "drive_law", system.stepping.sample_period)
+
+
+def law_of(system: System) -> ExactLaw:
+    """The law of the drawn drive."""
+    found = report_of(system).law
+    assert found is not None
+    return found
+
+
 def rows_from(text: str, begin: float) -> Controlled:
-    """The samples from `begin` [s] on."""
+    """The samples of the drawn drive from `begin` [s] on."""
     system, run = run_of(text)
-    found = rows_under_control(run, loop_of(system).observer.sample_period)
-    late = found.times >= begin - 1e-9
-    return Controlled(
-        times=found.times[late],
-        true=type(found.true)(*(column[late] for column in found.true)),
-        shown=type(found.shown)(*(column[late] for column in found.shown)),
-        reference=type(found.reference)(*(column[late] for column in found.reference)),
-    )
+    found = report_of(system).run_rows(run)
+    return found.rows(found.times >= begin - 1e-9)
 
 
 def tracking(text: str, begin: float = 0.6) -> float:
     """Error of the spool against the reference, rms [um]."""
     found = rows_from(text, begin)
-    return rms(found.true.position - found.shown.reference)
+    return rms(found.true.position - found.reference.position)
 
 
 def estimation(text: str, begin: float) -> float:
     """Error of the estimate, rms [um]."""
-    found = rows_from(text, begin)
-    return rms(found.shown.position - found.true.position)
+    system, run = run_of(text)
+    report = report_of(system)
+    now, after = rows_at_samples(run, report.program, report.period)
+    late = run.times[now] >= begin - 1e-9
+    return rms((run.command.drive_observer.position[after] - run.state.drive_slide.position[now])[late])
 
 
 def rms(metres: np.ndarray) -> float:

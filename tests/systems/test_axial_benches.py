@@ -10,7 +10,6 @@ from vvdp.base.errors import ConfigError
 from vvdp.base.tables import parsed_table, with_settings
 from vvdp.sensing.axial_sensor import pollution_at
 from vvdp.simulation.run import Run, simulate
-from vvdp.systems.axial_sensor import axial_sensor_of
 from vvdp.systems.summary import summary
 from vvdp.systems.system import System, built_system, load_system, shipped_systems
 
@@ -31,15 +30,10 @@ average_from = "0.2 s"
 """The gerotor drive without its control: inside the dead band, forward to its end, and back."""
 
 
-CHAMBER_BY_COMMAND = """
-[operation]
+CHAMBER_COMMAND = """
+[components.drive.pilot_valve]
 command = { table = [["0 s", "0"], ["0.05 s", "0"], ["0.05 s", "0.2"], ["0.15 s", "0.2"], ["0.15 s", "0"],
   ["0.5 s", "0"], ["0.5 s", "-0.02"], ["0.51 s", "-0.02"], ["0.51 s", "0"], ["0.7 s", "0"], ["0.7 s", "-1"]] }
-spool_speed = "22.5 rev/s"
-oil_temperature = "40 degC"
-[initial]
-axial_position = "-6.2 mm"
-chamber_pressure = "0 bar"
 [run]
 until = "1 s"
 average_from = "0.2 s"
@@ -50,7 +44,9 @@ average_from = "0.2 s"
 def by_command(name: str) -> str:
     """A shipped drive on a prescribed command."""
     text = shipped_systems()[name]
-    return text[: text.index("[axial_observer]")] + (BY_COMMAND if name == "axial-gerotor" else CHAMBER_BY_COMMAND)
+    if name == "axial-chamber":
+        return text[: text.index("[run]")] + CHAMBER_COMMAND
+    return text[: text.index("[axial_observer]")] + BY_COMMAND
 
 
 def loaded(name: str, settings: tuple[str, ...] = ()) -> System:
@@ -88,7 +84,7 @@ def test_every_value_says_where_it_comes_from(name):
 def test_chamber_shuts_holds_and_lets_go():
     """Shut at 0.15 s the chamber holds the spool, which has come to rest by 0.49 s; 5.9 ms without current suffice."""
     _, run = done("axial-chamber")
-    x, t = run.state.slide.position, run.times
+    x, t = run.state.drive_slide.position, run.times
     assert np.ptp(x[(t > 0.45) & (t < 0.5)]) < 0.1e-3
     assert x[t < 0.5][-1] == pytest.approx(5.0e-3, abs=0.1e-3)
     assert np.all(x[t > 0.7075] < 0.0)
@@ -98,7 +94,7 @@ def test_chamber_shuts_holds_and_lets_go():
 def test_pressure_at_which_the_spring_lets_go():
     """Between -6.2 mm, (211.5 - 2594 x 6.2e-3)/174 mm^2 = 11.23 bar, and 12.16 bar at position 0."""
     _, run = done("axial-chamber")
-    x, gauge = run.state.slide.position, run.state.pilot_chamber - 101325.0
+    x, gauge = run.state.drive_slide.position, run.state.drive_pilot_chamber - 101325.0
     leaves = np.argmax(x > -6.2e-3)
     assert gauge[leaves - 1] / 1e5 < 11.4
     assert gauge[leaves] / 1e5 == pytest.approx(11.23, abs=0.5)
@@ -108,20 +104,6 @@ def test_reach_is_told():
     found, _ = done("axial-chamber")
     assert found["axial_reach_m"] == pytest.approx(6.338e-3, abs=1e-6)
     assert found["duty_reach"] == pytest.approx(0.3119, abs=1e-4)
-    system = load_system("axial-chamber", ["pilot.supply_pressure=250 psi", "stroke.highest_position=26.4 mm"])
-    assert system.extras.simulation_numbers(None, {})["axial_reach_m"] == pytest.approx(27e-3)
-
-
-def test_stroke_beyond_the_reach_is_refused_with_numbers(tmp_path):
-    text = shipped_systems()["axial-chamber"].replace('"5.25 mm"', '"20.32 mm"')
-    line = next(i for i, row in enumerate(text.splitlines(), 1) if row.startswith("highest_position ="))
-    told = refusal(text, tmp_path)
-    assert (
-        f"own.toml:{line}: stroke.highest_position: "
-        + wording.systems.needs_pressure.format(distance="20.32 mm", pressure="15.18 bar")
-        in told
-    )
-    assert wording.systems.holds_spool.format(pressure="13.1 bar", distance="6.338 mm") in told
 
 
 def test_calibration_that_is_not_monotone_is_refused_with_its_line(tmp_path):
@@ -172,10 +154,11 @@ def test_sensor_sees_position_and_pollution(name):
     """What it shows less the position and the pollution at the spool's angle is the noise, 20 um."""
     system = loaded(name)
     _, run = done(name)
-    sensor = axial_sensor_of(system.tables["axial_sensor"])
-    x = run.state.slide.position if name == "axial-chamber" else run.state.gerotor.position
+    program, spool = ("drive_sensor", "drive_slide") if name == "axial-chamber" else ("axial_sensor", "gerotor")
+    sensor = system.circuit.network.programs[program].settings
+    x = getattr(run.state, spool).position
     polluted = np.array([pollution_at(float(angle), sensor.near) for angle in run.state.spool])
-    seen = run.command.axial_sensor.position
+    seen = getattr(run.command, program).position
     assert np.std(polluted) > 0.4e-3
     coarse = run.times < run.times[-1] - 0.26  # a row at a sample shows what was commanded before it
     noise = seen[1:] - (x + polluted)[:-1]

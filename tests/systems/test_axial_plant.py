@@ -81,7 +81,7 @@ def test_plants_of_the_axial_drives():
     assert axial_plant(chamber).plant == pytest.approx((0.5, 2594.0, 8.3), rel=1e-9)
     assert axial_plant(gerotor) == AxialPlant("gerotor", None)
     turn = 2.0 * np.pi
-    assert axial_sight(chamber) == ("slide", pytest.approx(22.5 * turn), 5)
+    assert axial_sight(chamber) == ("drive_slide", pytest.approx(22.5 * turn), 5)
     assert axial_sight(gerotor) == ("gerotor", pytest.approx(10.0 * turn), 5)
 
 

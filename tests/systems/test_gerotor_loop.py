@@ -6,7 +6,7 @@ from tests.systems.axial_texts import change, run_of, system_of, without
 from tests.words import wording
 
 from vvdp.base.errors import ConfigError
-from vvdp.systems.axial_loop import HOME, LEARN, RUN, STOP
+from vvdp.programs.axial_loop import HOME, LEARN, RUN, STOP
 from vvdp.systems.summary import summary
 from vvdp.systems.system import shipped_systems
 

@@ -8,40 +8,44 @@ import pytest
 from tests.systems.axial_texts import (
     HELIX,
     MILD,
-    RAW,
+    RAW_RATE,
     TABLE,
     TURN,
     backstepping_text,
     change,
+    change_table,
     estimation,
+    law_of,
     rename,
+    report_of,
     rows_from,
     run_of,
     sample_text,
     system_of,
+    told_estimate,
+    told_sensor,
+    told_truth,
     tracking,
     trapezoid_text,
-    without,
 )
 from tests.words import wording
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.signal import signal_value
 from vvdp.control.backstepping import best_pressure_weight
 from vvdp.control.chamber import volume_compliance
 from vvdp.control.storage import estimation_storage, least_estimation_weight, loop_balance
-from vvdp.estimation.axial_filter import Phase
 from vvdp.estimation.noise_basis import function_count, write_basis
 from vvdp.numerics.kalman import covariance_of
+from vvdp.programs import axial_numbers, chamber_observer
+from vvdp.programs.spool_report import rows_at_samples
 from vvdp.sensing.axial_sensor import pollution_at
-from vvdp.systems import axial_control, axial_numbers, chamber_loop
-from vvdp.systems.axial_loop import PROGRAM, AxialCommand, AxialPlace
-from vvdp.systems.axial_numbers import loop_of, rows_under_control, samples_under_control
-from vvdp.systems.chamber_loop import ChamberLoop, LoopMemory, PassiveLoop, passive_axial_step
+from vvdp.systems.system import System
 
 pytestmark = pytest.mark.heavy
 
 TRAPEZOID = trapezoid_text()
+HIGHEST = {"position_max_drive_slide_m": 5.25e-3}
+"""What a run has found of the trapezoid."""
 MIDDLE = 2.75
 """Position about which sines swing [mm]."""
 
@@ -63,15 +67,8 @@ def test_trapezoid(text, published):
 
 def aerated(text: str) -> str:
     """30 % of air per oil in the chamber, 10 % in the controller, and a friction that it does not know."""
-    oil = dict(line.split(" = ", 1) for line in oil_rows(text))
-    text = change(text, "believed_oil", **oil)
-    text = change(text, "pilot_oil", air_fraction="23.0769231 %")
-    return change(text, "axial_friction", viscous_friction="20 N*s/m")
-
-
-def oil_rows(text: str) -> list[str]:
-    part = text[text.index("[pilot_oil]") :].split("\n[", 1)[0]
-    return [line for line in part.splitlines()[1:] if " = " in line]
+    text = change_table(text, "oil", air_fraction="23.0769231 %")
+    return change_table(text, "components.drive.axial_friction", viscous_friction="20 N*s/m")
 
 
 def test_air_and_friction_that_the_controller_does_not_know():
@@ -84,14 +81,14 @@ def sine_text(text: str) -> str:
     """1.5 mm at 5 Hz, the velocity low-passed at 1 Hz."""
     duty = f'{{ sine = "{MIDDLE / HELIX:.12g}", amplitude = "{1.5 / HELIX:.12g}", frequency = "5 Hz" }}'
     text = change(text, "operation", duty_ratio=duty)
-    text = change(text, "true_feedback", velocity_rate=f"{TURN} 1/s")
+    text = told_truth(text, TURN)
     return change(text, "run", until="2 s", average_from="1.6 s")
 
 
 @cache
 def compliance() -> float:
     """V/beta in the middle of the sine [m^3/Pa]."""
-    drive = loop_of(system_of(TRAPEZOID)).drive
+    drive = law_of(system_of(TRAPEZOID)).drive
     pressure = drive.oil.reference_pressure + (drive.stiffness * MIDDLE * 1e-3 + drive.preload) / drive.area
     return volume_compliance(MIDDLE * 1e-3, pressure, drive)
 
@@ -109,8 +106,8 @@ def compliance() -> float:
 def test_best_pressure_weight(gains, published, least):
     """The error has its minimum at (V/beta)/(1 - k): steep for a small k, flat for one near 1."""
     system = system_of(backstepping_text(sine_text(TRAPEZOID), gains))
-    loop = loop_of(system)
-    predicted = best_pressure_weight(1.0, loop.gains, loop.gains.flow_gain, loop.drive)
+    law = law_of(system)
+    predicted = best_pressure_weight(1.0, law.gains, law.gains.flow_gain, law.drive)
     assert predicted == pytest.approx(published, rel=0.01)
 
     def error(factor):
@@ -147,20 +144,20 @@ def test_sample_periods_beyond_the_limit(period, published):
     """A limit cycle, and told before. Its size hangs on the valve near its seat: 247 and 619 um here."""
     found = tracking(sample_text(TRAPEZOID, period))
     assert published < found < 2.0 * published
-    told = " ".join(system_of(sample_text(TRAPEZOID, period)).extras.warnings({}))
+    told = " ".join(system_of(sample_text(TRAPEZOID, period)).extras.warnings(HIGHEST))
     assert wording.systems.limit_cycle.format(period=f"{period:g} ms", limit="2.54 ms") in told
 
 
 def test_the_run_warns_before_it_limit_cycles():
     """At 2 ms it still tracks; at 1 ms there is nothing to be said. With 1 % of air the same gain takes a fifth."""
-    assert not list(system_of(TRAPEZOID).extras.warnings({}))
-    (told,) = system_of(sample_text(TRAPEZOID, 2.0)).extras.warnings({})
+    assert not list(system_of(TRAPEZOID).extras.warnings(HIGHEST))
+    (told,) = system_of(sample_text(TRAPEZOID, 2.0)).extras.warnings(HIGHEST)
     assert wording.systems.period_above_limit.format(period="2 ms", limit=1.2) in told
-    stiff = change(TRAPEZOID, "pilot_oil", air_fraction="0.990099 %")
-    (told,) = system_of(sample_text(stiff, 0.4)).extras.warnings({})
+    stiff = airy(TRAPEZOID, "0.990099 %")
+    (told,) = system_of(sample_text(stiff, 0.4)).extras.warnings(HIGHEST)
     assert "limit" not in told
     assert tracking(sample_text(stiff, 0.4)) < 5.0
-    (told,) = system_of(sample_text(stiff, 0.6)).extras.warnings({})
+    (told,) = system_of(sample_text(stiff, 0.6)).extras.warnings(HIGHEST)
     assert wording.systems.will_limit_cycle in told
     assert tracking(sample_text(stiff, 0.6)) > 100.0
 
@@ -174,11 +171,14 @@ def test_published_feedforward_lacks_what_damps_the_pressure():
     assert tracking(TRAPEZOID) < printed < 1.02 * tracking(TRAPEZOID)
 
 
+def airy(text: str, air: str) -> str:
+    """Another share of air in the oil, which the law knows."""
+    return change_table(change_table(text, "oil", air_fraction=air), "parts.drive", air_fraction=air)
+
+
 def spinning_text(noise: str = "20 um", speed: str = "22.5 rev/s", seed: int = 1) -> str:
     """A constant reference, pollution of 0.2 mm scale, the filter of the specification; it learns at the stop."""
-    text = without(
-        change(TRAPEZOID, "operation", duty_ratio=f"{MIDDLE / HELIX:.12g}", spool_speed=speed), "true_feedback"
-    )
+    text = told_estimate(change(TRAPEZOID, "operation", duty_ratio=f"{MIDDLE / HELIX:.12g}", spool_speed=speed))
     text = change(text, "axial_sensor", pollution_scale="0.125 mm", noise=noise, seed=str(seed))
     drifts = {"sensor_deviation": "20 um", "position_drift": "0.1 um", "coefficient_drift": "0.1 um"}
     text = change(text, "axial_observer", coefficient_deviation="0.2 mm", **drifts)
@@ -202,9 +202,9 @@ def test_pollution_of_a_spinning_spool(seeds):
     With the filter 1.6 um and 0.014 bar: 3.0 um and 0.030 bar here with white noise of 20 um, which the specification
     does not name, 1.2 um without any.
     """
-    raw = mean_over_seeds(lambda text: tracking(change(text, "raw_feedback", **RAW), 1.5), seeds)
+    raw = mean_over_seeds(lambda text: tracking(told_sensor(text, RAW_RATE), 1.5), seeds)
     assert raw == pytest.approx(46.0, rel=0.15)
-    swing = mean_over_seeds(lambda text: ripple(change(text, "raw_feedback", **RAW)), seeds)
+    swing = mean_over_seeds(lambda text: ripple(told_sensor(text, RAW_RATE)), seeds)
     assert swing == pytest.approx(0.18, rel=0.15)
     noisy = mean_over_seeds(lambda text: tracking(text, 1.5), seeds)
     assert noisy == pytest.approx(3.0, rel=0.15)
@@ -214,9 +214,9 @@ def test_pollution_of_a_spinning_spool(seeds):
 
 def noisy_text(air: str) -> str:
     """No pollution, white noise of 20 um, the raw signal fed back with its slope low-passed at 200 Hz."""
-    text = without(change(TRAPEZOID, "operation", duty_ratio=f"{MIDDLE / HELIX:.12g}"), "true_feedback")
-    text = change(change(text, "axial_sensor", pollution_scale="0 mm"), "pilot_oil", air_fraction=air)
-    text = change(text, "raw_feedback", velocity_rate=f"{200.0 * TURN} 1/s")
+    text = change(TRAPEZOID, "operation", duty_ratio=f"{MIDDLE / HELIX:.12g}")
+    text = airy(change(text, "axial_sensor", pollution_scale="0 mm"), air)
+    text = told_sensor(text, 200.0 * TURN)
     return change(text, "run", until="3 s", average_from="2 s")
 
 
@@ -234,23 +234,17 @@ def test_which_law_is_more_sensitive_to_noise(air, specified):
     assert ratio == pytest.approx(specified, rel=0.25)
 
 
-BELIEVED = 22.0 * TURN
-
-
-def clocked_step(
-    t: float, memory: LoopMemory, place: AxialPlace, settings: PassiveLoop
-) -> tuple[LoopMemory, AxialCommand]:
-    """The passivity law with a pollution that a clock counts, 0.5 Hz too slow."""
-    phase = Phase(BELIEVED * t, BELIEVED, 0.0)
-    return passive_axial_step(memory, place, phase, signal_value(t, settings.wanted), settings)
-
-
 @pytest.mark.slow
-def test_a_clock_that_is_half_a_hertz_off(monkeypatch):
-    """No better than the raw signal, as the text warns: 55 um published, 43 um here."""
-    monkeypatch.setattr(axial_control, "PASSIVE", axial_control.PASSIVE._replace(observed=clocked_step))
-    # Another seed for the cache of runs: the text does not say which program runs it.
-    errors = [tracking(spinning_text(seed=100 + seed), 1.5) for seed in range(20)]
+def test_a_clock_that_is_half_a_hertz_off():
+    """No better than the raw signal, as the text warns: 55 um published, 43 um here. The clock counts 22 Hz."""
+    clock = {"angle": "clock.value", "speed": "22 rev/s"}
+    product = {"type": "product", "first": "t", "second": "22 rev/s"}
+    texts = [spinning_text(seed=100 + seed) for seed in range(20)]
+    texts = [
+        change_table(change_table(text, "programs.drive.observer", **clock), "programs.clock", **product)
+        for text in texts
+    ]
+    errors = [tracking(text, 1.5) for text in texts]
     assert np.mean(errors) == pytest.approx(43.0, rel=0.15)
     assert np.mean(errors) > 0.8 * 46.0
 
@@ -264,9 +258,10 @@ def test_resonance():
     at the stop, and the error stays below 5 um."""
     at_resonance = spinning_text(speed="11.464 rev/s")
     assert tracking(at_resonance, 1.5) < 5.0
-    found = rows_from(at_resonance, 1.5)
-    assert np.all(found.shown.frozen == 1.0)
-    assert np.max(found.shown.margin) < 1e-3
+    _, run = run_of(at_resonance)
+    seen, late = run.command.drive_observer, run.times > 1.5
+    assert np.all(seen.frozen[late] == 1.0)
+    assert np.max(seen.margin[late]) < 1e-3
 
 
 @pytest.mark.slow
@@ -274,7 +269,7 @@ def test_resonance_without_guard(monkeypatch):
     """Nothing learned at the stop: more than 50 um of the spool and 100 um of the estimate; published 77 um."""
     unlearned = change(spinning_text(speed="11.464 rev/s"), "axial_sequence", learn_time="0 s")
     guarded = tracking(unlearned, 1.5)
-    monkeypatch.setattr(chamber_loop, "observability_margin", unguarded)
+    monkeypatch.setattr(chamber_observer, "observability_margin", unguarded)
     seeds = [change(unlearned, "axial_sensor", seed=str(100 + seed)) for seed in range(20)]
     assert np.mean([tracking(text, 1.5) for text in seeds]) > 50.0 > guarded
     assert np.mean([estimation(text, 1.5) for text in seeds]) > 100.0
@@ -282,34 +277,36 @@ def test_resonance_without_guard(monkeypatch):
 
 def resting_text(noise: str, learn: str) -> str:
     """A constant reference, with the shipped pollution and observer."""
-    text = change(without(TRAPEZOID, "true_feedback"), "operation", duty_ratio=f"{MIDDLE / HELIX:.12g}")
+    text = change(told_estimate(TRAPEZOID), "operation", duty_ratio=f"{MIDDLE / HELIX:.12g}")
     text = change(change(text, "axial_sensor", noise=noise), "axial_sequence", learn_time=learn)
     return change(text, "run", until="2 s", average_from="1 s")
 
 
-def polluted_shape(loop: ChamberLoop) -> np.ndarray:
+def polluted_shape(system: System) -> np.ndarray:
     """The coefficients that the observer would have to find."""
-    basis, angles = loop.observer.pollution.basis, np.linspace(0.0, TURN, 64, endpoint=False)
+    programs = system.circuit.network.programs
+    basis, sensor = programs["drive_observer"].settings.observer.pollution.basis, programs["drive_sensor"].settings
+    angles = np.linspace(0.0, TURN, 64, endpoint=False)
     rows = np.zeros((angles.size, function_count(basis)))
     for row, angle in zip(rows, angles, strict=True):
         write_basis(angle, basis, row, 0)
-    return np.linalg.lstsq(rows, np.array([pollution_at(angle, loop.sensor.near) for angle in angles]), rcond=None)[0]
+    return np.linalg.lstsq(rows, np.array([pollution_at(angle, sensor.near) for angle in angles]), rcond=None)[0]
 
 
 def storages(text: str) -> tuple[np.ndarray, np.ndarray]:
     """W of the true states [J] and x' P^-1 x of the estimate, at samples from 0.1 s after the start of control on."""
     system, run = run_of(text)
-    loop = loop_of(system)
-    found = rows_under_control(run, loop.observer.sample_period)
+    report, law = report_of(system), law_of(system)
+    found = report.run_rows(run)
     late = np.flatnonzero(found.times >= found.times[0] + 0.1)
-    believed, shape = run.memory[PROGRAM].observer, polluted_shape(loop)
-    after = samples_under_control(run, loop.observer.sample_period)[1]
+    believed, shape = run.memory["drive_observer"].filter, polluted_shape(system)
+    after = rows_at_samples(run, report.program, report.period)[1]
     estimated = []
     for k in late:
         truth = np.concatenate([[found.true.position[k], found.true.velocity[k]], shape])
         covariance = covariance_of(believed.factors[..., after[k]])
         estimated.append(estimation_storage(truth - believed.mean[..., after[k]], covariance))
-    stored = loop_balance(0.0, found.reference, found.true, loop.gains, loop.drive).storage
+    stored = loop_balance(0.0, found.reference, found.true, law.gains, law.drive).storage
     return np.asarray(stored)[late], np.array(estimated)
 
 
@@ -344,7 +341,7 @@ def test_what_the_spool_gives_is_no_rise(monkeypatch):
     """Friction that the law does not know holds the spool back, and the chamber stores what that leaves over: no rise,
     though nothing is put down to an estimate. The other way round it would be one at thousands of samples."""
     monkeypatch.setattr(axial_numbers, "EXPLAINED", 0.0)
-    text = change(sample_text(TRAPEZOID, 0.2), "axial_friction", viscous_friction="20 N*s/m")
-    found = axial_numbers.storage_numbers(rows_from(text, 0.2), loop_of(run_of(text)[0]))
+    text = change_table(sample_text(TRAPEZOID, 0.2), "components.drive.axial_friction", viscous_friction="20 N*s/m")
+    found = axial_numbers.storage_numbers(rows_from(text, 0.2), law_of(run_of(text)[0]), 0.2e-3)
     assert found["storage_rises"] == 0.0
     assert found["storage_largest_J"] == pytest.approx(1.23e-5, rel=0.05)

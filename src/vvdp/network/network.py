@@ -2,7 +2,7 @@
 
 import keyword
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from types import NoneType
 from typing import Any
@@ -74,8 +74,8 @@ class Part:
 class ProgramPart:
     """A program in its place: what it reads, its values, the sensors before it, and when it is called [s].
 
-    `actuators` stand behind it: what becomes of fields of its command on their way to the circuit. With `previous` it
-    reads the commands that other programs gave before this instant.
+    `actuators` stand behind it: what becomes of fields of its command on their way to the circuit. Of the fields
+    `previous` it reads the commands that other programs gave before this instant.
     """
 
     name: str
@@ -86,7 +86,7 @@ class ProgramPart:
     period: float | None
     phase: float
     latency: float
-    previous: bool = False
+    previous: frozenset[str] = frozenset()
     actuators: Mapping[str, Instrument] = field(default_factory=dict)
 
 
@@ -226,13 +226,13 @@ class Network:
         period: float | None = None,
         phase: float = 0.0,
         latency: float = 0.0,
-        previous: bool = False,
+        previous: bool | Collection[str] = False,
     ) -> None:
         """Add a program that is called at `phase` and every `period` [s], and acts `latency` [s] later.
 
         `reads` gives the path of each field of its reading: "t", a node's "inlet.pressure", a result "load.flow",
-        another program's "encoder.speed" (as it is at this instant, or with `previous` as it was before), or a value
-        over time; `sensors` the instruments through which fields are measured.
+        another program's "encoder.speed" (as it is at this instant; of the fields that `previous` names, or of all
+        with True, as it was before), or a value over time; `sensors` the instruments through which fields are measured.
         """
         self.check_name(name)
         fields, usual = set(names(kind.reading)), set(kind.defaults)
@@ -251,7 +251,7 @@ class Network:
             period=period,
             phase=phase,
             latency=latency,
-            previous=previous,
+            previous=frozenset(reads if previous is True else previous or ()),
         )
 
     def _read(self, name: str, kind: ProgramType, field: str, source: Source | float) -> Source:

@@ -18,6 +18,7 @@ class ProgramType:
     settings class of its values
     start    start(settings) -> memory
     level    level(reading, settings) -> float: called where its floor changes instead of at samples
+    report   report(network, name, sample period [s]) -> what it adds to the results, as `programs.report.ProgramReport`
     """
 
     step: Callable[..., Any]
@@ -26,6 +27,7 @@ class ProgramType:
     settings: type[Params] | None = None
     start: Callable[..., Any] = no_memory
     level: Callable[..., Any] | None = None
+    report: Callable[[Any, str, float], Any] | None = None
 
     @property
     def defaults(self) -> Mapping[str, float]:

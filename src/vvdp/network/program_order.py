@@ -24,14 +24,23 @@ def ordered_programs(network: Network) -> tuple[ProgramPart, ...]:
 def _needs(name: str, programs: Mapping[str, ProgramPart]) -> list[str]:
     """The programs that are called before one of that name."""
     own = programs[name]
-    before = [] if own.previous else [each for each in read_programs(own, programs) if not programs[each].latency]
-    late = [] if own.latency else [each for each, other in programs.items() if other.previous]
-    return before + [each for each in late if name in read_programs(programs[each], programs) and each != name]
+    now = {field: source for field, source in own.reads.items() if field not in own.previous}
+    before = [each for each in _origins(now, programs) if not programs[each].latency]
+    others = {} if own.latency else {each: other for each, other in programs.items() if each != name}
+    return before + [each for each, other in others.items() if name in _origins(_previous(other), programs)]
+
+
+def _previous(program: ProgramPart) -> dict[str, Source]:
+    return {field: source for field, source in program.reads.items() if field in program.previous}
 
 
 def read_programs(program: ProgramPart, programs: Mapping[str, ProgramPart]) -> list[str]:
     """Names of the programs whose commands a program reads."""
-    return list(dict.fromkeys(name for name in map(_origin, program.reads.values()) if name in programs))
+    return _origins(program.reads, programs)
+
+
+def _origins(reads: Mapping[str, Source], programs: Mapping[str, ProgramPart]) -> list[str]:
+    return list(dict.fromkeys(name for name in map(_origin, reads.values()) if name in programs))
 
 
 def _origin(source: Source) -> str:

@@ -49,6 +49,35 @@ def low_pass_step(t: float, memory: LastValue, reading: Read, settings: LowPass)
     return LastValue(value, t, 1.0), Value(value)
 
 
+class Rate(NamedTuple):
+    """What a program gives: a rate."""
+
+    rate: OutputRate
+
+
+class SlopeMemory(NamedTuple):
+    """What was read last and when, the rate then, and whether there was a sample (1)."""
+
+    reads: Number
+    time: Number
+    rate: Number
+    begun: Fraction
+
+
+def slope_start(settings: LowPass) -> SlopeMemory:
+    """Before the first sample."""
+    return SlopeMemory(reads=0.0, time=0.0, rate=0.0, begun=0.0)
+
+
+def slope_step(t: float, memory: SlopeMemory, reading: Read, settings: LowPass) -> tuple[SlopeMemory, Rate]:
+    """Rate of what is read, behind a first-order filter; from sample to sample, at time t [s], 0 at the first."""
+    rate = 0.0
+    if memory.begun > 0.5:
+        slope = (reading.reads - memory.reads) / (t - memory.time)
+        rate = memory.rate - expm1((memory.time - t) / settings.time_constant) * (slope - memory.rate)
+    return SlopeMemory(reads=reading.reads, time=t, rate=rate, begun=1.0), Rate(rate)
+
+
 class RateLimit(Params):
     """How fast the command may rise and fall, both above 0."""
 
@@ -83,6 +112,14 @@ def limit_step(t: float, memory: NamedTuple, reading: Read, settings: Limits) ->
     return memory, Value(clip(reading.reads, settings.lowest, settings.highest))
 
 
+class Led(NamedTuple):
+    """What is read; while `released` is 0 the reference stands still at `rest`."""
+
+    reads: Input
+    released: Fraction = 1.0
+    rest: Input = 0.0
+
+
 class Smooth(NamedTuple):
     """A smooth reference with its first three derivatives."""
 
@@ -106,18 +143,17 @@ def smooth_start(settings: ReferenceFilter) -> SmoothMemory:
     return SmoothMemory(reference=reference_at_rest(0.0), reads=0.0, time=0.0, begun=0.0)
 
 
-def smooth_step(
-    t: float, memory: SmoothMemory, reading: Read, settings: ReferenceFilter
-) -> tuple[SmoothMemory, Smooth]:
+def smooth_step(t: float, memory: SmoothMemory, reading: Led, settings: ReferenceFilter) -> tuple[SmoothMemory, Smooth]:
     """What is read, smoothed by four equal poles, with its derivatives; at time t [s], exact for a held input."""
-    found = reference_at_rest(reading.reads)
-    if memory.begun > 0.5:
+    found = reference_at_rest(reading.reads if reading.released > 0.5 else reading.rest)
+    if memory.begun > 0.5 and reading.released > 0.5:
         found = reference_step(memory.reference, memory.reads, t - memory.time, settings)
     after = SmoothMemory(reference=found, reads=reading.reads, time=t, begun=1.0)
     return after, Smooth(found.position, found.velocity, found.acceleration, found.jerk)
 
 
+DERIVATIVE = GenericProgram(ProgramType(slope_step, Read, Rate(0.0), LowPass, slope_start))
 LOW_PASS = GenericProgram(ProgramType(low_pass_step, Read, Value(0.0), LowPass, last_value_start))
 RATE_LIMIT = GenericProgram(ProgramType(rate_limit_step, Read, Value(0.0), RateLimit, last_value_start))
 LIMIT = GenericProgram(ProgramType(limit_step, Read, Value(0.0), Limits))
-REFERENCE = GenericProgram(ProgramType(smooth_step, Read, Smooth(0.0, 0.0, 0.0, 0.0), ReferenceFilter, smooth_start))
+REFERENCE = GenericProgram(ProgramType(smooth_step, Led, Smooth(0.0, 0.0, 0.0, 0.0), ReferenceFilter, smooth_start))

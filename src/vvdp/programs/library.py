@@ -4,25 +4,37 @@ from collections.abc import Mapping
 
 from vvdp.network.program import ProgramType
 from vvdp.programs.arithmetic import PRODUCT, SUM, TABLE
+from vvdp.programs.axial_sensor import AXIAL_SENSOR
+from vvdp.programs.chamber_laws import BACKSTEPPING, PASSIVITY, PRINTED_PASSIVITY
+from vvdp.programs.chamber_observer import CHAMBER_OBSERVER
 from vvdp.programs.controllers import PI, PID
 from vvdp.programs.encoders import ENCODER, EVENT_FILTER, THRESHOLD
 from vvdp.programs.estimators import FLOW_MAP, LOAD_OBSERVER, PERIOD_AVERAGE
-from vvdp.programs.filters import LIMIT, LOW_PASS, RATE_LIMIT, REFERENCE
+from vvdp.programs.filters import DERIVATIVE, LIMIT, LOW_PASS, RATE_LIMIT, REFERENCE
 from vvdp.programs.generic import GenericProgram
+from vvdp.programs.gerotor_control import FEEDFORWARD_PI, GEROTOR_OBSERVER
 from vvdp.programs.pulses import CYCLE, PWM
 from vvdp.programs.unloading import UNLOADING
 
 PROGRAMS: Mapping[str, ProgramType | GenericProgram] = {
+    "axial-sensor": AXIAL_SENSOR,
+    "backstepping": BACKSTEPPING,
+    "chamber-observer": CHAMBER_OBSERVER,
     "cycle": CYCLE,
+    "derivative": DERIVATIVE,
     "encoder": ENCODER,
     "event-filter": EVENT_FILTER,
+    "feedforward-pi": FEEDFORWARD_PI,
     "flow-map": FLOW_MAP,
+    "gerotor-observer": GEROTOR_OBSERVER,
     "limit": LIMIT,
     "load-observer": LOAD_OBSERVER,
     "low-pass": LOW_PASS,
+    "passivity": PASSIVITY,
     "period-average": PERIOD_AVERAGE,
     "pi": PI,
     "pid": PID,
+    "printed-passivity": PRINTED_PASSIVITY,
     "product": PRODUCT,
     "pwm": PWM,
     "rate-limit": RATE_LIMIT,

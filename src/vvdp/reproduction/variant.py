@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from vvdp.base.tables import copy_tables
 from vvdp.systems.system import System, load_system
 
 
@@ -13,4 +14,20 @@ def variant(name: str, *, without: Sequence[str] = (), **tables: Mapping[str, An
     content = {table: values for table, values in system.table.content.items() if table not in without}
     for table, values in tables.items():
         content[table] = {**content.get(table, {}), **values}
+    return system.read_from(replace(system.table, content=content))
+
+
+def drawn_variant(name: str, changes: Mapping[str, Any]) -> System:
+    """The shipped, drawn system called `name` with other entries by their paths, in its order; None leaves one out."""
+    system = load_system(name)
+    content = copy_tables(system.table.content)
+    for path, value in changes.items():
+        *above, key = path.split(".")
+        table: Any = content
+        for word in above:
+            table = table.setdefault(word, {})
+        if value is None:
+            table.pop(key, None)
+        else:
+            table[key] = copy_tables(value) if isinstance(value, Mapping) else value
     return system.read_from(replace(system.table, content=content))

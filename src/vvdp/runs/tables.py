@@ -54,7 +54,9 @@ def overview(run: RecordedRun, extras: Extras) -> Listing:
         Row(line.label, line.kind, found[:columns], line.group) for line, found in values if found != (None, None)
     )
     note = " ".join(filter(None, (MEANS, GAUGE, extras.OVERVIEW_NOTE)))
-    return Listing(title="", heads=("simulated", "analytic")[:columns], rows=rows, note=note)
+    return Listing(
+        title="" if extras.IS_ALL else "Programs", heads=("simulated", "analytic")[:columns], rows=rows, note=note
+    )
 
 
 def without_dust(power: float, largest: float) -> float:
@@ -63,12 +65,13 @@ def without_dust(power: float, largest: float) -> float:
 
 
 def screen_listings(run: RecordedRun) -> tuple[Listing, ...]:
-    """What the screen shows: the overview that the system brings along; else nodes, components and losses."""
+    """What the screen shows: the overview that the system brings along; else nodes, components, losses, programs."""
     extras = run.system.extras
-    if extras is not None and extras.OVERVIEW:
-        return (overview(run, extras),)
+    own = (overview(run, extras),) if extras is not None and extras.OVERVIEW else ()
+    if own and extras is not None and extras.IS_ALL:
+        return own
     listings = node_listing(run), component_listing(run), loss_listing(run), *circuit_loss_listings(run).values()
-    return (*listings, *valve_listing(run))
+    return (*listings, *valve_listing(run), *own)
 
 
 def valve_listing(run: RecordedRun) -> tuple[Listing, ...]:

@@ -1,7 +1,7 @@
 """The control of an axial drive as a part of a network: the program with its values, from the tables of a system."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,27 +16,11 @@ from vvdp.control.orifice import ChamberValve
 from vvdp.control.passivity import PassivityGains
 from vvdp.control.reference import ReferenceFilter
 from vvdp.estimation.chamber_observer import ChamberObserver, SpringDrive
-from vvdp.fluid.oil import Oil
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
-from vvdp.programs.spool_encoder import WatchSettings
-from vvdp.systems.axial_loop import PROGRAM, UNKNOWN, AxialObserverTable, AxialPlace, AxialSequence, pollution_model
-from vvdp.systems.axial_sensor import AxialSensorTable, axial_sensor_of
-from vvdp.systems.axial_tables import PilotSupply
-from vvdp.systems.chamber_feedback import (
-    RawFeedback,
-    TrueFeedback,
-    TruePlace,
-    raw_backstepping_step,
-    raw_passive_step,
-    raw_printed_step,
-    true_backstepping_step,
-    true_passive_step,
-    true_printed_step,
-    watched_printed_step,
-    watched_raw_step,
-)
-from vvdp.systems.chamber_loop import (
+from vvdp.programs.axial_loop import PROGRAM, UNKNOWN, AxialObserverTable, AxialPlace, AxialSequence
+from vvdp.programs.axial_sensor import AxialSensorTable, axial_sensor_of
+from vvdp.programs.chamber_loop import (
     BacksteppingLoop,
     ChamberLoop,
     PassiveLoop,
@@ -48,24 +32,34 @@ from vvdp.systems.chamber_loop import (
     watched_start,
     watched_step,
 )
+from vvdp.programs.chamber_observer import observer_of
+from vvdp.programs.spool_encoder import WatchSettings
+from vvdp.systems.axial_tables import PilotSupply
+from vvdp.systems.chamber_feedback import (
+    RawFeedback,
+    raw_backstepping_step,
+    raw_passive_step,
+    raw_printed_step,
+    watched_printed_step,
+    watched_raw_step,
+)
 
 Step = Callable[..., Any]
 
 
 class Laws(NamedTuple):
-    """A law's programs: told by the observer, what the sensor shows, or the truth; and the first two where an encoder
-    watches the spool. None: there is no such program."""
+    """A law's programs: told by the observer, or what the sensor shows; and both where an encoder watches it.
+    None: there is no such program."""
 
     observed: Step
     raw: Step
-    true: Step
     watched: Step | None
     watched_raw: Step | None
 
 
-PASSIVE = Laws(passive_step, raw_passive_step, true_passive_step, watched_step, watched_raw_step)
-PRINTED = Laws(printed_step, raw_printed_step, true_printed_step, watched_printed_step, None)
-BACKSTEPPING = Laws(backstepping_step, raw_backstepping_step, true_backstepping_step, None, None)
+PASSIVE = Laws(passive_step, raw_passive_step, watched_step, watched_raw_step)
+PRINTED = Laws(printed_step, raw_printed_step, watched_printed_step, None)
+BACKSTEPPING = Laws(backstepping_step, raw_backstepping_step, None, None)
 
 
 @dataclass(frozen=True)
@@ -96,8 +90,8 @@ def chosen_law(
 class AxialControl:
     """The tables of the control of an axial drive, and the `wanted` position [m].
 
-    The law is told what the observer estimates, unless a `feedback` says otherwise. `oil` is the chamber's as the
-    controller knows it, where that is not the chamber's own. `asked_by` is the value that asks for the position.
+    The law is told what the observer estimates, unless a `feedback` says otherwise. `asked_by` is the value that asks
+    for the position.
     """
 
     sensor: AxialSensorTable
@@ -107,8 +101,7 @@ class AxialControl:
     sequence: AxialSequence
     helix_length: float
     wanted: Signal
-    feedback: RawFeedback | TrueFeedback | None = None
-    oil: Oil | None = None
+    feedback: RawFeedback | None = None
     asked_by: str = "operation.duty_ratio"
 
 
@@ -133,7 +126,6 @@ def known_drive(parts: DriveParts, pilot: PilotSupply) -> ChamberDrive:
 
 def chamber_observer(control: AxialControl, drive: ChamberDrive, friction: float, stop: float) -> ChamberObserver:
     """The observer of a table, for a drive with viscous `friction` [N s/m] whose stop lies at a position [m]."""
-    table = control.observer
     plant = SpringDrive(
         moving_mass=drive.moving_mass,
         stiffness=drive.stiffness,
@@ -142,22 +134,13 @@ def chamber_observer(control: AxialControl, drive: ChamberDrive, friction: float
         area=drive.area,
         reference_pressure=drive.oil.reference_pressure,
     )
-    return ChamberObserver(
-        drive=plant,
-        pollution=pollution_model(table, control.helix_length),
-        sample_period=table.sample_period,
-        position_drift=table.position_drift,
-        velocity_drift=table.velocity_drift,
-        position_deviation=1e-4,
-        velocity_deviation=1e-3,
-        stop_position=stop,
-    )
+    return observer_of(control.observer, plant, stop, control.helix_length)
 
 
 def chamber_loop(control: AxialControl, parts: DriveParts, pilot: PilotSupply) -> ChamberLoop:
     """The values of the loop. Raises ParameterError where the supply cannot hold the position that is wanted."""
     check_reach(control.asked_by, control.wanted.extremes[1], pilot.supply_pressure.extremes[0], parts)
-    drive = known_drive(replace(parts, oil=control.oil or parts.oil), pilot)
+    drive = known_drive(parts, pilot)
     gains = control.law.gains
     values: dict[str, Any] = {
         "sensor": axial_sensor_of(control.sensor),
@@ -186,14 +169,9 @@ def add_drive(net: Network, parts: DriveParts, pilot: PilotSupply) -> str:
 def add_chamber_control(net: Network, control: AxialControl, loop: ChamberLoop, spool: str) -> None:
     """Add the program that controls a chamber drive whose spool turns with the shaft `spool`, its angle known."""
     laws = control.law.laws
-    place: type[AxialPlace] | type[TruePlace] = AxialPlace
-    step = laws.observed
-    if isinstance(control.feedback, RawFeedback):
-        step = laws.raw
-    elif control.feedback is not None:
-        step, place = laws.true, TruePlace
-    kind = ProgramType(step, place, UNKNOWN, type(loop), chamber_loop_start)
-    net.program(PROGRAM, kind, loop, reads=_reads(spool, place), period=loop.observer.sample_period)
+    step = laws.observed if control.feedback is None else laws.raw
+    kind = ProgramType(step, AxialPlace, UNKNOWN, type(loop), chamber_loop_start)
+    net.program(PROGRAM, kind, loop, reads=_reads(spool), period=loop.observer.sample_period)
 
 
 def add_watched_control(
@@ -206,17 +184,15 @@ def add_watched_control(
         raise ParameterError("a table [raw_feedback] goes with [passivity] where an encoder watches the spool")
     kind = ProgramType(step, AxialPlace, UNKNOWN, WatchedLoop, watched_start)
     settings = WatchedLoop(watch=watch, loop=loop)
-    net.program(PROGRAM, kind, settings, reads=_reads(spool, AxialPlace), period=loop.observer.sample_period)
+    net.program(PROGRAM, kind, settings, reads=_reads(spool), period=loop.observer.sample_period)
 
 
-def _reads(spool: str, place: type[AxialPlace] | type[TruePlace]) -> dict[str, str]:
-    """Where each field of a `place` is read."""
-    paths = {
+def _reads(spool: str) -> dict[str, str]:
+    """Where each field of an `AxialPlace` is read."""
+    return {
         "time": "t",
         "angle": f"{spool}.angle",
         "speed": f"{spool}.speed",
         "position": "slide.position",
         "pressure": "pilot_chamber.pressure",
-        "velocity": "slide.velocity",
     }
-    return {name: paths[name] for name in place._fields}

@@ -8,7 +8,6 @@ from vvdp.base.kinds import (
     PressureSignal,
     SignedFractionSignal,
     SpeedSignal,
-    TemperatureSignal,
 )
 from vvdp.base.params import Params
 
@@ -26,22 +25,6 @@ class PilotSupply(Params):
 
     supply_pressure: PressureSignal
     tank_pressure: PressureSignal
-
-
-class ChamberOperation(Params):
-    """What is prescribed from outside: the valve's command, and how fast the spool is turned."""
-
-    command: SignedFractionSignal
-    spool_speed: SpeedSignal
-    oil_temperature: TemperatureSignal
-
-
-class ControlledChamber(Params):
-    """What is prescribed from outside: the duty ratio that is wanted, and how fast the spool is turned."""
-
-    duty_ratio: DutySignal
-    spool_speed: SpeedSignal
-    oil_temperature: TemperatureSignal
 
 
 class GerotorOperation(Params):

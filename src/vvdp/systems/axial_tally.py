@@ -29,9 +29,9 @@ from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest
 from vvdp.control.storage import StorageBalance, pressure_storage, storage_excess
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
+from vvdp.programs.axial_loop import PROGRAM, RUN, SETTLED
 from vvdp.simulation.layout import as_memory
 from vvdp.simulation.model import Case
-from vvdp.systems.axial_loop import PROGRAM, RUN, SETTLED
 
 TALLY = "tally"
 """Name of the program that adds up."""

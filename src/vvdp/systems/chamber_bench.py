@@ -5,22 +5,44 @@ Source  ours, docs/models/axial-control.md
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
+from vvdp.base.kinds import SpeedSignal, TemperatureSignal
+from vvdp.base.params import Params, field_kinds
+from vvdp.base.tables import build as build_table
 from vvdp.components.axial_drive import ChamberDrive
 from vvdp.network.build import Circuit, build
 from vvdp.network.network import Network
+from vvdp.programs.axial_loop import PROGRAM
+from vvdp.programs.axial_sensor import AxialSensorTable
+from vvdp.programs.chamber_loop import ChamberLoop
 from vvdp.sensing.axial_sensor import AxialSensor, Pollution
 from vvdp.simulation.model import Case, initial_case
 from vvdp.simulation.run import Stepping
 from vvdp.systems.axial_control import AxialControl, add_chamber_control, add_drive, chamber_loop, known_drive
-from vvdp.systems.axial_loop import PROGRAM
-from vvdp.systems.axial_sensor import AxialSensorTable
-from vvdp.systems.axial_tables import ChamberOperation, InitialChamber, PilotSupply
+from vvdp.systems.axial_tables import InitialChamber, PilotSupply
 from vvdp.systems.axial_tally import TallySettings, add_tally
-from vvdp.systems.chamber_loop import ChamberLoop
 from vvdp.systems.system import System
+
+COMPONENTS = {
+    "piston": "axial_piston",
+    "spring": "axial_spring",
+    "friction": "axial_friction",
+    "stops": "axial_stops",
+    "valve": "pilot_valve",
+}
+"""Components of the drive, by what they are called here."""
+PART = "drive"
+"""Name of the part `chamber-drive` in the system of a bench."""
+
+
+class BenchOperation(Params):
+    """What is prescribed from outside: how fast the spool is turned, and the oil's temperature."""
+
+    spool_speed: SpeedSignal
+    oil_temperature: TemperatureSignal
 
 
 @dataclass(frozen=True)
@@ -30,7 +52,7 @@ class ChamberBench:
 
     parts: ChamberDrive
     pilot: PilotSupply
-    operation: ChamberOperation
+    operation: BenchOperation
     initial: InitialChamber
     sensor: AxialSensorTable
     helix_length: float
@@ -42,28 +64,38 @@ class ChamberBench:
 
 
 def chamber_bench(system: System) -> ChamberBench:
-    """The bench of a system with the circuit `axial_chamber`."""
-    tables = system.tables
+    """The bench of a system with a part `chamber-drive` called `PART`, its oil that of the circuit."""
+    network = system.circuit.network
+    nodes: Any = network.nodes
+    chamber, slide = nodes[f"{PART}_pilot_chamber"], nodes[f"{PART}_slide"]
+    values = {name: network.parts[f"{PART}_{word}"].values[0] for name, word in COMPONENTS.items()}
     parts = ChamberDrive(
-        piston=tables["axial_piston"],
-        spring=tables["axial_spring"],
-        friction=tables["axial_friction"],
-        stops=tables["axial_stops"],
-        valve=tables["pilot_valve"],
-        chamber=tables["pilot_chamber"],
-        oil=tables["pilot_oil"],
+        **values,  # type: ignore[arg-type]
+        chamber=chamber.values,
+        oil=network.oil,
         pressure="initial.chamber_pressure",
         position="initial.axial_position",
     )
+    observer: Any = network.programs[f"{PART}_observer"].settings
     return ChamberBench(
         parts=parts,
-        pilot=tables["pilot"],
-        operation=tables["operation"],
-        initial=tables["initial"],
-        sensor=tables["axial_sensor"],
-        helix_length=tables["stroke"].helix_length,
+        pilot=PilotSupply(supply_pressure=nodes["pilot_supply"].pressure, tank_pressure=nodes["pilot_tank"].pressure),
+        operation=BenchOperation(spool_speed=nodes["spool"].speed, oil_temperature=network.temperature),
+        initial=InitialChamber(axial_position=slide.position, chamber_pressure=chamber.start),
+        sensor=_sensor_table(system),
+        helix_length=observer.observer.pollution.helix_length,
         stepping=system.stepping,
     )
+
+
+def _sensor_table(system: System) -> AxialSensorTable:
+    """The sensor of the drive as its file has it."""
+    path = f"programs.{PART}_sensor"
+    entry = system.content["programs"][f"{PART}_sensor"]
+    given = {key: value for key, value in entry.items() if key in field_kinds(AxialSensorTable)}
+    table, _ = build_table(AxialSensorTable, given, path, system.table, [])
+    assert table is not None
+    return table
 
 
 def controlled_circuit(bench: ChamberBench, control: AxialControl, loop: ChamberLoop) -> Circuit:

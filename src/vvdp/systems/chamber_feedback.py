@@ -5,12 +5,9 @@ Both are there to be compared with. The observer runs along, and is shown, but n
 Source  ours, docs/models/axial-control.md, where a function names no other.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Angle, Position, Pressure, Speed, Time, Velocity
 from vvdp.base.params import Params
 from vvdp.base.signal import signal_value
 from vvdp.control.backstepping import backstepping_law
@@ -18,10 +15,8 @@ from vvdp.control.chamber import ChamberReading
 from vvdp.control.passivity import passivity_law, printed_passivity_law
 from vvdp.control.reference import Rate
 from vvdp.estimation.axial_filter import Phase
-from vvdp.programs.spool_encoder import watch_step
-from vvdp.sensing.encoder import Shaft
-from vvdp.systems.axial_loop import AxialCommand, AxialPlace, known_phase, turned_phase
-from vvdp.systems.chamber_loop import (
+from vvdp.programs.axial_loop import AxialCommand, AxialPlace, known_phase, turned_phase
+from vvdp.programs.chamber_loop import (
     BacksteppingLoop,
     ChamberLoop,
     ChamberView,
@@ -33,6 +28,8 @@ from vvdp.systems.chamber_loop import (
     chamber_view,
     printed_axial_step,
 )
+from vvdp.programs.spool_encoder import watch_step
+from vvdp.sensing.encoder import Shaft
 
 
 class VelocityFilter(Params):
@@ -47,21 +44,6 @@ class VelocityFilter(Params):
 
 class RawFeedback(VelocityFilter):
     """The [raw_feedback] table: the law is told the sensor's position, pollution and all, and its filtered slope."""
-
-
-class TrueFeedback(VelocityFilter):
-    """The [true_feedback] table: the law is told the true position and the filtered true velocity."""
-
-
-class TruePlace(NamedTuple):
-    """What stands before the sensors, and the velocity that none of them measures."""
-
-    time: Time
-    angle: Angle
-    speed: Speed
-    position: Position
-    pressure: Pressure
-    velocity: Velocity
 
 
 def view_with(view: ChamberView, reading: ChamberReading) -> ChamberView:
@@ -91,14 +73,6 @@ def raw_view(memory: LoopMemory, place: AxialPlace, phase: Phase, wanted: float,
     slope = (view.measured - memory.reading.position) / settings.observer.sample_period
     velocity = 0.0 if view.stage.held > 0.0 else low_pass(memory.reading.velocity, slope, settings)
     return view_with(view, ChamberReading(view.measured, velocity, place.pressure))
-
-
-def true_view(t: float, memory: LoopMemory, place: TruePlace, settings: ChamberLoop) -> ChamberView:
-    """What is known after a sample, the law being told the truth."""
-    seen = AxialPlace(place.time, place.angle, place.speed, place.position, place.pressure)
-    view = chamber_view(memory, seen, turned_phase(seen), signal_value(t, settings.wanted), settings)
-    velocity = low_pass(memory.reading.velocity, place.velocity, settings)
-    return view_with(view, ChamberReading(place.position, velocity, place.pressure))
 
 
 def raw_passive_axial_step(
@@ -131,33 +105,6 @@ def raw_backstepping_step(
 ) -> tuple[LoopMemory, AxialCommand]:
     """Program: backstepping, told what the sensor shows; the spool's angle known."""
     view = raw_view(memory, place, turned_phase(place), signal_value(t, settings.wanted), settings)
-    flow = backstepping_law(view.reference, view.reading, settings.gains, settings.drive)
-    return chamber_command(view, flow, settings.gains, settings)
-
-
-def true_passive_step(
-    t: float, memory: LoopMemory, place: TruePlace, settings: PassiveLoop
-) -> tuple[LoopMemory, AxialCommand]:
-    """Program: the passivity law, told the truth."""
-    view = true_view(t, memory, place, settings)
-    flow = passivity_law(view.reference, view.reading, settings.gains, settings.drive)
-    return chamber_command(view, flow, settings.gains, settings)
-
-
-def true_printed_step(
-    t: float, memory: LoopMemory, place: TruePlace, settings: PassiveLoop
-) -> tuple[LoopMemory, AxialCommand]:
-    """Program: the published passivity law, told the truth."""
-    view = true_view(t, memory, place, settings)
-    flow = printed_passivity_law(view.reference, view.reading, settings.gains, settings.drive)
-    return chamber_command(view, flow, settings.gains, settings)
-
-
-def true_backstepping_step(
-    t: float, memory: LoopMemory, place: TruePlace, settings: BacksteppingLoop
-) -> tuple[LoopMemory, AxialCommand]:
-    """Program: backstepping, told the truth."""
-    view = true_view(t, memory, place, settings)
     flow = backstepping_law(view.reference, view.reading, settings.gains, settings.drive)
     return chamber_command(view, flow, settings.gains, settings)
 

@@ -5,7 +5,9 @@ from typing import Any, TypeAlias
 
 from vvdp.base.errors import Fault, ParameterError
 from vvdp.base.tables import nearest
+from vvdp.programs.library import PROGRAMS
 from vvdp.systems.part_files import DRAWN, GROUPS, PARTS
+from vvdp.systems.part_keys import part_keys
 from vvdp.systems.part_scopes import Place, Scope, as_table, inner_name
 
 FAULTS = "faults"
@@ -65,6 +67,8 @@ class DrawnCircuit:
         elif name not in table:
             self.tell(place, f"no such name among the {group}{nearest(name, table) if table else ''}")
         else:
+            for key in _other_keys(table[name], entry) if group == "programs" else ():
+                del table[name][key]
             for keys, value in _leaves(entry, table[name]):
                 below = ".".join(keys)
                 self.set(f"{group}.{name}.{below}", value, place.below(below))
@@ -170,3 +174,9 @@ def _entry_paths(path: str, parts: Mapping[str, Mapping[str, Any]]) -> tuple[str
     part, _, value = rest.rpartition(".")
     values = as_table(as_table(parts.get(inner_name(part, parts))).get("values")) if group == PARTS else {}
     return tuple(values.get(value, ())) or (group + dot + inner_name(rest, parts),)
+
+
+def _other_keys(program: Mapping[str, Any], entry: Mapping[str, Any]) -> list[str]:
+    """The keys of a program that the other type which `entry` gives it does not take: they go with the old one."""
+    found = PROGRAMS.get(str(entry.get("type")))
+    return [] if found is None else [key for key in program if key not in part_keys(found).known]

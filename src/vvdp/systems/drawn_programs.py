@@ -99,8 +99,8 @@ class ProgramDrawer(ABC):
         times = {key: part.values[key] for key in field_kinds(ProgramTimes) if key in part.values}
         called = self._table(ProgramTimes, part.path, times)
         previous = part.values.get("previous", False)
-        if not isinstance(previous, bool):
-            self._fault(f"{part.path}.previous", f"{previous!r}; expected true or false")
+        if not isinstance(previous, bool) and (not isinstance(previous, list) or not set(previous) <= set(reads)):
+            self._fault(f"{part.path}.previous", f"{previous!r}; expected true or false, or a list of its inputs")
         measured = inner_table(part.values, "sensors", self.origin, self.faults, part.path)
         sensors = read_sensors(kind, f"{part.path}.sensors", measured, self.origin, self.faults)
         if self._has_faults(part.path):

@@ -5,19 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.kinds import Kind
+from vvdp.programs.axial_charts import control_charts, gerotor_charts
+from vvdp.programs.axial_numbers import CHAMBER, MOTION, control_merits
 from vvdp.results.chart import Chart
 from vvdp.results.result import Table
 from vvdp.simulation.run import Run
-from vvdp.systems.axial_charts import control_charts, gerotor_charts
-from vvdp.systems.axial_numbers import (
-    MOTION,
-    QUANTITIES,
-    control_merits,
-    control_numbers,
-    control_warnings,
-    lines_of,
-    loop_of,
-)
+from vvdp.systems.axial_numbers import control_numbers, lines_of, loop_of, loop_warnings
 from vvdp.systems.bench import RotaryBench
 from vvdp.systems.extras import Summary
 from vvdp.systems.gerotor_numbers import gerotor_numbers
@@ -55,7 +48,7 @@ class HeldDuty(RotaryBench):
 class DutyControl(HeldDuty):
     """A bench whose spool a chamber moves against a spring."""
 
-    HELD = QUANTITIES
+    HELD = CHAMBER
 
     def record_numbers(self, run: Run) -> Summary:
         """How well the duty ratio was held."""
@@ -64,7 +57,7 @@ class DutyControl(HeldDuty):
     def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
         """What is to be known of bench and control."""
         yield from super().warnings(found)
-        yield from control_warnings(loop_of(self.system), found)
+        yield from loop_warnings(loop_of(self.system), found)
 
     def merits(self, found: Mapping[str, Any]) -> Iterator[str]:
         """A storage that never rose."""

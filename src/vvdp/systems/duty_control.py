@@ -23,6 +23,9 @@ from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber
+from vvdp.programs.axial_loop import PROGRAM, AxialObserverTable, AxialSequence
+from vvdp.programs.axial_sensor import AxialSensorTable
+from vvdp.programs.gerotor_loop import DriveBelief, GerotorSequence
 from vvdp.programs.spool_encoder import EncoderTable, watch_settings
 from vvdp.systems.axial_control import (
     AxialControl,
@@ -31,14 +34,11 @@ from vvdp.systems.axial_control import (
     chamber_loop,
     chosen_law,
 )
-from vvdp.systems.axial_loop import PROGRAM, AxialObserverTable, AxialSequence
-from vvdp.systems.axial_sensor import AxialSensorTable
 from vvdp.systems.axial_tables import InitialChamber, InitialPosition, PilotSupply
 from vvdp.systems.bench_tables import DriveMotor, DutyOperation, InitialBench, Limits, OrificeLoad
 from vvdp.systems.chamber_feedback import RawFeedback
 from vvdp.systems.duty_bench import DutyControl, GerotorDutyControl
 from vvdp.systems.gerotor_control import GerotorTables, PIGains, add_watched_gerotor
-from vvdp.systems.gerotor_loop import DriveBelief, GerotorSequence
 from vvdp.systems.rotary_bench import join_load, joints, new_bench, pump_unit
 from vvdp.valve.rotary import RotaryValve
 

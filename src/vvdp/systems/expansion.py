@@ -112,8 +112,8 @@ class Expansion:
         self.circuit.rename(scope, joined)
         for use, inner in uses:
             set_values(use, inner)
-        for change in changes:
-            self.circuit.change(*change)
+        for place, group, name, entry in changes:
+            self.circuit.change(place, group, name, scope.rename(entry, self.circuit.parts))
 
     def _add(self, scope: Scope, group: str, name: str, entry: Any) -> Mapping[str, str]:
         """Add a node, component or program of a file; what its ports carry."""

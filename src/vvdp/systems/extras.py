@@ -80,6 +80,8 @@ class Extras:
     """Whether a person expects means of a steady state from a run."""
     OVERVIEW: tuple[Line, ...] = ()
     """The lines of the overview; where there are none, nodes and components are shown."""
+    IS_ALL = True
+    """Whether these lines are all that a person is shown; else they stand below nodes and components."""
     OVERVIEW_NOTE = ""
     """What a reader has to know of these lines, in sentences."""
 

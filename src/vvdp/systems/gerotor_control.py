@@ -21,21 +21,10 @@ from vvdp.estimation.signal_generator import (
 from vvdp.hydraulics.gerotor_drive import GerotorDrive
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
-from vvdp.programs.spool_encoder import WatchSettings
-from vvdp.systems.axial_loop import PROGRAM, UNKNOWN, AxialObserverTable, pollution_model
-from vvdp.systems.axial_sensor import AxialSensorTable, axial_sensor_of
-from vvdp.systems.gerotor_filters import (
-    ClockedLoop,
-    GeneratorLoop,
-    LumpedLoop,
-    clocked_loop_start,
-    clocked_step,
-    generator_loop_start,
-    generator_step,
-    lumped_loop_start,
-    lumped_step,
-)
-from vvdp.systems.gerotor_loop import (
+from vvdp.programs.axial_loop import PROGRAM, UNKNOWN, AxialObserverTable
+from vvdp.programs.axial_sensor import AxialSensorTable, axial_sensor_of
+from vvdp.programs.gerotor_control import gerotor_observer_of
+from vvdp.programs.gerotor_loop import (
     DriveBelief,
     GerotorControl,
     GerotorLoop,
@@ -46,6 +35,18 @@ from vvdp.systems.gerotor_loop import (
     gerotor_step,
     watched_gerotor_start,
     watched_gerotor_step,
+)
+from vvdp.programs.spool_encoder import WatchSettings
+from vvdp.systems.gerotor_filters import (
+    ClockedLoop,
+    GeneratorLoop,
+    LumpedLoop,
+    clocked_loop_start,
+    clocked_step,
+    generator_loop_start,
+    generator_step,
+    lumped_loop_start,
+    lumped_step,
 )
 
 
@@ -129,14 +130,7 @@ def control_values(tables: GerotorTables, drive: GerotorDrive) -> dict[str, Any]
 
 def periodic_observer(table: AxialObserverTable, drive: GerotorDrive, helix_length: float) -> GerotorObserver:
     """The periodic Kalman filter of a table; `helix_length` [m]."""
-    return GerotorObserver(
-        area=drive.area,
-        pollution=pollution_model(table, helix_length),
-        sample_period=table.sample_period,
-        position_drift=table.position_drift,
-        position_deviation=1e-4,
-        stop_position=drive.lower_end,
-    )
+    return gerotor_observer_of(table, drive.area, drive.lower_end, helix_length)
 
 
 def generator_of(table: GeneratorTable, drive: GerotorDrive) -> GeneratorObserver:

@@ -16,8 +16,8 @@ from vvdp.estimation.signal_generator import (
     generator_start,
     lumped_observer_step,
 )
-from vvdp.systems.axial_loop import AxialCommand, turned_phase
-from vvdp.systems.gerotor_loop import (
+from vvdp.programs.axial_loop import AxialCommand, turned_phase
+from vvdp.programs.gerotor_loop import (
     DriveMemory,
     GerotorControl,
     GerotorPlace,

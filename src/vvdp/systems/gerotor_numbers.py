@@ -3,13 +3,14 @@
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from vvdp.programs.axial_charts import gerotor_charts
+from vvdp.programs.axial_loop import PROGRAM
+from vvdp.programs.axial_numbers import MOTION
+from vvdp.programs.gerotor_loop import GerotorControl, WatchedGerotor
 from vvdp.results.chart import Chart
 from vvdp.results.result import Table
-from vvdp.systems.axial_charts import gerotor_charts
-from vvdp.systems.axial_loop import PROGRAM
-from vvdp.systems.axial_numbers import MOTION, lines_of, motion_numbers
+from vvdp.systems.axial_numbers import lines_of, spool_numbers
 from vvdp.systems.extras import Extras, LoadedSystem, Summary
-from vvdp.systems.gerotor_loop import GerotorControl, WatchedGerotor
 
 if TYPE_CHECKING:
     from vvdp.simulation.record import Record
@@ -21,7 +22,7 @@ def gerotor_numbers(run: "Run", system: LoadedSystem, helix_length: float) -> Su
     settings = system.circuit.network.programs[PROGRAM].settings
     loop = settings.loop if isinstance(settings, WatchedGerotor) else settings
     assert isinstance(loop, GerotorControl)
-    return motion_numbers(run, run.state.gerotor.position, loop.sample_period, helix_length)
+    return spool_numbers(run, run.state.gerotor.position, loop.sample_period, helix_length)
 
 
 class GerotorHeld(Extras):

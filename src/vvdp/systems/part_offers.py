@@ -9,10 +9,16 @@ from vvdp.base.kinds import Kind
 from vvdp.base.params import default_values, field_kinds
 from vvdp.components.library import COMPONENTS
 from vvdp.network.assembly import Assembly
+from vvdp.programs.generic import GenericProgram
+from vvdp.programs.library import PROGRAMS
+from vvdp.programs.quantities import PLAIN, replacements, written_quantity
 from vvdp.systems.drawing import NODES
 from vvdp.systems.part_files import PARTS, VALUES, PartFile, find_part
 from vvdp.systems.part_scopes import as_table
 from vvdp.systems.part_uses import joined_ports
+
+GENERIC = frozenset(replacements(PLAIN, PLAIN, PLAIN))
+"""Kinds that stand for those of a circuit: what a file gives tells the quantity."""
 
 
 @dataclass(frozen=True)
@@ -58,13 +64,19 @@ def _value_at(file: PartFile, path: str) -> OfferedValue:
         return OfferedValue(found.kind, _text(entry, found.kind) or found.default)
     entry = as_table(as_table(file.table.content.get(group)).get(name))
     kind, usual = _kind(group, str(entry.get("type")), keys[0])
+    if group == "programs" and kind in GENERIC:
+        kind = written_quantity(entry.get(keys[0]))
     text = _text(entry.get(keys[0]), kind)
     return OfferedValue(kind, text or (value_text(usual, kind) if kind and isinstance(usual, float) else ""))
 
 
 def _kind(group: str, word: str, key: str) -> tuple[Kind | None, Any]:
-    """Quantity and default of a key of a node or component of a type; that of a program depends on what it reads."""
+    """Quantity and default of a key of a node, component or program of a type."""
     classes: tuple[Any, ...] = ()
+    if group == "programs" and (found := PROGRAMS.get(word)):
+        own = found.type if isinstance(found, GenericProgram) else found
+        kinds = field_kinds(own.reading) | (field_kinds(own.settings) if own.settings else {})
+        return kinds.get(key), own.defaults.get(key, default_values(own.settings).get(key) if own.settings else None)
     if group == "nodes" and word in NODES:
         classes = (NODES[word].table,)
     elif group == "components" and (component := COMPONENTS.get(word)):

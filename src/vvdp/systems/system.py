@@ -51,6 +51,7 @@ from vvdp.systems.faults import NamedFault, OtherValue, change_entries, change_t
 from vvdp.systems.options import duration_of, lasting, option_keys, without_other_position
 from vvdp.systems.own_modules import OwnModule, folder_of_saved, own_module
 from vvdp.systems.own_programs import own_code
+from vvdp.systems.program_reports import reported_programs
 from vvdp.systems.spool_travel import rotary_valves
 from vvdp.valve.rotary import RotaryValve
 
@@ -136,7 +137,7 @@ class System:
     def extras(self) -> Extras | None:
         """What the system brings along beyond others; None where that is nothing."""
         found = self.circuit.network.extras
-        return None if found is None else found(self)
+        return reported_programs(self, self.stepping.sample_period) if found is None else found(self)
 
     @cached_property
     def shape(self) -> ValveShape | None:

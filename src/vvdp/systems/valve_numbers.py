@@ -46,7 +46,7 @@ def valve_numbers(system: LoadedSystem, means: Mapping[str, float], found: Summa
     means  of all that the books add up, by its path in them
     """
     numbers = Summary()
-    for valve in placed_valves(system.circuit.network) if system.extras is None else ():
+    for valve in placed_valves(system.circuit.network) if system.circuit.network.extras is None else ():
         name, own = valve.name, valve.part.name
         reading = valve_reading(system, valve, found)
         drops = sum(means[f"spent.{own}.{loss}"] for loss in ("nozzle", "centre_section", "outlet_turbine"))
@@ -81,13 +81,13 @@ def valve_reading(system: LoadedSystem, valve: PlacedValve, found: Mapping[str, 
 
 def placed_valve_bounds(system: LoadedSystem, found: Mapping[str, float | bool]) -> Iterator[Bound]:
     """The bounds of the laws of each rotary valve at what a run has `found`."""
-    for valve in placed_valves(system.circuit.network) if system.extras is None else ():
+    for valve in placed_valves(system.circuit.network) if system.circuit.network.extras is None else ():
         yield from valve_bounds(valve_reading(system, valve, found), valve.name.replace("_", " "))
 
 
 def valve_quantities(system: LoadedSystem) -> Iterator[tuple[str, tuple[Kind, str]]]:
     """Kind and label of the numbers of each rotary valve, by key."""
-    for valve in placed_valves(system.circuit.network) if system.extras is None else ():
+    for valve in placed_valves(system.circuit.network) if system.circuit.network.extras is None else ():
         name, words = valve.name, valve.name.replace("_", " ")
         yield f"{name}_pwm_frequency_Hz", (FREQUENCY, f"{words} PWM frequency")
         yield f"{name}_load_opening", (FRACTION, f"open fraction of the load port of {words}, mean")

@@ -2,14 +2,16 @@
 
 from collections.abc import Mapping
 from functools import cache
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from vvdp.control.chamber import ChamberDrive, volume_compliance
-from vvdp.reproduction.variant import variant
+from vvdp.programs.axial_numbers import Controlled, ExactLaw
+from vvdp.programs.chamber_report import ChamberLawReport
+from vvdp.reproduction.variant import drawn_variant
 from vvdp.simulation.run import simulate
-from vvdp.systems.axial_numbers import Controlled, loop_of, rows_under_control
 from vvdp.systems.system import System
 
 HELIX = 20.32
@@ -30,7 +32,9 @@ BACKSTEPPING = {
 MILD = BACKSTEPPING | PASSIVE
 """Backstepping with the gains of the passivity law."""
 
-Tables = Mapping[str, Mapping[str, Any]]
+Changes = Mapping[str, Any]
+"""Entries of the drawn circuit by their paths."""
+LAW = "programs.drive_law"
 
 
 def duty_ratio(position: float) -> str:
@@ -48,50 +52,56 @@ def trapezoids() -> tuple[dict[str, Any], float]:
     return {"table": [[f"{t:.9g} s", duty_ratio(x)] for t, x in points]}, now
 
 
-def experiment(gains: Mapping[str, str] | None = None, **tables: Mapping[str, Any]) -> System:
+def experiment(gains: Mapping[str, str] | None = None, changes: Changes = MappingProxyType({})) -> System:
     """The drive on trapezoids, told the truth, under the passivity law, or under backstepping with `gains`."""
     signal, end = trapezoids()
-    chosen: dict[str, Mapping[str, Any]] = {
-        "operation": {"duty_ratio": signal},
-        "axial_friction": {"viscous_friction": "0 N*s/m"},
-        "axial_reference": {"filter_rate": "250 1/s"},
-        "axial_sequence": {"learn_time": "0 s"},
-        "true_feedback": {"velocity_rate": "1e6 1/s"},
-        "run": {"until": f"{end:.6g} s", "average_from": f"{end - 0.1:.6g} s"},
+    chosen: dict[str, Any] = {
+        "programs.drive_wanted.first": signal,
+        "components.drive_axial_friction.viscous_friction": "0 N*s/m",
+        "programs.drive_observer.viscous_friction": "0 N*s/m",
+        "programs.drive_observer.learn_time": "0 s",
+        "programs.drive_reference.filter_rate": "250 1/s",
+        "programs.velocity": {"type": "low-pass", "reads": "drive_slide.velocity", "time_constant": "1 us"},
+        f"{LAW}.position": "drive_slide.position",
+        f"{LAW}.velocity": "velocity.value",
+        "run.until": f"{end:.6g} s",
+        "run.average_from": f"{end - 0.1:.6g} s",
     }
     if gains is None:
-        chosen["passivity"] = {"flow_gain": "4e-10 m^3/(s*Pa)", "pressure_rate": "0 1/s"}
+        chosen |= {f"{LAW}.flow_gain": "4e-10 m^3/(s*Pa)", f"{LAW}.pressure_rate": "0 1/s"}
     else:
-        chosen["backstepping"] = gains
-    for name, values in tables.items():
-        chosen[name] = {**chosen.get(name, {}), **values}
-    dropped = {name for name, values in chosen.items() if not values}
-    kept = {name: values for name, values in chosen.items() if values}
-    return variant("axial-chamber", without=(*dropped, *(() if gains is None else ("passivity",))), **kept)
+        chosen |= {f"{LAW}.type": "backstepping", f"{LAW}.pressure_rate": None}
+        chosen |= {f"{LAW}.{key}": value for key, value in gains.items()}
+    return drawn_variant("axial-chamber", chosen | dict(changes))
+
+
+def law_report(system: System) -> ChamberLawReport:
+    """What the law of an experiment reports."""
+    return ChamberLawReport(system.circuit.network, "drive_law", system.stepping.sample_period)
+
+
+def law_of(system: System) -> ExactLaw:
+    """The law of an experiment."""
+    found = law_report(system).law
+    assert found is not None
+    return found
 
 
 def rows(system: System, begin: float = BEGIN) -> Controlled:
     """The samples of a run from `begin` [s] on."""
-    run = simulate(system.model, system.case, system.stepping)
-    found = rows_under_control(run, loop_of(system).observer.sample_period)
-    late = found.times >= begin - 1e-9
-    return Controlled(
-        times=found.times[late],
-        true=type(found.true)(*(column[late] for column in found.true)),
-        shown=type(found.shown)(*(column[late] for column in found.shown)),
-        reference=type(found.reference)(*(column[late] for column in found.reference)),
-    )
+    found = law_report(system).run_rows(simulate(system.model, system.case, system.stepping))
+    return found.rows(found.times >= begin - 1e-9)
 
 
 def tracking_error(found: Controlled) -> float:
     """Of the spool against the reference, root of the mean square [m]."""
-    return float(np.sqrt(np.mean((found.true.position - found.shown.reference) ** 2)))
+    return float(np.sqrt(np.mean((found.true.position - found.reference.position) ** 2)))
 
 
 @cache
 def known_drive() -> ChamberDrive:
     """What the controller knows of the drive."""
-    return loop_of(experiment()).drive
+    return law_of(experiment()).drive
 
 
 @cache
@@ -102,14 +112,13 @@ def middle_compliance() -> float:
     return volume_compliance(MIDDLE * 1e-3, pressure, drive)
 
 
-def sine_experiment(gains: Mapping[str, str] | None = None, **tables: Mapping[str, Any]) -> System:
+def sine_experiment(gains: Mapping[str, str] | None = None) -> System:
     """1.5 mm at 5 Hz, the velocity low-passed at 1 Hz."""
     swing = {"sine": duty_ratio(MIDDLE), "amplitude": duty_ratio(1.5), "frequency": "5 Hz"}
-    chosen: dict[str, Mapping[str, Any]] = {
-        "operation": {"duty_ratio": swing},
-        "true_feedback": {"velocity_rate": f"{TURN} 1/s"},
-        "run": {"until": "2 s", "average_from": "1.6 s"},
+    changes = {
+        "programs.drive_wanted.first": swing,
+        "programs.velocity.time_constant": f"{1.0 / TURN!r} s",
+        "run.until": "2 s",
+        "run.average_from": "1.6 s",
     }
-    for name, values in tables.items():
-        chosen[name] = {**chosen.get(name, {}), **values}
-    return experiment(gains, **chosen)
+    return experiment(gains, changes)

@@ -9,11 +9,13 @@ from vvdp.base.arrays import Array
 from vvdp.base.kinds import GAUGE_PRESSURE, NUMBER, POSITION, RATIO, TIME
 from vvdp.base.units import ATMOSPHERE
 from vvdp.control.backstepping import best_pressure_weight
+from vvdp.programs.axial_numbers import Controlled
 from vvdp.reproduction.chapter_5.chamber import (
     BACKSTEPPING,
     MILD,
     TURN,
     experiment,
+    law_of,
     middle_compliance,
     rows,
     sine_experiment,
@@ -25,7 +27,6 @@ from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
 from vvdp.results.verdict import Statement, bound_statement, drawing_statement, missing_statement, number_statement
 from vvdp.simulation.run import Run, simulate
-from vvdp.systems.axial_numbers import Controlled, loop_of
 
 PSI = 6894.757
 LOAD = 400.0 * PSI
@@ -70,12 +71,12 @@ def trapezoid_table() -> Table:
     first = passive.times < 1.2
     columns = {
         "time_s": Column(passive.times[first], TIME, "time"),
-        "reference_m": Column(passive.shown.reference[first], POSITION, "reference"),
+        "reference_m": Column(passive.reference.position[first], POSITION, "reference"),
         "passive_m": Column(passive.true.position[first], POSITION, "passivity law"),
         "backstepping_m": Column(back.true.position[first], POSITION, "backstepping"),
     }
     for name, found, label in (("passive", passive, "passivity law"), ("backstepping", back, "backstepping")):
-        error = (found.true.position - found.shown.reference)[first]
+        error = (found.true.position - found.reference.position)[first]
         columns[f"{name}_error_m"] = Column(error, POSITION, label)
     return Table(title="Trapezoid", columns=columns, axes=("time_s",), is_data=True)
 
@@ -178,7 +179,7 @@ def _sweep_chart(passive: float) -> Chart:
 
 def _weight_statements(at_best: float) -> tuple[Statement, ...]:
     """The best weight of the pressure's error: of the sweep, by the formula, and as the text has it."""
-    loop: Any = loop_of(sine_experiment(QUICK))
+    loop = law_of(sine_experiment(QUICK))
     predicted = best_pressure_weight(middle_compliance(), loop.gains, loop.gains.flow_gain, loop.drive)
     return (
         number_statement(

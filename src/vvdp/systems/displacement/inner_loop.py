@@ -6,11 +6,9 @@ Source  ours, docs/models/displacement-control.md
 from typing import NamedTuple
 
 from vvdp.base.kinds import Angle, Fraction, Position, Pressure, Speed, Time
-from vvdp.programs.spool_encoder import watch_step
-from vvdp.sensing.encoder import Shaft
-from vvdp.systems.axial_loop import STOP, AxialCommand, AxialPlace, Stage, known_phase
-from vvdp.systems.chamber_loop import LoopMemory, WatchedLoop, WatchedMemory, passive_axial_step
-from vvdp.systems.gerotor_loop import (
+from vvdp.programs.axial_loop import STOP, AxialCommand, AxialPlace, Stage, known_phase
+from vvdp.programs.chamber_loop import LoopMemory, WatchedLoop, WatchedMemory, passive_axial_step
+from vvdp.programs.gerotor_loop import (
     DriveMemory,
     GerotorMemory,
     GerotorPlace,
@@ -18,6 +16,8 @@ from vvdp.systems.gerotor_loop import (
     WatchedGerotorMemory,
     gerotor_axial_step,
 )
+from vvdp.programs.spool_encoder import watch_step
+from vvdp.sensing.encoder import Shaft
 
 
 class LedPlace(NamedTuple):
@@ -54,7 +54,6 @@ def led_step(
         observer=before.observer,
         reference=before.reference,
         stage=_stage(before.stage, place.energised, place.time),
-        command=before.command,
         reading=before.reading,
     )
     seen = AxialPlace(place.time, place.angle, place.speed, place.position, place.pressure)

@@ -33,7 +33,7 @@ from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber, Connection, Load, Source
-from vvdp.systems.axial_loop import PROGRAM as AXIAL
+from vvdp.programs.axial_loop import PROGRAM as AXIAL
 from vvdp.systems.axial_tables import PilotSupply
 from vvdp.systems.bench_tables import Limits
 from vvdp.systems.displacement.cylinder_load import LoadedCylinder, add_cylinder

@@ -32,11 +32,12 @@ from vvdp.control.reference import Rate, ReferenceFilter
 from vvdp.estimation.load_observer import LoadObserver
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
+from vvdp.programs.axial_loop import PROGRAM as AXIAL
+from vvdp.programs.axial_loop import UNKNOWN
+from vvdp.programs.chamber_loop import PassiveLoop, WatchedLoop, watched_start
+from vvdp.programs.gerotor_loop import GerotorLoop, WatchedGerotor, watched_gerotor_start
 from vvdp.programs.spool_encoder import WatchSettings
 from vvdp.sensing.instrument import Instrument, ideal_instrument
-from vvdp.systems.axial_loop import PROGRAM as AXIAL
-from vvdp.systems.axial_loop import UNKNOWN
-from vvdp.systems.chamber_loop import PassiveLoop, WatchedLoop, watched_start
 from vvdp.systems.displacement.cycle import OwnCycle, Triangle, first_direction, points_of, refuse_fast_points
 from vvdp.systems.displacement.inner_loop import LedGerotorPlace, LedPlace, led_gerotor_step, led_step
 from vvdp.systems.displacement.machine_loop import (
@@ -53,7 +54,6 @@ from vvdp.systems.displacement.machine_loop import (
 from vvdp.systems.displacement.machine_tables import MachineOperation
 from vvdp.systems.displacement.stages import MachineSequence
 from vvdp.systems.displacement.supervision import SpoolSpring, Supervised, Supervision
-from vvdp.systems.gerotor_loop import GerotorLoop, WatchedGerotor, watched_gerotor_start
 
 SAMPLE_PERIOD = 1e-3
 """Of the outer loop [s]."""

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vvdp.base.kinds import FREQUENCY, GAUGE_PRESSURE, LENGTH, NUMBER, TIME, Kind
+from vvdp.programs.axial_charts import control_charts, gerotor_charts
 from vvdp.results.chart import Chart
 from vvdp.results.result import Table
 from vvdp.simulation.values import leaves
-from vvdp.systems.axial_charts import control_charts, gerotor_charts
 from vvdp.systems.displacement.cycle import reference_period
 from vvdp.systems.displacement.machine_charts import charts_with_phases, machine_charts, phase_levels
 from vvdp.systems.displacement.machine_loop import PROGRAM

@@ -33,13 +33,14 @@ from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber
+from vvdp.programs.axial_loop import AxialObserverTable, AxialSequence
+from vvdp.programs.axial_sensor import AxialSensorTable
+from vvdp.programs.chamber_loop import PassiveLoop
+from vvdp.programs.gerotor_loop import DriveBelief, GerotorLoop, GerotorSequence
 from vvdp.programs.spool_encoder import EncoderTable, watch_settings
 from vvdp.systems.axial_control import AxialControl, chamber_loop, chosen_law
-from vvdp.systems.axial_loop import AxialObserverTable, AxialSequence
-from vvdp.systems.axial_sensor import AxialSensorTable
 from vvdp.systems.axial_tables import PilotSupply
 from vvdp.systems.bench_tables import Limits
-from vvdp.systems.chamber_loop import PassiveLoop
 from vvdp.systems.displacement.cycle import OwnCycle, Triangle, fastest, refuse_fast_points
 from vvdp.systems.displacement.flow_table import flow_map_of, valve_condition
 from vvdp.systems.displacement.machine import displacement_control, displacement_control_gerotor
@@ -68,7 +69,6 @@ from vvdp.systems.displacement.machine_tally import add_machine_tally
 from vvdp.systems.displacement.stages import MachineSequence
 from vvdp.systems.displacement.supervision import NO_SPRING, SpoolSpring, Supervision
 from vvdp.systems.gerotor_control import GerotorTables, PIGains, control_values, periodic_observer
-from vvdp.systems.gerotor_loop import DriveBelief, GerotorLoop, GerotorSequence
 from vvdp.valve.rotary import RotaryValve
 
 HIGHEST_DUTY = 1.3

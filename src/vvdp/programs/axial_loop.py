@@ -187,8 +187,13 @@ def pollution_model(table: AxialObserverTable, helix_length: float) -> Pollution
 
 def known_phase(estimate: Estimate) -> Phase:
     """The phase of the pollution as an encoder's estimate has it; unknown while its speed is, or the spool stands."""
-    turns = estimate.speed > SLOWEST and estimate.speed_deviation < LARGEST_DEVIATION
-    return Phase(estimate.angle, estimate.speed, estimate.angle_deviation if turns else np.nan)
+    return seen_phase(estimate.angle, estimate.speed, estimate.angle_deviation, estimate.speed_deviation)
+
+
+def seen_phase(angle: float, speed: float, angle_deviation: float, speed_deviation: float) -> Phase:
+    """The phase of a spool at an angle [rad] and speed [rad/s], with their deviations; 0: known, as with a motor."""
+    turns = speed > SLOWEST and speed_deviation < LARGEST_DEVIATION
+    return Phase(angle, speed, angle_deviation if turns or speed_deviation == 0.0 else np.nan)
 
 
 def is_known(phase: Phase) -> bool:

@@ -1,15 +1,15 @@
 """Pictures of a controlled axial drive: where the spool should be, is, and is believed to be; what the loop stores."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import ANGLE, DURATION, ENERGY, POSITION, PRESSURE_LEVEL, SIGNED_FRACTION, Kind
+from vvdp.programs.axial_loop import PROGRAM, RUN, SETTLED
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
-from vvdp.systems.axial_loop import PROGRAM, RUN, SETTLED
 
 if TYPE_CHECKING:
     from vvdp.simulation.record import Record
@@ -22,15 +22,47 @@ TURN = 2.0 * np.pi
 Columns = dict[str, tuple[Array, Kind, str]]
 
 
-def motion_columns(record: "Record", spool: str, period: float) -> Columns:
-    """Where the spool should be, is and is believed to be, over time; `spool` is the path of its position.
+class DrivePaths(NamedTuple):
+    """Where a record has what is drawn of an axial drive: true position, and of its control the reference, what the
+    sensor shows, the estimate with its deviation and the pollution, the spool's angle, the stage."""
+
+    spool: str
+    reference: str
+    measured: str
+    position: str
+    position_deviation: str
+    pollution: str
+    spool_angle: str
+    stage: str
+
+
+class ChamberPaths(NamedTuple):
+    """The same of a chamber: its pressure, the desired one, and what the loop stores."""
+
+    pressure: str
+    desired_pressure: str
+    storage: str
+
+
+def drive_paths(spool: str) -> DrivePaths:
+    """Those of a drive whose control is one program, `PROGRAM`; `spool` is the path of its true position."""
+    return DrivePaths(spool, **{word: f"{PROGRAM}.{word}" for word in DrivePaths._fields if word != "spool"})
+
+
+def values_over_time(record: "Record", path: str) -> Array:
+    """A command or a state over time, by its path; the state of a volume, or of a driven shaft, is its node."""
+    known = {**record.states, **record.commands}
+    return known[path if path in known else path.rpartition(".")[0]].values
+
+
+def motion_columns(record: "Record", paths: DrivePaths, period: float) -> Columns:
+    """Where the spool should be, is and is believed to be, over time.
 
     A row shows what was commanded at the last sample before it: errors are those against the position at that sample,
     of which there is one every `period` [s].
     """
-    words = ("reference", "measured", "position", "position_deviation", "pollution", "spool_angle")
-    shown = {key: record.commands[f"{PROGRAM}.{key}"].values for key in words}
-    true = record.states[spool].values
+    shown = {word: values_over_time(record, path) for word, path in paths._asdict().items()}
+    true = shown["spool"]
     sampled = np.interp(period * (np.ceil(record.times / period - 1e-6) - 1.0), record.times, true)
     return {
         "time_s": (record.times, DURATION, "time"),
@@ -48,12 +80,20 @@ def motion_columns(record: "Record", spool: str, period: float) -> Columns:
 
 
 def control_charts(record: "Record", period: float) -> Iterator[tuple[Chart, Table]]:
+    """The charts of a chamber drive whose control is one program; the observer samples every `period` [s]."""
+    chamber = ChamberPaths("pilot_chamber", f"{PROGRAM}.desired_pressure", f"{PROGRAM}.storage")
+    yield from chamber_charts(record, drive_paths("slide.position"), chamber, period)
+
+
+def chamber_charts(
+    record: "Record", paths: DrivePaths, chamber: ChamberPaths, period: float
+) -> Iterator[tuple[Chart, Table]]:
     """The course of the run of a chamber drive, its errors once control has settled, and the pollution over a turn;
     the observer samples every `period` [s]."""
-    stored = record.commands[f"{PROGRAM}.storage"].values
-    columns = motion_columns(record, "slide.position", period) | {
-        "pressure_Pa": (record.states["pilot_chamber"].values, PRESSURE_LEVEL, "chamber"),
-        "desired_Pa": (record.commands[f"{PROGRAM}.desired_pressure"].values, PRESSURE_LEVEL, "desired"),
+    stored = values_over_time(record, chamber.storage)
+    columns = motion_columns(record, paths, period) | {
+        "pressure_Pa": (values_over_time(record, chamber.pressure), PRESSURE_LEVEL, "chamber"),
+        "desired_Pa": (values_over_time(record, chamber.desired_pressure), PRESSURE_LEVEL, "desired"),
         "storage_J": (stored, ENERGY, "storage of the loop, as believed"),
     }
     pressure = (
@@ -63,30 +103,35 @@ def control_charts(record: "Record", period: float) -> Iterator[tuple[Chart, Tab
     storage = Line(x="time_s", y="storage_J", rows=tuple(np.flatnonzero(stored > 0.0).tolist()))
     panels = (Lines(lines=pressure, label="pressure"), Lines(lines=(storage,), label="storage", y_log=True))
     told = "; the chamber's pressure and that which would move it as wanted; what the loop stores, which falls where "
-    yield from drive_charts(record, columns, panels, told + "nothing pushes")
+    yield from drive_charts(record, paths, columns, panels, told + "nothing pushes")
 
 
 def gerotor_charts(record: "Record", period: float) -> Iterator[tuple[Chart, Table]]:
     """The same of a gerotor drive."""
-    columns = motion_columns(record, "gerotor.position", period) | {
-        "command": (record.commands[f"{PROGRAM}.drive"].values, SIGNED_FRACTION, "command"),
+    yield from command_charts(record, drive_paths("gerotor.position"), f"{PROGRAM}.drive", period)
+
+
+def command_charts(record: "Record", paths: DrivePaths, command: str, period: float) -> Iterator[tuple[Chart, Table]]:
+    """The same of any drive, with its command by its path."""
+    columns = motion_columns(record, paths, period) | {
+        "command": (values_over_time(record, command), SIGNED_FRACTION, "command"),
     }
     panels = (Lines(lines=(Line(x="time_s", y="command"),), label="command"),)
-    yield from drive_charts(record, columns, panels, "; the pump's command")
+    yield from drive_charts(record, paths, columns, panels, "; the pump's command")
 
 
 def drive_charts(
-    record: "Record", columns: Columns, panels: tuple[Lines, ...], told: str
+    record: "Record", paths: DrivePaths, columns: Columns, panels: tuple[Lines, ...], told: str
 ) -> Iterator[tuple[Chart, Table]]:
     """Course and errors of a drive; `panels` of its own come below the position, `told` goes on its caption."""
     table = Table(title="Axial control", columns={k: Column(*of) for k, of in columns.items()}, is_data=True)
-    begin = record.times[record.commands[f"{PROGRAM}.stage"].values == RUN]
+    begin = record.times[values_over_time(record, paths.stage) == RUN]
     start = float(begin[0]) if begin.size else float(record.times[0])
     levels = (Level(value=start, label="control", upright=True),) if begin.size else ()
     yield course_chart(levels, panels, told), table
     settled = start + SETTLED if record.times[-1] > start + SETTLED else start
     yield error_chart(tuple(np.flatnonzero(record.times >= settled).tolist())), table
-    if rows := last_turn(record.commands[f"{PROGRAM}.spool_angle"].values):
+    if rows := last_turn(values_over_time(record, paths.spool_angle)):
         yield pollution_chart(rows), table
 
 

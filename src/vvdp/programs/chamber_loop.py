@@ -8,26 +8,18 @@ Source  ours, docs/models/axial-control.md, where a function names no other.
 
 from typing import NamedTuple
 
-import numpy as np
-
-from vvdp.base.kinds import PositionSignal, SignedFraction
+from vvdp.base.kinds import PositionSignal
 from vvdp.base.params import Params
 from vvdp.base.signal import signal_value
 from vvdp.control.backstepping import BacksteppingGains, backstepping_law
 from vvdp.control.chamber import ChamberDrive, ChamberFlow, ChamberReading, PositionGains
-from vvdp.control.orifice import valve_command, valve_flow
+from vvdp.control.orifice import valve_command
 from vvdp.control.passivity import PassivityGains, passivity_law, printed_passivity_law
 from vvdp.control.reference import Rate, Reference, ReferenceFilter, reference_at_rest
 from vvdp.control.storage import loop_balance
 from vvdp.estimation.axial_filter import AxialEstimate, AxialMemory, Phase
-from vvdp.estimation.chamber_observer import ChamberObserver, chamber_observer_start, chamber_observer_step
-from vvdp.estimation.observability import observability_margin
-from vvdp.programs.spool_encoder import WatchMemory, WatchSettings, watch_start, watch_step
-from vvdp.sensing.axial_sensor import AxialSensor, SpoolPlace, axial_sensor_start, axial_sensor_step
-from vvdp.sensing.encoder import Shaft
-from vvdp.sensing.instrument import InstrumentMemory
-from vvdp.systems.axial_loop import (
-    HOME,
+from vvdp.estimation.chamber_observer import ChamberObserver
+from vvdp.programs.axial_loop import (
     RUN,
     AxialCommand,
     AxialPlace,
@@ -36,17 +28,16 @@ from vvdp.systems.axial_loop import (
     Observed,
     Stage,
     Target,
-    is_known,
     known_phase,
     next_reference,
-    next_stage,
     show,
-    sight_of,
     turned_phase,
 )
-
-AT_STOP = 0.2e-3
-"""So near the stop a spool that the spring presses there is taken to rest at it [m]."""
+from vvdp.programs.chamber_observer import ChamberBelief, ChamberSight, first_belief, look
+from vvdp.programs.spool_encoder import WatchMemory, WatchSettings, watch_start, watch_step
+from vvdp.sensing.axial_sensor import AxialSensor, SpoolPlace, axial_sensor_start, axial_sensor_step
+from vvdp.sensing.encoder import Shaft
+from vvdp.sensing.instrument import InstrumentMemory
 
 
 class ChamberLoop(Params):
@@ -90,7 +81,6 @@ class LoopMemory(NamedTuple):
     observer: AxialMemory
     reference: Reference
     stage: Stage
-    command: SignedFraction
     reading: ChamberReading
 
 
@@ -117,29 +107,20 @@ class ChamberView(NamedTuple):
 
 def chamber_loop_start(settings: ChamberLoop) -> LoopMemory:
     """The memory before the first sample: homing, the spool about at its stop."""
-    stop = settings.observer.stop_position
+    stop, belief = settings.observer.stop_position, first_belief(settings.observer)
     return LoopMemory(
         sensor=axial_sensor_start(settings.sensor),
-        observer=chamber_observer_start(settings.observer, stop),
+        observer=belief.filter,
         reference=reference_at_rest(stop),
-        stage=Stage(HOME, 0.0, 0.0),
-        command=-1.0,
+        stage=belief.stage,
         reading=ChamberReading(stop, 0.0, settings.drive.oil.reference_pressure),
     )
-
-
-def is_pressed(pressure: float, settings: ChamberLoop) -> bool:
-    """Whether spring and preload press a spool at its stop there, whatever the chamber's `pressure` [Pa, absolute]."""
-    drive, stop = settings.drive, settings.observer.stop_position
-    return drive.area * (pressure - drive.oil.reference_pressure) < drive.preload + drive.stiffness * stop
 
 
 def chamber_view(
     memory: LoopMemory, place: AxialPlace, phase: Phase, wanted: float, settings: ChamberLoop
 ) -> ChamberView:
     """What is known after a sample: stage, estimate and reference.
-
-    The pressure between two samples is that of the valve as commanded; at the stop the position is known.
 
     phase   of the pollution, as the spool's angle is known
     wanted  position [m]
@@ -148,27 +129,19 @@ def chamber_view(
     sensor, signal = axial_sensor_step(
         memory.sensor, SpoolPlace(place.time, place.position, place.angle), settings.sensor
     )
-    near = memory.stage.held > 0.0 or memory.stage.number == HOME or memory.observer.mean[0] < stop + AT_STOP
-    held = 1.0 if near and is_pressed(place.pressure, settings) else 0.0
-    stage = next_stage(memory.stage, place.time, held, is_known(phase), settings.sequence)
-    margin = 1.0
-    if is_known(phase):
-        frequency = np.sqrt(observer.drive.stiffness / observer.drive.moving_mass)
-        margin = observability_margin(frequency, phase.speed, int(observer.pollution.basis.harmonics))
-    flow = valve_flow(memory.command, place.pressure, settings.drive.valve)
-    seen = sight_of(signal, phase, stage, flow, place.pressure, margin)
-    observed, estimate = chamber_observer_step(memory.observer, seen, observer)
-    period = observer.sample_period
+    belief = ChamberBelief(memory.observer, memory.stage)
+    found = look(belief, ChamberSight(signal, phase, place.pressure), observer, settings.sequence)
+    stage, estimate, period = found.belief.stage, found.estimate, observer.sample_period
     return ChamberView(
         sensor=sensor,
-        observer=observed,
+        observer=found.belief.filter,
         reference=next_reference(memory.reference, stage, Target(wanted, stop), period, settings.reference),
         stage=stage,
         estimate=estimate,
         reading=ChamberReading(estimate.position, estimate.velocity, place.pressure),
         phase=phase,
         measured=signal.position,
-        margin=margin,
+        margin=found.margin,
     )
 
 
@@ -188,7 +161,6 @@ def chamber_command(
         observer=view.observer,
         reference=view.reference,
         stage=view.stage,
-        command=command,
         reading=view.reading,
     )
     return memory, show(command, view.stage, view.reference, observed, view.estimate, demand)

@@ -8,6 +8,7 @@ from vvdp.base.kinds import ANGLE, FRACTION, POSITION, RATIO, Count, Fraction, L
 from vvdp.base.params import Params
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
+from vvdp.programs.generic import GenericProgram
 from vvdp.sensing.axial_sensor import (
     AxialSensor,
     LightCurve,
@@ -90,13 +91,19 @@ def axial_sensor_of(table: AxialSensorTable) -> AxialSensor:
 def sensor_step(
     t: float, memory: InstrumentMemory, reading: SpoolPlace, settings: AxialSensor
 ) -> tuple[InstrumentMemory, AxialSignal]:
-    """The sensor takes a sample and shows the position that its calibration tells."""
+    """Position of a spool as the light off its end tells it, polluted with every turn."""
     remembered, seen = axial_sensor_step(memory, reading, settings)
     return remembered, AxialSignal(seen.position, seen.light)
+
+
+AXIAL_SENSOR = GenericProgram(
+    ProgramType(sensor_step, SpoolPlace, AxialSignal(0.0, 0.0), AxialSensorTable, axial_sensor_start),
+    made=axial_sensor_of,
+)
 
 
 def add_axial_sensor(net: Network, position: str, spool: str, table: AxialSensorTable) -> None:
     """Add the sensor as a program; `position` is the path of the spool's position, `spool` the shaft that turns it."""
     reads = {"time": "t", "position": position, "angle": f"{spool}.angle"}
-    kind = ProgramType(sensor_step, SpoolPlace, AxialSignal(0.0, 0.0), AxialSensor, axial_sensor_start)
+    kind = replace(AXIAL_SENSOR.type, settings=AxialSensor)
     net.program("axial_sensor", kind, axial_sensor_of(table), reads=reads)

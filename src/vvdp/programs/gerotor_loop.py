@@ -19,11 +19,7 @@ from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest
 from vvdp.estimation.axial_filter import AxialEstimate, AxialMemory, AxialSeen, Phase
 from vvdp.estimation.gerotor_observer import GerotorObserver, gerotor_observer_start, gerotor_observer_step
 from vvdp.hydraulics.gerotor_drive import GerotorBelief, gerotor_command, gerotor_flow
-from vvdp.programs.spool_encoder import WatchMemory, WatchSettings, watch_start, watch_step
-from vvdp.sensing.axial_sensor import AxialSensor, SpoolPlace, axial_sensor_start, axial_sensor_step
-from vvdp.sensing.encoder import Shaft
-from vvdp.sensing.instrument import InstrumentMemory
-from vvdp.systems.axial_loop import (
+from vvdp.programs.axial_loop import (
     HOME,
     LEARN,
     RUN,
@@ -41,6 +37,10 @@ from vvdp.systems.axial_loop import (
     sight_of,
     turned_phase,
 )
+from vvdp.programs.spool_encoder import WatchMemory, WatchSettings, watch_start, watch_step
+from vvdp.sensing.axial_sensor import AxialSensor, SpoolPlace, axial_sensor_start, axial_sensor_step
+from vvdp.sensing.encoder import Shaft
+from vvdp.sensing.instrument import InstrumentMemory
 
 ALWAYS_SEEN = 2.0
 """Observability margin of a position that a known flow moves: no pollution of mean zero looks like it [1]."""
@@ -153,6 +153,18 @@ def gerotor_loop_start(settings: GerotorLoop) -> GerotorMemory:
     return GerotorMemory(drive_start(settings), gerotor_observer_start(settings.observer, settings.stop_position))
 
 
+def stage_at_stop(stage: Stage, time: float, known: bool, sequence: AxialSequence) -> Stage:
+    """The stage at a sample [s] of a drive that is taken to be at its stop until it is controlled."""
+    after = next_stage(stage, time, 1.0, known, sequence)
+    return Stage(after.number, after.since, 1.0 if after.number == HOME or after.number == LEARN else 0.0)
+
+
+def flow_after(settled: float, flow: float, period: float, lag: float) -> float:
+    """What a flow [m^3/s] has come to a `period` [s] later on its way to a settled one."""
+    after: float = settled + (flow - settled) * np.exp(-period / lag)
+    return after
+
+
 def gerotor_view(
     memory: DriveMemory, place: GerotorPlace, phase: Phase, wanted: float, settings: GerotorControl
 ) -> GerotorView:
@@ -167,9 +179,8 @@ def gerotor_view(
         memory.sensor, SpoolPlace(place.time, place.position, place.angle), settings.sensor
     )
     period = settings.sample_period
-    stage = next_stage(memory.stage, place.time, 1.0, is_known(phase), settings.sequence)
-    stage = Stage(stage.number, stage.since, 1.0 if stage.number == HOME or stage.number == LEARN else 0.0)
-    flow = memory.settled + (memory.flow - memory.settled) * np.exp(-period / settings.calibration.lag)
+    stage = stage_at_stop(memory.stage, place.time, is_known(phase), settings.sequence)
+    flow = flow_after(memory.settled, memory.flow, period, settings.calibration.lag)
     target = Target(wanted, settings.stop_position)
     return GerotorView(
         sensor=sensor,

@@ -1,0 +1,225 @@
+"""The laws of the chamber drive as programs: from a reference and what is believed of the spool to the valve's command.
+
+Source  ours, docs/models/passivity-control.md, where a function names no other.
+"""
+
+from dataclasses import fields
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from vvdp.base.kinds import (
+    AirFraction,
+    Area,
+    BulkModulus,
+    Density,
+    DischargeCoefficient,
+    Energy,
+    Flow,
+    Force,
+    Fraction,
+    Mass,
+    Polytropic,
+    Position,
+    Pressure,
+    SignedFraction,
+    Stiffness,
+    Velocity,
+    Volume,
+)
+from vvdp.base.params import Params, require_positive
+from vvdp.base.units import ATMOSPHERE
+from vvdp.control.backstepping import BacksteppingGains, backstepping_law, refuse_flow_gain
+from vvdp.control.chamber import ChamberDrive, ChamberFlow, ChamberReading, PositionGains
+from vvdp.control.orifice import ChamberValve, valve_command
+from vvdp.control.passivity import PassivityGains, passivity_law, printed_passivity_law
+from vvdp.control.reference import Jerk, Reference, SignedAcceleration
+from vvdp.control.storage import loop_balance
+from vvdp.fluid.oil import Oil
+from vvdp.network.program import ProgramType
+from vvdp.programs.chamber_report import ChamberLawReport
+from vvdp.programs.generic import GenericProgram
+
+
+class KnownChamber(Params):
+    """The drive as its law believes it: plunger, spring, oil and valve. Pressures are absolute.
+
+    `preload` is the force of the spring, `oil_volume` the volume of the chamber at position 0.
+    """
+
+    area: Area
+    moving_mass: Mass
+    stiffness: Stiffness
+    preload: Force
+    oil_volume: Volume
+    discharge_coefficient: DischargeCoefficient
+    full_area: Area
+    supply_pressure: Pressure
+    tank_pressure: Pressure = ATMOSPHERE
+    density: Density
+    liquid_bulk_modulus: BulkModulus
+    air_fraction: AirFraction
+    polytropic_exponent: Polytropic = 1.4
+    reference_pressure: Pressure = ATMOSPHERE
+
+
+class PassivityTable(PassivityGains, KnownChamber):
+    """Gains of a passivity law, and the drive as it believes it."""
+
+    def check(self) -> None:
+        super().check()
+        known_drive(self)
+
+
+class BacksteppingTable(BacksteppingGains, KnownChamber):
+    """Gains of backstepping, and the drive as it believes it."""
+
+    def check(self) -> None:
+        super().check()
+        refuse_flow_gain(self, known_drive(self))
+
+
+class ChamberLaw(Params):
+    """What the program of a law works with, but for its gains."""
+
+    drive: ChamberDrive
+
+
+class PassivityLaw(ChamberLaw):
+    """A passivity law."""
+
+    gains: PassivityGains
+
+
+class BacksteppingLaw(ChamberLaw):
+    """Backstepping."""
+
+    gains: BacksteppingGains
+
+
+def known_drive(table: KnownChamber) -> ChamberDrive:
+    """The drive of a table. Raises ParameterError."""
+    require_positive(table, "full_area")
+    oil = Oil(
+        density=table.density,
+        thermal_expansion=0.0,
+        viscosity_40=46e-6,  # in no law of the chamber
+        viscosity_100=6.8e-6,
+        liquid_bulk_modulus=table.liquid_bulk_modulus,
+        air_fraction=table.air_fraction,
+        polytropic_exponent=table.polytropic_exponent,
+        reference_pressure=table.reference_pressure,
+    )
+    valve = ChamberValve(
+        conductance=table.discharge_coefficient * table.full_area * np.sqrt(2.0 / table.density),
+        supply_pressure=table.supply_pressure,
+        tank_pressure=table.tank_pressure,
+    )
+    return ChamberDrive(
+        area=table.area,
+        moving_mass=table.moving_mass,
+        stiffness=table.stiffness,
+        preload=table.preload,
+        oil_volume=table.oil_volume,
+        oil=oil,
+        valve=valve,
+    )
+
+
+def _gains_of(cls: type[Any], table: Params) -> Any:
+    return cls(**{each.name: getattr(table, each.name) for each in fields(cls)})
+
+
+def passivity_settings(table: PassivityTable) -> PassivityLaw:
+    """The settings of a passivity law as its step takes them."""
+    return PassivityLaw(drive=known_drive(table), gains=_gains_of(PassivityGains, table))
+
+
+def backstepping_settings(table: BacksteppingTable) -> BacksteppingLaw:
+    """The settings of backstepping as its step takes them."""
+    return BacksteppingLaw(drive=known_drive(table), gains=_gains_of(BacksteppingGains, table))
+
+
+class ChamberTask(NamedTuple):
+    """The reference with its derivatives, what is believed of the spool, and the measured pressure of its chamber,
+    absolute. While `released` is 0 the valve is wide open to the tank."""
+
+    reference: Position
+    reference_velocity: Velocity
+    reference_acceleration: SignedAcceleration
+    reference_jerk: Jerk
+    position: Position
+    velocity: Velocity
+    pressure: Pressure
+    released: Fraction = 1.0
+
+
+class ChamberCommand(NamedTuple):
+    """The command of the valve, the flow that it is to pass, the pressure that would move the spool as wanted,
+    absolute, and what the closed loop stores, as believed."""
+
+    command: SignedFraction
+    flow: Flow
+    desired_pressure: Pressure
+    storage: Energy
+
+
+def wanted_motion(task: ChamberTask) -> Reference:
+    """The reference of a law."""
+    return Reference(task.reference, task.reference_velocity, task.reference_acceleration, task.reference_jerk)
+
+
+def believed_motion(task: ChamberTask) -> ChamberReading:
+    """What a law is told of the drive."""
+    return ChamberReading(task.position, task.velocity, task.pressure)
+
+
+def chamber_command(
+    task: ChamberTask, wanted: ChamberFlow, gains: PositionGains, drive: ChamberDrive
+) -> ChamberCommand:
+    """The command of the valve that gives the flow a law asks for, once the spool is released; until then it empties
+    the chamber."""
+    command, storage = -1.0, 0.0
+    if task.released > 0.5:
+        command = valve_command(wanted.flow, task.pressure, drive.valve)
+        storage = loop_balance(wanted.flow, wanted_motion(task), believed_motion(task), gains, drive).storage
+    return ChamberCommand(command, wanted.flow, wanted.desired.pressure, storage)
+
+
+def passivity_step(
+    t: float, memory: NamedTuple, reading: ChamberTask, settings: PassivityLaw
+) -> tuple[NamedTuple, ChamberCommand]:
+    """Passivity-based control of a chamber against a spring, with the exact feedforward."""
+    wanted = passivity_law(wanted_motion(reading), believed_motion(reading), settings.gains, settings.drive)
+    return memory, chamber_command(reading, wanted, settings.gains, settings.drive)
+
+
+def printed_passivity_step(
+    t: float, memory: NamedTuple, reading: ChamberTask, settings: PassivityLaw
+) -> tuple[NamedTuple, ChamberCommand]:
+    """Passivity-based control of a chamber against a spring, with the published, approximate feedforward."""
+    wanted = printed_passivity_law(wanted_motion(reading), believed_motion(reading), settings.gains, settings.drive)
+    return memory, chamber_command(reading, wanted, settings.gains, settings.drive)
+
+
+def backstepping_step(
+    t: float, memory: NamedTuple, reading: ChamberTask, settings: BacksteppingLaw
+) -> tuple[NamedTuple, ChamberCommand]:
+    """Traditional backstepping of a chamber against a spring."""
+    wanted = backstepping_law(wanted_motion(reading), believed_motion(reading), settings.gains, settings.drive)
+    return memory, chamber_command(reading, wanted, settings.gains, settings.drive)
+
+
+EMPTIED = ChamberCommand(command=0.0, flow=0.0, desired_pressure=ATMOSPHERE, storage=0.0)
+PASSIVITY = GenericProgram(
+    ProgramType(passivity_step, ChamberTask, EMPTIED, PassivityTable, report=ChamberLawReport),
+    made=passivity_settings,
+)
+PRINTED_PASSIVITY = GenericProgram(
+    ProgramType(printed_passivity_step, ChamberTask, EMPTIED, PassivityTable, report=ChamberLawReport),
+    made=passivity_settings,
+)
+BACKSTEPPING = GenericProgram(
+    ProgramType(backstepping_step, ChamberTask, EMPTIED, BacksteppingTable, report=ChamberLawReport),
+    made=backstepping_settings,
+)

@@ -1,0 +1,235 @@
+"""Observer and law of the gerotor drive as programs.
+
+Source  ours, docs/models/gerotor-control.md, where a function names no other.
+"""
+
+from dataclasses import fields
+from typing import NamedTuple
+
+from vvdp.base.kinds import Angle, Area, Count, Flow, Fraction, Length, Position, SignedFraction, Speed, Time, Velocity
+from vvdp.base.params import Params, require_positive
+from vvdp.control.feedforward_pi import FeedforwardPI, PIMemory, SquareRate, pi_start, pi_step
+from vvdp.control.reference import Rate, Reference
+from vvdp.estimation.axial_filter import AxialMemory
+from vvdp.estimation.gerotor_observer import GerotorObserver, gerotor_observer_start, gerotor_observer_step
+from vvdp.hydraulics.gerotor_drive import GerotorBelief, gerotor_command, gerotor_flow
+from vvdp.network.program import ProgramType
+from vvdp.programs.axial_loop import (
+    HOME,
+    RUN,
+    AxialObserverTable,
+    AxialSequence,
+    Stage,
+    is_known,
+    pollution_model,
+    seen_phase,
+    sight_of,
+)
+from vvdp.programs.chamber_observer import NOTHING_SEEN, SeenSpool
+from vvdp.programs.generic import GenericProgram
+from vvdp.programs.gerotor_loop import ALWAYS_SEEN, DriveBelief, flow_after, stage_at_stop
+from vvdp.programs.spool_report import SpoolReport
+from vvdp.sensing.axial_sensor import AxialReading
+
+
+class GerotorObserverTable(DriveBelief, AxialObserverTable, AxialSequence):
+    """The drive's map as it is believed, what is noise, and how long it homes and learns; the stop is at
+    `stop_position`. The flow moves `area`; the duty ratio is the position over the `helix_length`."""
+
+    area: Area
+    stop_position: Position
+    helix_length: Length
+
+    def check(self) -> None:
+        DriveBelief.check(self)
+        AxialObserverTable.check(self)
+        require_positive(self, "area", "helix_length")
+
+
+class GerotorObserverSettings(Params):
+    """What the program of the observer works with."""
+
+    observer: GerotorObserver
+    sequence: AxialSequence
+    belief: DriveBelief
+
+    @property
+    def sample_period(self) -> float:
+        """How often it is called [s]."""
+        return self.observer.sample_period
+
+
+def gerotor_observer_settings(table: GerotorObserverTable) -> GerotorObserverSettings:
+    """The settings of the observer as its step takes them. Raises ParameterError."""
+    observer = gerotor_observer_of(table, table.area, table.stop_position, table.helix_length)
+    sequence = AxialSequence(**{each.name: getattr(table, each.name) for each in fields(AxialSequence)})
+    belief = DriveBelief(**{each.name: getattr(table, each.name) for each in fields(DriveBelief)})
+    return GerotorObserverSettings(observer=observer, sequence=sequence, belief=belief)
+
+
+def gerotor_observer_of(table: AxialObserverTable, area: float, stop: float, helix_length: float) -> GerotorObserver:
+    """The periodic Kalman filter of a table: `area` [m^2], position of the stop and length of the helix [m]."""
+    return GerotorObserver(
+        area=area,
+        pollution=pollution_model(table, helix_length),
+        sample_period=table.sample_period,
+        position_drift=table.position_drift,
+        position_deviation=1e-4,
+        stop_position=stop,
+    )
+
+
+class WatchedDrive(NamedTuple):
+    """What sensors show of a spool, and the command of its pump, which has been in force until now. Deviations are
+    those of an event filter; 0: the angle is known."""
+
+    time: Time
+    measured: Position
+    light: Fraction
+    angle: Angle
+    speed: Speed
+    command: SignedFraction
+    angle_deviation: Angle = 0.0
+    speed_deviation: Speed = 0.0
+
+
+class DriveBeliefMemory(NamedTuple):
+    """What the observer carries from sample to sample; `flow` is what the pump's is taken to have come to."""
+
+    filter: AxialMemory
+    stage: Stage
+    flow: Flow
+
+
+def gerotor_observer_program_start(settings: GerotorObserverSettings) -> DriveBeliefMemory:
+    """Before the first sample: homing."""
+    start = gerotor_observer_start(settings.observer, settings.observer.stop_position)
+    return DriveBeliefMemory(start, Stage(HOME, 0.0, 1.0), 0.0)
+
+
+def gerotor_observer_program_step(
+    t: float, memory: DriveBeliefMemory, reading: WatchedDrive, settings: GerotorObserverSettings
+) -> tuple[DriveBeliefMemory, SeenSpool]:
+    """Position of a spool that a gerotor pump moves, by the periodic Kalman filter, and its stages."""
+    phase = seen_phase(reading.angle, reading.speed, reading.angle_deviation, reading.speed_deviation)
+    settled = 0.0
+    if memory.stage.number == RUN:
+        settled = gerotor_flow(reading.command, settings.belief)
+    flow = flow_after(settled, memory.flow, settings.observer.sample_period, settings.belief.lag)
+    stage = stage_at_stop(memory.stage, reading.time, is_known(phase), settings.sequence)
+    signal = AxialReading(reading.time, reading.measured, reading.light)
+    seen = sight_of(signal, phase, stage, flow, 0.0, ALWAYS_SEEN)
+    after, estimate = gerotor_observer_step(memory.filter, seen, settings.observer)
+    return DriveBeliefMemory(after, stage, flow), SeenSpool(
+        position=estimate.position,
+        velocity=estimate.velocity,
+        position_deviation=estimate.position_deviation,
+        velocity_deviation=estimate.velocity_deviation,
+        pollution=estimate.pollution,
+        margin=ALWAYS_SEEN,
+        stage=stage.number,
+        released=1.0 if stage.number == RUN else 0.0,
+        known=1.0 if is_known(phase) else 0.0,
+        frozen=estimate.frozen,
+    )
+
+
+class FeedforwardTable(GerotorBelief):
+    """Gains over the `area` that the flow moves, K_p/A_s and K_i/A_s; the pump's map as it is believed; and the command
+    with which it homes, backward."""
+
+    area: Area
+    proportional_rate: Rate
+    integral_rate: SquareRate
+    sample_period: Time
+    homing_command: Fraction = 0.0
+
+    def check(self) -> None:
+        super().check()
+        require_positive(self, "sample_period")
+        feedforward_of(self)
+
+
+class FeedforwardSettings(Params):
+    """What the program of the law works with."""
+
+    law: FeedforwardPI
+    belief: GerotorBelief
+    sample_period: Time
+    homing_command: Fraction
+
+
+def feedforward_of(table: FeedforwardTable) -> FeedforwardPI:
+    """The law of a table. Raises ParameterError."""
+    return FeedforwardPI(
+        area=table.area,
+        proportional_rate=table.proportional_rate,
+        integral_rate=table.integral_rate,
+        lowest_flow=-table.backward_gain * table.largest_flow,
+        highest_flow=table.largest_flow,
+    )
+
+
+def feedforward_settings(table: FeedforwardTable) -> FeedforwardSettings:
+    """The settings of the law as its step takes them."""
+    belief = GerotorBelief(**{each.name: getattr(table, each.name) for each in fields(GerotorBelief)})
+    return FeedforwardSettings(
+        law=feedforward_of(table),
+        belief=belief,
+        sample_period=table.sample_period,
+        homing_command=table.homing_command,
+    )
+
+
+class DriveTask(NamedTuple):
+    """The reference with its velocity, and what is believed of the spool. In stage 0 the pump drives it backward to its
+    stop, in stage 2 it is controlled, and else left where it is."""
+
+    reference: Position
+    reference_velocity: Velocity
+    position: Position
+    stage: Count = RUN
+
+
+class DriveCommand(NamedTuple):
+    """The command of the pump, and the flow that it is to give."""
+
+    command: SignedFraction
+    flow: Flow
+
+
+def feedforward_start(settings: FeedforwardSettings) -> PIMemory:
+    """Before the first sample."""
+    return pi_start()
+
+
+def feedforward_step(
+    t: float, memory: PIMemory, reading: DriveTask, settings: FeedforwardSettings
+) -> tuple[PIMemory, DriveCommand]:
+    """Feedforward of the velocity and PI control of a spool that a gerotor pump moves."""
+    integral, flow, command = pi_start(), 0.0, 0.0
+    if reading.stage == HOME:
+        command = -settings.homing_command
+    if reading.stage == RUN:
+        reference = Reference(reading.reference, reading.reference_velocity, 0.0, 0.0)
+        integral, flow = pi_step(memory, reference, reading.position, settings.sample_period, settings.law)
+        command = gerotor_command(flow, settings.belief)
+    return integral, DriveCommand(command, flow)
+
+
+GEROTOR_OBSERVER = GenericProgram(
+    ProgramType(
+        gerotor_observer_program_step,
+        WatchedDrive,
+        NOTHING_SEEN,
+        GerotorObserverTable,
+        gerotor_observer_program_start,
+    ),
+    made=gerotor_observer_settings,
+)
+FEEDFORWARD_PI = GenericProgram(
+    ProgramType(
+        feedforward_step, DriveTask, DriveCommand(0.0, 0.0), FeedforwardTable, feedforward_start, report=SpoolReport
+    ),
+    made=feedforward_settings,
+)

@@ -1,0 +1,89 @@
+"""What a type of program adds to the results of a run: numbers, sentences, figures."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from vvdp.base.arrays import Array
+from vvdp.base.kinds import Kind
+from vvdp.base.signal import Signal, signal_value
+from vvdp.network.network import Network, ProgramPart
+from vvdp.network.nodes import Source
+from vvdp.results.chart import Chart
+from vvdp.results.result import Table
+
+if TYPE_CHECKING:
+    from vvdp.simulation.record import Record
+    from vvdp.simulation.run import Run
+
+Quantities: TypeAlias = Mapping[str, tuple[Kind, str]]
+
+
+class ProgramReport:
+    """What a program in its place in a network adds to the results: nothing, unless a subclass says more.
+
+    A program type names its own, `ProgramType(..., report=MyReport)`. Where several programs of a circuit have the same
+    keys, each key begins with the name of its program.
+    """
+
+    GROUP = ""
+    """Under which words its numbers stand."""
+    QUANTITIES: Quantities = MappingProxyType({})
+    """Kind and label of its numbers, by key."""
+    HEADLINE: tuple[str, ...] = ()
+    """Keys of the numbers whose ranges are told where values have one."""
+
+    STEADY = True
+    """Whether means of a steady state are expected of a run with it."""
+
+    def __init__(self, network: Network, name: str, sample_period: float) -> None:
+        self.program = network.programs[name]
+        self.period = self.program.period or sample_period
+
+    def numbers(self, run: "Run") -> dict[str, float]:  # noqa: ARG002
+        """Its numbers of a recorded run; those that a run does not tell are left out."""
+        return {}
+
+    def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:  # noqa: ARG002
+        """What a person has to know before the numbers in `found`, a sentence each."""
+        yield from ()
+
+    def merits(self, found: Mapping[str, Any]) -> Iterator[str]:  # noqa: ARG002
+        """What the numbers in `found` show to be right, a sentence each."""
+        yield from ()
+
+    def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:  # noqa: ARG002
+        """Figures, each over the columns of a table."""
+        return ()
+
+
+def origin(network: Network, source: Source | None) -> tuple[ProgramPart | None, str]:
+    """The program whose command a source is, None where it is no command, and the path or field that is read."""
+    head, _, field = source.partition(".") if isinstance(source, str) else ("", "", "")
+    return (network.programs[head], field) if head in network.programs else (None, str(source))
+
+
+def read_rows(run: "Run", source: Source, now: Array, after: Array) -> Array:
+    """What a program read in a run at the rows `now`: a command stands in the rows `after` them; each (rows,)."""
+    if isinstance(source, Signal):
+        over: Any = run.times[now]
+        values: Any = signal_value(over, source)
+        return np.full(now.shape, values)
+    assert isinstance(source, str)
+    head, _, field = source.partition(".")
+    if head in run.command._fields:
+        found: Array = getattr(getattr(run.command, head), field)[after]
+        return found
+    rows: Array = state_rows(run, source)[now]
+    return rows
+
+
+def state_rows(run: "Run", path: str) -> Array:
+    """A state over all rows of a run, (rows,)."""
+    found: Any = run.state
+    for name in path.split("."):
+        found = getattr(found, name) if name in getattr(found, "_fields", ()) else found  # a pressure is its node
+    rows: Array = found
+    return rows

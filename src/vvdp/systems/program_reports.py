@@ -1,0 +1,89 @@
+"""What the programs of a drawn circuit bring along, each under its name where there are several of a kind."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from vvdp.programs.report import ProgramReport
+from vvdp.results.chart import Chart
+from vvdp.results.result import Table
+from vvdp.systems.extras import Extras, Line, LoadedSystem, Summary
+
+if TYPE_CHECKING:
+    from vvdp.simulation.record import Record
+    from vvdp.simulation.run import Run
+
+
+def reported_programs(system: LoadedSystem, sample_period: float) -> "ReportedPrograms | None":
+    """What the programs of a system bring along; None where that is nothing. `sample_period` of the run [s]."""
+    network = system.circuit.network
+    reports = {
+        name: program.type.report(network, name, sample_period)
+        for name, program in network.programs.items()
+        if program.type.report is not None
+    }
+    return ReportedPrograms(system, reports) if reports else None
+
+
+class ReportedPrograms(Extras):
+    """The reports of programs, by the name of each."""
+
+    IS_ALL = False
+
+    def __init__(self, system: LoadedSystem, reports: Mapping[str, ProgramReport]) -> None:
+        super().__init__(system)
+        self.reports = {
+            f"{name}_" if any(_share_keys(report, other) for other in reports.values()) else "": report
+            for name, report in reports.items()
+        }
+        self.STEADY = all(report.STEADY for report in reports.values())
+        self.QUANTITIES = {
+            prefix + key: (kind, _words(prefix) + label)
+            for prefix, report in self.reports.items()
+            for key, (kind, label) in report.QUANTITIES.items()
+        }
+        self.OVERVIEW = tuple(
+            Line(label, (prefix + key,), kind, (), f"{report.GROUP}{_of(prefix)}")
+            for prefix, report in self.reports.items()
+            for key, (kind, label) in report.QUANTITIES.items()
+        )
+        self.HEADLINE = tuple(prefix + key for prefix, report in self.reports.items() for key in report.HEADLINE)
+
+    def record_numbers(self, run: "Run") -> Summary:
+        """The numbers of all programs."""
+        return {
+            prefix + key: value for prefix, report in self.reports.items() for key, value in report.numbers(run).items()
+        }
+
+    def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
+        """What the programs have to say of a run."""
+        for prefix, report in self.reports.items():
+            yield from (_words(prefix) + words for words in report.warnings(_own(prefix, found)))
+
+    def merits(self, found: Mapping[str, Any]) -> Iterator[str]:
+        """What the numbers of the programs show to be right."""
+        for prefix, report in self.reports.items():
+            yield from (_words(prefix) + words for words in report.merits(_own(prefix, found)))
+
+    def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:
+        """The figures of all programs."""
+        for prefix, report in self.reports.items():
+            for chart, table in report.charts(record):
+                yield replace(chart, name=_words(prefix, "-") + chart.name, table=prefix + chart.table), table
+
+
+def _share_keys(one: ProgramReport, other: ProgramReport) -> bool:
+    return one is not other and not one.QUANTITIES.keys().isdisjoint(other.QUANTITIES)
+
+
+def _own(prefix: str, found: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The numbers with those of one program under its own keys."""
+    return {**found, **{key.removeprefix(prefix): value for key, value in found.items() if key.startswith(prefix)}}
+
+
+def _words(prefix: str, between: str = " ") -> str:
+    return prefix.removesuffix("_").replace("_", between) + (": " if between == " " else between) if prefix else ""
+
+
+def _of(prefix: str) -> str:
+    return f", {prefix.removesuffix('_').replace('_', ' ')}" if prefix else ""
