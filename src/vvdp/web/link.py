@@ -1,0 +1,70 @@
+"""Objects of a model become one WebAssembly module: linked by the `zig` of the extra `web`, with a library of its own."""
+
+import os
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from importlib import resources
+from importlib.util import find_spec
+from pathlib import Path
+
+from vvdp.base.errors import RunError
+from vvdp.base.extras import require
+from vvdp.simulation.cache import default_cache
+
+TRIPLE = "wasm32-unknown-unknown"
+FEATURES = "+bulk-memory,+nontrapping-fptoint,+sign-ext,+mutable-globals"
+MACHINE = ("-target", "wasm32-freestanding", "-mcpu", "generic+bulk_memory+nontrapping_fptoint+sign_ext")
+MUSL = ("pow", "pow_data", "exp_data", "expm1", "erf", "nextafter")
+"""Files of the C library that comes with zig."""
+OWN = ("exp.c", "support.c")
+MOST_STACK = 2**20
+
+
+def link(objects: Sequence[bytes], entry: str) -> bytes:
+    """The module of these objects, which exports `entry` and `__heap_base`, behind which memory is free.
+
+    Raises MissingExtraError without the extra `web`, RunError where the linker refuses.
+    """
+    require("ziglang", "web", "a page that runs a system")
+    with tempfile.TemporaryDirectory(prefix="vvdp-web-") as name:
+        folder = Path(name)
+        for file in resources.files("vvdp.web").joinpath("library").iterdir():
+            (folder / file.name).write_bytes(file.read_bytes())
+        paths = []
+        for number, code in enumerate(objects):
+            paths.append(f"model{number}.o")
+            (folder / paths[-1]).write_bytes(code)
+        paths += [_compiled(folder, folder / each) for each in OWN]
+        paths += [_compiled(folder, _musl() / f"{each}.c") for each in MUSL]
+        command = ["build-exe", "math.zig", *paths, *MACHINE, "-O", "ReleaseFast", "-fstrip", "-fno-entry"]
+        command += ["--import-memory", f"--export={entry}", "--export=__heap_base", "--stack", str(MOST_STACK)]
+        _run(folder, [*command, "-femit-bin=model.wasm"])
+        return (folder / "model.wasm").read_bytes()
+
+
+def _compiled(folder: Path, source: Path) -> str:
+    """The name of the object of a C file."""
+    name = f"{source.stem}.o"
+    target = MACHINE[1], f"-mcpu={MACHINE[3]}"
+    flags = ["-nostdlib", "-fno-builtin", "-O2", "-ffp-contract=off", "-w", "-I.", f"-I{_musl()}"]
+    _run(folder, ["cc", "-target", *target, *flags, "-c", str(source), "-o", name])
+    return name
+
+
+def _run(folder: Path, words: Sequence[str]) -> None:
+    kept = str(default_cache() / "zig")
+    known = {**os.environ, "ZIG_GLOBAL_CACHE_DIR": kept, "ZIG_LOCAL_CACHE_DIR": str(folder / "local")}
+    done = subprocess.run([_zig(), *words], cwd=folder, env=known, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RunError(f"zig {words[0]} failed: {done.stderr.strip()[-600:]}")
+
+
+def _musl() -> Path:
+    return _zig().parent / "lib" / "libc" / "musl" / "src" / "math"
+
+
+def _zig() -> Path:
+    found = find_spec("ziglang")
+    assert found is not None and found.origin is not None
+    return Path(found.origin).parent / ("zig.exe" if os.name == "nt" else "zig")
