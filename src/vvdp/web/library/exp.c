@@ -3,7 +3,6 @@
 #include "exp_data.h"
 
 #define N (1 << EXP_TABLE_BITS)
-double fma(double, double, double);
 
 static double special(double tmp, uint64_t sbits, uint64_t ki) {
     double scale, y;
