@@ -21,8 +21,8 @@ OWN = ("exp.c", "log.c", "pow.c", "support.c")
 MOST_STACK = 2**20
 
 
-def link(objects: Sequence[bytes], entry: str) -> bytes:
-    """The module of these objects, which exports `entry` and `__heap_base`, behind which memory is free.
+def link(objects: Sequence[bytes], entries: Sequence[str]) -> bytes:
+    """The module of these objects, which exports `entries` and `__heap_base`, behind which memory is free.
 
     Raises MissingExtraError without the extra `web`, RunError where the linker refuses.
     """
@@ -38,7 +38,8 @@ def link(objects: Sequence[bytes], entry: str) -> bytes:
         paths += [_compiled(folder, folder / each) for each in OWN]
         paths += [_compiled(folder, _musl() / f"{each}.c") for each in MUSL]
         command = ["build-exe", "math.zig", *paths, *MACHINE, "-O", "ReleaseFast", "-fstrip", "-fno-entry"]
-        command += ["--import-memory", f"--export={entry}", "--export=__heap_base", "--stack", str(MOST_STACK)]
+        command += ["--import-memory", "--stack", str(MOST_STACK), "--export=__heap_base"]
+        command += [f"--export={each}" for each in entries]
         _run(folder, [*command, "-femit-bin=model.wasm"])
         return (folder / "model.wasm").read_bytes()
 

@@ -4,7 +4,7 @@ The texts are those that the command line compiles. What they call of the C libr
 sums that a processor rounds once are rounded once in software, so that the numbers keep their bits.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -16,11 +16,8 @@ from vvdp.simulation.assembly import Assembly
 from vvdp.simulation.link import ModelAssemblies
 from vvdp.simulation.loops import plain_part
 from vvdp.simulation.model import Case, Model
+from vvdp.simulation.parts import outputs_part, stored_part
 from vvdp.web.link import FEATURES, TRIPLE, link
-
-ENTRY = "vvdp_run"
-"""The function of a module that a page calls."""
-
 
 @dataclass(frozen=True)
 class WebModule:
@@ -33,16 +30,30 @@ class WebModule:
 def web_module(model: Model, case: Case) -> WebModule:
     """The module of a model for values of the shape of `case`.
 
-    Raises ExtraMissing without the extra `web`, RunError where a function cannot be compiled.
+    It exports functions that take the address of their arguments, 8 bytes each, behind which they write their answer
+    and the number of a failure: `vvdp_run` the loop, whose functions it knows, `vvdp_sample`, `vvdp_outputs` and
+    `vvdp_stored` what `link` and `parts` have by these names.
+    Raises MissingExtraError without the extra `web`, RunError where a function cannot be compiled.
     """
     found = ModelAssemblies(model, case)
+    shown = _shown(model, case)
     objects, reasons = [_loop_object()], dict[int, str]()
-    for each in found:
+    for each in (*found, shown):
         text, why = each.llvm_text()
         reasons |= {each.failure_number(place): words for place, words in enumerate(why)}
         objects.append(_object(_with_symbols(text, each)))
-    objects.append(_object(_entry_text(found)))
-    return WebModule(link(objects, ENTRY), reasons)
+    functions = [(found.circuit, "rates"), (found.sample, "sample"), (found.circuit, "events"), (found.circuit, "stop")]
+    known = [(assembly.symbol(name), kind) for (assembly, name), kind in zip(functions, loop.RUN, strict=False)]
+    entries = {"run": ("run", Address(loop.RUN, INT), known), "sample": (*known[1], [])}
+    entries |= {p.name: (shown.symbol(p.name), Address(p.kinds, None), []) for p in shown.parts}
+    objects += [_object(_entry_text(name, *entry)) for name, entry in entries.items()]
+    return WebModule(link(objects, [f"vvdp_{name}" for name in entries]), reasons)
+
+
+def _shown(model: Model, case: Case) -> Assembly:
+    """What is worked out from a run's rows: outputs, and what is in store."""
+    parts = [outputs_part(model, case)]
+    return Assembly(parts if model.stored is None else [*parts, stored_part(model.stored, case)])
 
 
 def _loop_assembly() -> Assembly:
@@ -65,25 +76,18 @@ def _with_symbols(text: str, assembly: Assembly) -> str:
     return text
 
 
-def _entry_text(model: ModelAssemblies) -> str:
-    """The text of `vvdp_run(slots)`: the loop with its arguments from memory, 8 bytes each.
-
-    Behind the arguments are written its answer and the number of a failure.
-    """
-    symbols = [model.circuit.symbol("rates"), model.sample.symbol("sample")]
-    symbols += [model.circuit.symbol("events"), model.circuit.symbol("stop")]
-    addresses, others = loop.RUN[: len(symbols)], loop.RUN[len(symbols) :]
-    registers = [TYPES[each] for kind in others for each in registers_of(kind)]
-    places = [f"  %p{i} = getelementptr i64, ptr %slots, i64 {i}" for i in range(len(registers) + 2)]
+def _entry_text(name: str, symbol: str, kind: Address, known: Sequence[tuple[str, Address]]) -> str:
+    """The text of an entry that calls a function with arguments from memory, behind the addresses of `known` ones."""
+    registers = [TYPES[each] for argument in kind.arguments[len(known) :] for each in registers_of(argument)]
+    count = len(registers)
+    places = [f"  %p{i} = getelementptr i64, ptr %slots, i64 {i}" for i in range(count + 2)]
     loads = [f"  %a{i} = load {register}, ptr %p{i}, align 8" for i, register in enumerate(registers)]
-    given = [f"ptr @{symbol}" for symbol in symbols] + [f"{kind} %a{i}" for i, kind in enumerate(registers)]
-    answer = f"  %answer = call i64 @run({', '.join(given)}, ptr %p{len(registers) + 1})"
-    types = ", ".join(["ptr"] * len(symbols) + registers + ["ptr"])
-    declared = [_declaration(symbol, kind) for symbol, kind in zip(symbols, addresses, strict=True)]
-    return "\n".join([
-        *declared, f"declare i64 @run({types})", f"define void @{ENTRY}(ptr %slots) nounwind {{", *places, *loads,
-        answer, f"  store i64 %answer, ptr %p{len(registers)}, align 8", "  ret void", "}",
-    ])  # fmt: skip
+    given = [f"ptr @{each}" for each, _ in known] + [f"{register} %a{i}" for i, register in enumerate(registers)]
+    call = f"call {result_type(kind.result or Known(None))} @{symbol}({', '.join(given)}, ptr %p{count + 1})"
+    answer = [f"  %answer = {call}", f"  store i64 %answer, ptr %p{count}, align 8"] if kind.result else [f"  {call}"]
+    declared = [_declaration(each, type_) for each, type_ in ((symbol, kind), *known)]
+    head = f"define void @vvdp_{name}(ptr %slots) nounwind {{"
+    return "\n".join([*declared, head, *places, *loads, *answer, "  ret void", "}"])
 
 
 def _declaration(symbol: str, kind: Address) -> str:

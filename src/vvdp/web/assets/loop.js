@@ -2,7 +2,7 @@
 /* A system in its WebAssembly module: the call of the compiled loop, in portions. Used by a page's worker, and in tests. */
 function vvdpLoop(model) {
   const at = model.places, KINDS = { f8: Float64Array, i8: BigInt64Array };
-  const PORTION = 20000, MORE = 2;
+  const PORTION = 5000, MORE = 2;
 
   function unpack(one) {
     const text = atob(one.bytes), bytes = new Uint8Array(text.length);
@@ -15,6 +15,8 @@ function vvdpLoop(model) {
     const low = Math.floor(x), rest = x - low;
     return rest < 0.5 || (rest === 0.5 && low % 2 === 0) ? low : low + 1;
   }
+
+  const plain = (x) => String(Number(x.toPrecision(6)));
 
   function recordTimes(s) {
     const first = Math.ceil(s.begin / s.record_interval - 1e-9), times = [];
@@ -115,7 +117,6 @@ function vvdpLoop(model) {
         else if (each.is === "float") { bits.setFloat64(0, this.numbers[each.name]); found.push(bits.getBigInt64(0)); }
         else {
           const group = this.records[each.name], inner = each.fields.flatMap((name) => arrayWords(group[name]));
-          group.slots ??= undefined;
           const block = (this.blocks ??= {})[each.name] ??= this.room(8 * inner.length);
           new BigInt64Array(this.memory.buffer, block, inner.length).set(inner);
           found.push(BigInt(block));
@@ -130,9 +131,82 @@ function vvdpLoop(model) {
       new BigInt64Array(this.memory.buffer, this.slots, words.length + 2).set([...words, 0n, 0n]);
       this.instance.exports.vvdp_run(this.slots);
       const [answer, failed] = new BigInt64Array(this.memory.buffer, this.slots + 8 * words.length, 2);
-      if (failed) throw new Error(`the run ended at t = ${this.time} s: ${model.reasons[String(failed)] ?? "a check failed"}`);
+      this.fail(failed);
       if (Number(answer) === at.marks_full) { this.widen(); return at.paused; }
       return Number(answer);
+    }
+
+    fail(number) {
+      if (number) throw new Error(`the run ended at t = ${plain(this.time)} s: ${model.reasons[String(number)] ?? "a check failed"}`);
+    }
+
+    /* Calls a function that takes a time and arrays, each { address, count }; `which` goes before the time. */
+    enter(name, time, arrays, which) {
+      const bits = new DataView(new ArrayBuffer(8));
+      bits.setFloat64(0, time);
+      const words = [...(which === undefined ? [] : [BigInt(which)]), bits.getBigInt64(0), ...arrays.flatMap(({ address, count }) => [BigInt(address), BigInt(count)])];
+      this.entrance ??= this.room(8 * 24);
+      new BigInt64Array(this.memory.buffer, this.entrance, words.length + 2).set([...words, 0n, 0n]);
+      this.instance.exports[name](this.entrance);
+      this.fail(new BigInt64Array(this.memory.buffer, this.entrance, words.length + 2)[words.length + 1]);
+    }
+
+    vector(name) {
+      const one = this.arrays[name];
+      return { address: one.address, count: numbersIn(one.shape) };
+    }
+
+    scratch(name, count) {
+      return ((this.scratches ??= {})[name] ??= { address: this.room(8 * Math.max(count, 1)), count });
+    }
+
+    /* What is held between samples, worked out for the parameters at the beginning. */
+    hold() {
+      const [first, last] = model.held;
+      if (first === last) return;
+      const to = this.scratch("held", this.arrays.command.shape[0]);
+      this.enter("vvdp_sample", this.time, [this.vector("y"), this.vector("command"), this.vector("memory"), this.vector("params"), to], 0);
+      this.get("command").set(new Float64Array(this.memory.buffer, to.address + 8 * first, last - first), first);
+    }
+
+    /* What the circuit holds in a state: energy, then the volume of each oil. */
+    stored(state) {
+      const from = this.scratch("state", state.length), to = this.scratch("stored", 64);
+      new Float64Array(this.memory.buffer, from.address, from.count).set(state);
+      this.enter("vvdp_stored", 0, [from, this.vector("params"), to]);
+      return new Float64Array(this.memory.buffer, to.address, to.count).slice();
+    }
+
+    /* The outputs of the circuit at the recorded rows, one row after the other. */
+    outputs(rows) {
+      const [n, commands] = [this.arrays.record.shape[1], this.arrays.record_command.shape[1]];
+      const to = this.scratch("outputs", model.outputs), found = new Float64Array(rows * model.outputs), times = this.get("record_times").slice();
+      for (let i = 0; i < rows; i++) {
+        const state = { address: this.arrays.record.address + 8 * i * n, count: n };
+        const command = { address: this.arrays.record_command.address + 8 * i * commands, count: commands };
+        this.enter("vvdp_outputs", times[i], [state, command, this.vector("params"), to]);
+        found.set(new Float64Array(this.memory.buffer, to.address, model.outputs), i * model.outputs);
+      }
+      return found;
+    }
+
+    /* Why the run could not go on, in the words of the command line. */
+    failure(answer) {
+      const culprit = this.get("clock")[at.culprit], state = this.get("y");
+      const order = model.states.map((path, i) => [path, i]).filter(([path]) => !path.startsWith("books."));
+      const rank = ([, i]) => [answer === at.below_zero && i === culprit ? 0 : 1, Number.isFinite(state[i]) ? 1 : 0, i];
+      order.sort((a, b) => { const [x, y] = [rank(a), rank(b)]; return x[0] - y[0] || x[1] - y[1] || x[2] - y[2]; });
+      const values = order.slice(0, 3).map(([path, i]) => `${path} = ${Number(state[i].toPrecision(4))}`).join(", ");
+      const more = order.length > 3 ? `, and ${order.length - 3} more` : "";
+      const why = {
+        [at.not_finite]: "a rate is no longer finite (a pressure at absolute zero?)",
+        [at.step_too_small]: "the step has become too small",
+        [at.stop_behind]: "`stop` names no later time; expected the next one at which the rates jump",
+        [at.too_many_waiting]: "too many commands of a program wait; has it a long latency?",
+        [at.below_zero]: `${model.states[culprit]} has fallen below 0 Pa absolute, where no oil is: more is drawn from it than flows in`,
+        [at.restless]: `the mode ${model.modes[culprit]} changes to and fro without end (chattering)`,
+      }[answer];
+      return `the run cannot go on at t = ${plain(this.time)} s: ${why}; state: ${values}${more}`;
     }
 
     get time() {
@@ -155,7 +229,10 @@ function vvdpLoop(model) {
   function begin(module, stepping, vectors) {
     const memory = new WebAssembly.Memory({ initial: model.pages });
     const instance = new WebAssembly.Instance(module, { env: { memory } });
-    return new Call(instance, memory, { ...model.stepping, ...stepping }, vectors || {});
+    const call = new Call(instance, memory, { ...model.stepping, ...stepping }, vectors || {});
+    if (vectors) call.hold();
+    call.initial = call.get("y").slice();
+    return call;
   }
 
   return { begin, unpack, meansFrom, places: at };
