@@ -4,6 +4,7 @@ import os
 import subprocess
 import tempfile
 from collections.abc import Sequence
+from functools import cache
 from importlib import resources
 from importlib.util import find_spec
 from pathlib import Path
@@ -15,9 +16,9 @@ from vvdp.simulation.cache import default_cache
 TRIPLE = "wasm32-unknown-unknown"
 FEATURES = "+bulk-memory,+nontrapping-fptoint,+sign-ext,+mutable-globals"
 MACHINE = ("-target", "wasm32-freestanding", "-mcpu", "generic+bulk_memory+nontrapping_fptoint+sign_ext")
-MUSL = ("pow_data", "exp_data", "expm1", "erf", "nextafter")
+MUSL = ("pow_data", "exp_data", "expm1", "erf", "nextafter", "fma", "scalbn")
 """Files of the C library that comes with zig."""
-OWN = ("exp.c", "log.c", "pow.c", "support.c")
+OWN = ("exp", "fma", "log", "pow", "support")
 MOST_STACK = 2**20
 
 
@@ -28,15 +29,11 @@ def link(objects: Sequence[bytes], entries: Sequence[str]) -> bytes:
     """
     require("ziglang", "web", "a page that runs a system")
     with tempfile.TemporaryDirectory(prefix="vvdp-web-") as name:
-        folder = Path(name)
-        for file in resources.files("vvdp.web").joinpath("library").iterdir():
-            (folder / file.name).write_bytes(file.read_bytes())
-        paths = []
-        for number, code in enumerate(objects):
-            paths.append(f"model{number}.o")
+        folder, paths = Path(name), list[str]()
+        for number, code in enumerate((*objects, *_library())):
+            paths.append(f"{number}.o")
             (folder / paths[-1]).write_bytes(code)
-        paths += [_compiled(folder, folder / each) for each in OWN]
-        paths += [_compiled(folder, _musl() / f"{each}.c") for each in MUSL]
+        (folder / "math.zig").write_bytes(_source("math.zig"))
         command = ["build-exe", "math.zig", *paths, *MACHINE, "-O", "ReleaseFast", "-fstrip", "-fno-entry"]
         command += ["--import-memory", "--stack", str(MOST_STACK), "--export=__heap_base"]
         command += [f"--export={each}" for each in entries]
@@ -44,13 +41,26 @@ def link(objects: Sequence[bytes], entries: Sequence[str]) -> bytes:
         return (folder / "model.wasm").read_bytes()
 
 
-def _compiled(folder: Path, source: Path) -> str:
-    """The name of the object of a C file."""
-    name = f"{source.stem}.o"
-    target = MACHINE[1], f"-mcpu={MACHINE[3]}"
-    flags = ["-nostdlib", "-fno-builtin", "-O2", "-ffp-contract=off", "-w", "-I.", f"-I{_musl()}"]
-    _run(folder, ["cc", "-target", *target, *flags, "-c", str(source), "-o", name])
-    return name
+@cache
+def _library() -> tuple[bytes, ...]:
+    """The objects of the C library's functions."""
+    with tempfile.TemporaryDirectory(prefix="vvdp-web-") as name:
+        folder = Path(name)
+        for file in resources.files("vvdp.web").joinpath("library").iterdir():
+            (folder / file.name).write_bytes(file.read_bytes())
+        musl = _zig().parent / "lib" / "libc" / "musl" / "src" / "math"
+        sources = [*(folder / f"{each}.c" for each in OWN), *(musl / f"{each}.c" for each in MUSL)]
+        flags = ["-target", MACHINE[1], f"-mcpu={MACHINE[3]}", "-nostdlib", "-fno-builtin", "-O2", "-ffp-contract=off"]
+        found = []
+        for source in sources:
+            own = ["-Dfma=in_whole_numbers"] if source == musl / "fma.c" else []
+            _run(folder, ["cc", *flags, *own, "-w", "-I.", f"-I{musl}", "-c", str(source), "-o", "one.o"])
+            found.append((folder / "one.o").read_bytes())
+        return tuple(found)
+
+
+def _source(name: str) -> bytes:
+    return resources.files("vvdp.web").joinpath("library", name).read_bytes()
 
 
 def _run(folder: Path, words: Sequence[str]) -> None:
@@ -59,10 +69,6 @@ def _run(folder: Path, words: Sequence[str]) -> None:
     done = subprocess.run([_zig(), *words], cwd=folder, env=known, capture_output=True, text=True, check=False)
     if done.returncode:
         raise RunError(f"zig {words[0]} failed: {done.stderr.strip()[-600:]}")
-
-
-def _musl() -> Path:
-    return _zig().parent / "lib" / "libc" / "musl" / "src" / "math"
 
 
 def _zig() -> Path:

@@ -16,6 +16,7 @@ from vvdp.simulation.outcome import SETTLED, SLOWEST, SMALL, Outcome, Window
 from vvdp.simulation.values import flat, leaves
 from vvdp.base.conservation import Books
 from vvdp.base.kinds import DURATION, EXCHANGED_ENERGY, Kind
+from vvdp.network.nodes import HydraulicNode
 from vvdp.systems.bound import Bound
 from vvdp.systems.overview import expects_steady_state
 from vvdp.systems.quantities import quantities
@@ -97,6 +98,11 @@ def judgement(system: System, summary: Mapping[str, Any]) -> dict[str, Any]:
         "ranges": [_range(kind) for kind in kinds],
         "steady": expects_steady_state(system, summary),
         "cavitation": cavitation_pressure(system),
+        "pressures": {
+            f"pressure_min_{name}_Pa": node.oil.reference_pressure
+            for name, node in system.circuit.network.nodes.items()
+            if isinstance(node, HydraulicNode)
+        },
         "bounds": [_bound(key, bound, offset, way) for key, bound, offset, way in _bounds(system, summary)],
     }
 

@@ -3,7 +3,7 @@
 import base64
 import json
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from typing import Any
@@ -37,7 +37,7 @@ from vvdp.runs.charts import SERIES
 LEVEL = "exact"
 """The one level of a page: products and sums are rounded as on the command line, so that the bits are the same."""
 MOST_BYTES = 1_000_000
-SCRIPTS = ("loop.js", "numbers.js", "worker.js", "page.js")
+SCRIPTS = ("loop.js", "numbers.js", "values.js", "worker.js", "page.js")
 PAGES = 64
 """Memory that a module has from the start, in pages of 64 KiB: its tables and its stack."""
 
@@ -49,14 +49,15 @@ class WebPage:
     html: str
     module: WebModule
     values: tuple[Changeable, ...]
+    model: Mapping[str, Any]
 
     @property
     def facts(self) -> dict[str, Any]:
         """What the command says of it."""
         changeable = sum(not value.why_not for value in self.values)
         return {
-            "bytes": len(self.html.encode()), "module_bytes": len(self.module.code), "values": changeable,
-            "level": LEVEL,
+            "verb": "export web", "system": self.model["name"], "bytes": len(self.html.encode()),
+            "module_bytes": len(self.module.code), "values": changeable, "level": LEVEL,
         }  # fmt: skip
 
 
@@ -67,20 +68,23 @@ def web_page(system: System, say: Callable[[str], None] = quiet) -> WebPage:
     """
     module = web_module(system.model, system.case)
     run = recorded_run(system, simulate(system.model, system.case, system.stepping, say=say))
-    values = changeable_values(system, summary_sums)
+    values = changeable_values(system, _unchanged)
     result = run_result(run)
-    model = page_model(system, run, module, values, result)
+    model = {**run_model(system, module, values), **_shown(run, result)}
     html = "\n".join(_lines(run, result, model, values))
     if (size := len(html.encode())) > MOST_BYTES:
         raise unusable("export web", f"the page has {size} bytes; at most {MOST_BYTES}: record less (run.window)")
-    return WebPage(html, module, values)
+    return WebPage(html, module, values, model)
 
 
-def page_model(
-    system: System, run: RecordedRun, module: WebModule, values: tuple[Changeable, ...], result: Result
-) -> dict[str, Any]:
-    """All that the scripts of a page read."""
-    known = recorded_columns(run, result.tables[SERIES])
+def _unchanged(system: System) -> Any:
+    """What of a system must be the same for a page to carry it out: all that is not in the vectors of its case."""
+    programs = [(name, p.period, p.phase, p.latency, p.trigger is None) for name, p in system.model.programs.items()]
+    return system.circuit.text, programs, system.stepping, summary_sums(system)
+
+
+def run_model(system: System, module: WebModule, values: Sequence[Changeable]) -> dict[str, Any]:
+    """What the scripts of a page need to carry a system out."""
     held = command_parts(system.case).get("held", slice(0, 0))
     return {
         **call(system, prepare(system.model, system.case, system.stepping)),
@@ -90,12 +94,19 @@ def page_model(
         "name": system.name,
         "held": [held.start, held.stop],
         "outputs": outputs_size(system.model, system.case),
+        "values": [value.flat for value in values],
+    }
+
+
+def _shown(run: RecordedRun, result: Result) -> dict[str, Any]:
+    """What the scripts of a page need to show and judge a run."""
+    system, known = run.system, recorded_columns(run, result.tables[SERIES])
+    return {
         "sums": summary_sums(system),
         "judgement": judgement(system, run.summary),
         "labels": {key: each for key, each in labels(system).items() if key in run.summary},
         "series": {key: list(each) for key, each in known.items()},
         "charts": followed_charts(result, known),
-        "values": [value.flat for value in values],
         "summary": {key: _json(value) for key, value in run.summary.items()},
         "warnings": list(warnings(system, run.summary)),
     }
@@ -117,14 +128,15 @@ def _lines(
     yield f'<p class="facts">System <b>{text(run.system.name)}</b> &middot; {text(time.strftime("%Y-%m-%d"))}</p>'
     yield _asset("controls.html")
     yield from _values(values)
-    yield "<h2>Circuit</h2>"
-    yield f'<figure id="figure-circuit">{inline_svg(circuit_svg(run), "circuit")}</figure>'
     live = [chart for chart in result.charts.values() if is_live(chart)]
     yield "<h2>Course of the run</h2>"
     for chart in live:
         still = f'<svg viewBox="0 0 880 {95 * chart.height:.0f}" role="img" aria-label="{text(chart.name)}"></svg>'
         caption = f"<figcaption>{text(chart.caption)}</figcaption>"
         yield f'<figure id="figure-{text(chart.name)}">{still}{caption}</figure>'
+    yield '<h2 id="numbers">Key numbers</h2>\n<div id="key-numbers"></div>'
+    yield "<h2>Circuit</h2>"
+    yield f'<figure id="figure-circuit">{inline_svg(circuit_svg(run), "circuit")}</figure>'
     yield live_body(live, result.tables)
     data = json.dumps(model, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     yield f'<script type="application/json" id="model">{data}</script>'

@@ -87,6 +87,7 @@ function vvdpNumbers(model, loop) {
     const putIn = Object.entries(found).reduce((sum, [key, x]) => (key.startsWith("power_") ? sum + Math.max(x, 0) : sum), 0);
     if (putIn > 0 && Math.abs(found.stored_power_W ?? 0) > limits.settled * putIn) found.settled = false;
     const broken = brokenBounds(found);
+    found.cavitation_volume = Object.entries(judge.pressures).some(([key, reference]) => found[key] + reference < judge.cavitation);
     found.within_validity = broken.length === 0;
     if (whole) found.trusted = Math.max(Math.abs(whole.energy), Math.abs(whole.oil)) <= limits.balance && whole.possible && !broken.length;
     Object.assign(found, {

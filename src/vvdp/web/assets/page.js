@@ -66,7 +66,7 @@ const vvdp = (() => {
   function showSetting() {
     const words = Object.entries(set).map(([setting, number]) => {
       const unit = model.values.find((each) => each.setting === setting).unit;
-      return ` --set ${setting}='"${`${number} ${unit}`.trim()}"'`;
+      return unit ? ` --set '${setting}="${number} ${unit}"'` : ` --set ${setting}=${number}`;
     });
     const until = untilSet();
     const line = `vvdp run ${model.name}${words.join("")}${until === model.stepping.until ? "" : ` --until "${until} s"`}`;

@@ -6,7 +6,6 @@
 #define WANT_SNAN 0
 #define TOINT_INTRINSICS 0
 #define issignaling_inline(x) 0
-typedef double double_t; typedef float float_t;
 #define predict_true(x) __builtin_expect(!!(x),1)
 #define predict_false(x) __builtin_expect(x,0)
 #define isnan(x) __builtin_isnan(x)
