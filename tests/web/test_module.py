@@ -25,7 +25,11 @@ def test_no_bit_differs(name, tmp_path):
 
 
 def test_changed_values_reach_the_module_to_the_last_bit(tmp_path):
-    changed = {"oil.density": (870.5, "kg/m^3"), "nodes.shaft.speed": (1477.0, "rpm"), "nodes.pump_line.start": (80.3, "bar")}
+    changed = {
+        "oil.density": (870.5, "kg/m^3"),
+        "nodes.shaft.speed": (1477.0, "rpm"),
+        "nodes.pump_line.start": (80.3, "bar"),
+    }
     system = load_system("accumulator-charging", (), "0.5 s")
     values = [v for v in changeable_values(system, lambda each: each.circuit.text) if v.row.setting in changed]
     node = in_node(system, tmp_path, values)

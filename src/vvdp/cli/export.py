@@ -133,5 +133,7 @@ def write_web_page(
         print_json({**page.facts, "out": str(out)})
     else:
         facts = page.facts
-        tell(f"{facts['bytes']} bytes, {facts['module_bytes']} of them the module; {facts['values']} values with sliders")
+        tell(
+            f"{facts['bytes']} bytes, {facts['module_bytes']} of them the module; {facts['values']} values with sliders"
+        )
         tell(f"page: {out}")

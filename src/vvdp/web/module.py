@@ -19,6 +19,7 @@ from vvdp.simulation.model import Case, Model
 from vvdp.simulation.parts import outputs_part, stored_part
 from vvdp.web.link import FEATURES, TRIPLE, link
 
+
 @dataclass(frozen=True)
 class WebModule:
     """A module, and why its code may fail: file, line and reason by number."""

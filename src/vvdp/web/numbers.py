@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from vvdp.base.display import display_unit
-from vvdp.simulation.balance import LIMIT, SLACK
-from vvdp.simulation.layout import vectors
-from vvdp.simulation.outcome import SETTLED, SLOWEST, SMALL, Outcome, Window
-from vvdp.simulation.values import flat, leaves
 from vvdp.base.conservation import Books
+from vvdp.base.display import display_unit
 from vvdp.base.kinds import DURATION, EXCHANGED_ENERGY, Kind
 from vvdp.network.nodes import HydraulicNode
+from vvdp.simulation.balance import LIMIT, SLACK
+from vvdp.simulation.outcome import SETTLED, SLOWEST, SMALL, Outcome, Window
+from vvdp.simulation.values import flat, leaves
 from vvdp.systems.bound import Bound
 from vvdp.systems.overview import expects_steady_state
 from vvdp.systems.quantities import quantities
@@ -108,7 +107,9 @@ def judgement(system: System, summary: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _places(states: Any, name: str) -> list[int]:
-    return [at for at, (path, _, _) in enumerate(states) if path == f"books.{name}" or path.startswith(f"books.{name}.")]
+    return [
+        at for at, (path, _, _) in enumerate(states) if path == f"books.{name}" or path.startswith(f"books.{name}.")
+    ]
 
 
 def _range(kind: Kind | None) -> list[float | None]:

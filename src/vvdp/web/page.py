@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from vvdp.base.errors import unusable
-from vvdp.report.html import group, row, table, text
+from vvdp.report.html import inline_svg, row, table, text
 from vvdp.report.interactive import is_live, live_body, live_head
 from vvdp.report.page import opening
 from vvdp.report.report import circuit_svg
-from vvdp.report.html import inline_svg
 from vvdp.results.result import Result
+from vvdp.runs.charts import SERIES
 from vvdp.runs.result import run_result
 from vvdp.runs.run import RecordedRun
 from vvdp.runs.simulate import recorded_run
@@ -32,7 +32,6 @@ from vvdp.web.module import WebModule, web_module
 from vvdp.web.numbers import judgement, labels, summary_sums
 from vvdp.web.series import followed_charts, recorded_columns
 from vvdp.web.values import Changeable, changeable_values
-from vvdp.runs.charts import SERIES
 
 LEVEL = "exact"
 """The one level of a page: products and sums are rounded as on the command line, so that the bits are the same."""
@@ -118,9 +117,7 @@ def _json(value: Any) -> Any:
     return float(value) if np.isfinite(value) else None
 
 
-def _lines(
-    run: RecordedRun, result: Result, model: Mapping[str, Any], values: tuple[Changeable, ...]
-) -> Iterator[str]:
+def _lines(run: RecordedRun, result: Result, model: Mapping[str, Any], values: tuple[Changeable, ...]) -> Iterator[str]:
     scripts = {name: _asset(name) for name in SCRIPTS}
     head = live_head([scripts["page.js"]], " 'wasm-unsafe-eval'; worker-src blob:")
     yield opening(text(result.title), _asset("page.css"), head)

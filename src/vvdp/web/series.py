@@ -69,7 +69,9 @@ def followed_charts(result: Result, known: Mapping[str, Recorded]) -> dict[str, 
 
 def _is_over_series(chart: Chart) -> bool:
     return chart.table == SERIES and all(
-        isinstance(panel, Lines) and not panel.table and all(line.x == "time_s" and not line.table for line in panel.lines)
+        isinstance(panel, Lines)
+        and not panel.table
+        and all(line.x == "time_s" and not line.table for line in panel.lines)
         for panel in chart.panels
     )
 
