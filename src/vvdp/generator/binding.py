@@ -80,10 +80,10 @@ def version() -> str:
 
 def optimise(text: str, level: int = 2) -> Any:
     """The module of LLVM text at an optimisation level from 0 to 3. Raises RuntimeError where LLVM refuses the text."""
-    return _optimised(text, llvm.get_process_triple(), _machine(level), level)
+    return _optimise_for(text, llvm.get_process_triple(), _machine(level), level)
 
 
-def _optimised(text: str, triple: str, machine: Any, level: int) -> Any:
+def _optimise_for(text: str, triple: str, machine: Any, level: int) -> Any:
     module = llvm.parse_assembly(text)
     module.verify()
     module.triple, module.data_layout = triple, str(machine.target_data)
@@ -105,7 +105,7 @@ def compile_foreign(text: str, triple: str, features: str) -> bytes:
         llvm.initialize_all_targets()
         llvm.initialize_all_asmprinters()
         machine = llvm.Target.from_triple(triple).create_target_machine(features=features, opt=2, reloc="static")
-        code: bytes = machine.emit_object(_optimised(text, triple, machine, 2))
+        code: bytes = machine.emit_object(_optimise_for(text, triple, machine, 2))
     return code
 
 

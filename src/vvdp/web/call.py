@@ -1,4 +1,4 @@
-"""The call of the compiled loop as a page makes it: its arguments in order, and what its arrays hold at the beginning."""
+"""The call of the compiled loop as a page makes it: its arguments in order, and what its arrays begin with."""
 
 import base64
 import inspect
@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from vvdp.base.conservation import NOTHING
-from vvdp.generator.kinds import FLOAT, INT, Kind, Record, Row
+from vvdp.generator.kinds import FLOAT, Kind, Record, Row
 from vvdp.simulation import loop, places
+from vvdp.simulation.layout import mode_paths
 from vvdp.simulation.prepare import Prepared, start_run
 from vvdp.simulation.stepping import Stepping
 from vvdp.simulation.values import leaves
@@ -22,7 +22,7 @@ FUNCTIONS = 4
 """Arguments of the loop that a module knows by itself: those that are functions."""
 
 
-def packed(numbers: npt.NDArray[Any]) -> dict[str, Any]:
+def pack_array(numbers: npt.NDArray[Any]) -> dict[str, Any]:
     """An array as JSON has it: its shape, and its numbers of 8 bytes each."""
     kind = "i8" if numbers.dtype.kind == "i" else "f8"
     content = np.ascontiguousarray(numbers, f"<{kind}").tobytes()
@@ -40,7 +40,7 @@ def _argument(name: str, kind: Kind) -> dict[str, Any]:
         return {"name": name, "is": "array"}
     if isinstance(kind, Record):
         return {"name": name, "is": "record", "fields": list(getattr(kind.cls, "_fields", ()))}
-    return {"name": name, "is": {FLOAT: "float", INT: "int"}[kind]}
+    return {"name": name, "is": "float" if kind is FLOAT else "int"}
 
 
 def call(system: System, ready: Prepared) -> dict[str, Any]:
@@ -53,16 +53,15 @@ def call(system: System, ready: Prepared) -> dict[str, Any]:
         "width": ready.width,
     }  # fmt: skip
     bench = loop.workbench(ready.plan, begun.state.size, ready.width.size, ready.pattern)
-    modes = getattr(system.case.command, "modes", NOTHING)
     return {
         "arguments": arguments(),
-        "arrays": {name: packed(each) for name, each in arrays.items()},
-        "pattern": {name: packed(each) for name, each in ready.pattern._asdict().items()},
+        "arrays": {name: pack_array(each) for name, each in arrays.items()},
+        "pattern": {name: pack_array(each) for name, each in ready.pattern._asdict().items()},
         "bench": {name: list(each.shape) for name, each in bench._asdict().items()},
         "stepping": _stepping(system.stepping),
         "places": {name.lower(): getattr(places, name) for name in PLACES},
         "states": [path for path, _, _ in leaves(system.case.state)],
-        "modes": [path for path, _, _ in leaves(modes)],
+        "modes": mode_paths(system.case),
     }
 
 

@@ -1,4 +1,4 @@
-"""Objects of a model become one WebAssembly module: linked by the `zig` of the extra `web`, with a library of its own."""
+"""Objects of a model become one WebAssembly module, with functions of the C library, by the `zig` of the extra `web`."""
 
 import os
 import subprocess
@@ -16,9 +16,9 @@ from vvdp.simulation.cache import default_cache
 TRIPLE = "wasm32-unknown-unknown"
 FEATURES = "+bulk-memory,+nontrapping-fptoint,+sign-ext,+mutable-globals"
 MACHINE = ("-target", "wasm32-freestanding", "-mcpu", "generic+bulk_memory+nontrapping_fptoint+sign_ext")
-MUSL = ("pow_data", "exp_data", "expm1", "erf", "nextafter", "fma", "scalbn")
+MUSL = ("pow_data", "exp_data", "nextafter", "fma", "scalbn")
 """Files of the C library that comes with zig."""
-OWN = ("exp", "fma", "log", "pow", "support")
+OWN = ("erf", "exp", "expm1", "fma", "log", "pow", "support", "tanh")
 MOST_STACK = 2**20
 
 

@@ -37,21 +37,32 @@ def web_module(model: Model, case: Case) -> WebModule:
     Raises MissingExtraError without the extra `web`, RunError where a function cannot be compiled.
     """
     found = ModelAssemblies(model, case)
-    shown = _shown(model, case)
+    shown = _assembly_of_outputs(model, case)
     objects, reasons = [_loop_object()], dict[int, str]()
     for each in (*found, shown):
         text, why = each.llvm_text()
         reasons |= {each.failure_number(place): words for place, words in enumerate(why)}
         objects.append(_object(_with_symbols(text, each)))
-    functions = [(found.circuit, "rates"), (found.sample, "sample"), (found.circuit, "events"), (found.circuit, "stop")]
-    known = [(assembly.symbol(name), kind) for (assembly, name), kind in zip(functions, loop.RUN, strict=False)]
-    entries = {"run": ("run", Address(loop.RUN, INT), known), "sample": (*known[1], [])}
-    entries |= {p.name: (shown.symbol(p.name), Address(p.kinds, None), []) for p in shown.parts}
-    objects += [_object(_entry_text(name, *entry)) for name, entry in entries.items()]
-    return WebModule(link(objects, [f"vvdp_{name}" for name in entries]), reasons)
+    known = [
+        (assembly.symbol(name), kind)
+        for assembly, name, kind in (
+            (found.circuit, "rates", loop.RATES),
+            (found.sample, "sample", loop.SAMPLE),
+            (found.circuit, "events", loop.EVENT_LIST),
+            (found.circuit, "stop", loop.STOP),
+        )
+    ]
+    texts = {
+        "run": _entry_text("run", "run", Address(loop.RUN, INT), known),
+        "sample": _entry_text("sample", *known[1]),
+    }
+    for part in shown.parts:
+        texts[part.name] = _entry_text(part.name, shown.symbol(part.name), Address(part.kinds, None))
+    objects += [_object(text) for text in texts.values()]
+    return WebModule(link(objects, [f"vvdp_{name}" for name in texts]), reasons)
 
 
-def _shown(model: Model, case: Case) -> Assembly:
+def _assembly_of_outputs(model: Model, case: Case) -> Assembly:
     """What is worked out from a run's rows: outputs, and what is in store."""
     parts = [outputs_part(model, case)]
     return Assembly(parts if model.stored is None else [*parts, stored_part(model.stored, case)])
@@ -77,7 +88,7 @@ def _with_symbols(text: str, assembly: Assembly) -> str:
     return text
 
 
-def _entry_text(name: str, symbol: str, kind: Address, known: Sequence[tuple[str, Address]]) -> str:
+def _entry_text(name: str, symbol: str, kind: Address, known: Sequence[tuple[str, Address]] = ()) -> str:
     """The text of an entry that calls a function with arguments from memory, behind the addresses of `known` ones."""
     registers = [TYPES[each] for argument in kind.arguments[len(known) :] for each in registers_of(argument)]
     count = len(registers)

@@ -23,6 +23,7 @@ from vvdp.systems.summary import node_numbers, part_numbers
 from vvdp.systems.system import System
 from vvdp.systems.validity import bounds, cavitation_pressure
 
+BOOKS = "books."
 FAR = 1e9
 """A number so far out [SI] that a bound on it is broken."""
 
@@ -50,8 +51,8 @@ class Sum:
     def __neg__(self) -> "Sum":
         return self * -1.0
 
-    def __sub__(self, other: Any) -> "Sum":
-        return self + -other
+    def __sub__(self, other: "Sum | float") -> "Sum":
+        return self + other * -1.0
 
     def __truediv__(self, divisor: float) -> "Sum":
         return self * (1.0 / divisor)
@@ -65,7 +66,6 @@ class Sum:
 def summary_sums(system: System) -> dict[str, Any]:
     """The numbers of nodes and parts by key of the summary, each a constant or a `Sum.flat`."""
     case, size = system.case, flat(system.case.state).size
-    books = flat(case.state.books).size
 
     def row(kind: str) -> Any:
         found = np.empty(size, object)
@@ -78,8 +78,8 @@ def summary_sums(system: System) -> dict[str, Any]:
         model=system.model, case=case, window=window, final=mean, low=row("low"), high=row("high"), end=1.0, steps=0,
         rejected=0, evaluations=0, stiff=False, seconds=0.0, finished=True,
     )  # fmt: skip
-    paths = [path for path, _, _ in leaves(case.state.books)]
-    means: Any = {path: mean[size - books + place] for place, path in enumerate(paths)}
+    states = [path for path, _, _ in leaves(case.state)]
+    means: Any = {path.removeprefix(BOOKS): mean[at] for at, path in enumerate(states) if path.startswith(BOOKS)}
     found: Any = {**node_numbers(run, system, means), **part_numbers(system, means)}
     return {key: each.flat if isinstance(each, Sum) else [float(each)] for key, each in found.items()}
 
@@ -121,7 +121,7 @@ def _range(kind: Kind | None) -> list[float | None]:
 
 
 def _bounds(system: System, summary: Mapping[str, Any]) -> Iterator[tuple[str, Bound, float, int]]:
-    """Each number of the summary that a law bounds: its key, the bound, what is added to it, and the way it breaks it."""
+    """Each number of the summary that a law bounds: key, bound, what is added to it, and the way it breaks it."""
     usual = {bound.label for bound in bounds(system, summary) if not bound.is_kept}
     for key in summary_sums(system):
         for way in (-1, 1):

@@ -20,7 +20,7 @@ from vvdp.runs.charts import SERIES
 from vvdp.runs.result import run_result
 from vvdp.runs.run import RecordedRun
 from vvdp.runs.simulate import recorded_run
-from vvdp.simulation.layout import command_parts
+from vvdp.simulation.layout import held_part
 from vvdp.simulation.link import quiet
 from vvdp.simulation.parts import outputs_size
 from vvdp.simulation.prepare import prepare
@@ -67,16 +67,16 @@ def web_page(system: System, say: Callable[[str], None] = quiet) -> WebPage:
     """
     module = web_module(system.model, system.case)
     run = recorded_run(system, simulate(system.model, system.case, system.stepping, say=say))
-    values = changeable_values(system, _unchanged)
+    values = changeable_values(system, _outside_vectors)
     result = run_result(run)
-    model = {**run_model(system, module, values), **_shown(run, result)}
+    model = {**run_model(system, module, values), **_shown_numbers(run, result)}
     html = "\n".join(_lines(run, result, model, values))
     if (size := len(html.encode())) > MOST_BYTES:
         raise unusable("export web", f"the page has {size} bytes; at most {MOST_BYTES}: record less (run.window)")
     return WebPage(html, module, values, model)
 
 
-def _unchanged(system: System) -> Any:
+def _outside_vectors(system: System) -> Any:
     """What of a system must be the same for a page to carry it out: all that is not in the vectors of its case."""
     programs = [(name, p.period, p.phase, p.latency, p.trigger is None) for name, p in system.model.programs.items()]
     return system.circuit.text, programs, system.stepping, summary_sums(system)
@@ -84,20 +84,20 @@ def _unchanged(system: System) -> Any:
 
 def run_model(system: System, module: WebModule, values: Sequence[Changeable]) -> dict[str, Any]:
     """What the scripts of a page need to carry a system out."""
-    held = command_parts(system.case).get("held", slice(0, 0))
+    conditions = held_part(system.case)
     return {
         **call(system, prepare(system.model, system.case, system.stepping)),
         "module": base64.b64encode(module.code).decode(),
         "reasons": {str(number): words for number, words in module.reasons.items()},
         "pages": PAGES,
         "name": system.name,
-        "held": [held.start, held.stop],
+        "held": [conditions.start, conditions.stop],
         "outputs": outputs_size(system.model, system.case),
         "values": [value.flat for value in values],
     }
 
 
-def _shown(run: RecordedRun, result: Result) -> dict[str, Any]:
+def _shown_numbers(run: RecordedRun, result: Result) -> dict[str, Any]:
     """What the scripts of a page need to show and judge a run."""
     system, known = run.system, recorded_columns(run, result.tables[SERIES])
     return {

@@ -33,11 +33,11 @@ def recorded_columns(run: RecordedRun, table: Table) -> dict[str, Recorded]:
     for rows, place, values in _rows(run):
         for less in datums:
             known.setdefault((values - less).tobytes(), Recorded(rows, place, float(less)))
-    found = {}
+    found: dict[str, Recorded] = {}
     for key, column in table.columns.items():
         values = np.asarray(column.values)
-        if values.dtype.kind == "f" and (place := known.get((values - 0.0).tobytes())) is not None:
-            found[key] = place
+        if values.dtype.kind == "f" and (one := known.get((values - 0.0).tobytes())) is not None:
+            found[key] = one
     return found
 
 

@@ -17,7 +17,7 @@ from vvdp.base.errors import VvdpError
 from vvdp.base.kinds import PRESSURE_LEVEL, Kind
 from vvdp.base.tables import Sourced, with_settings
 from vvdp.base.units import line_to_si, parse
-from vvdp.simulation.layout import command_parts, vectors
+from vvdp.simulation.layout import held_part, vectors
 from vvdp.systems.system import System
 
 VECTORS = ("y", "command", "memory", "params")
@@ -89,7 +89,7 @@ def changeable_values(system: System, fixed: Callable[[System], object]) -> tupl
 
 def _changeable(system: System, row: Sourced, base: Any, fixed: Callable[[System], object]) -> Changeable:
     """A value with a slider over its whole range, or over what is near to it where the ends contradict others."""
-    number, (low, high) = _written(row.nominal, row.kind), _ends(row)
+    number, (low, high) = _as_written(row.nominal, row.kind), _ends(row)
     near = tuple(float(f"{number * factor:.12g}") for factor in PROBES) if number else ()
     inside = tuple(sorted({*(x for x in near if low <= x <= high), number}))
     why = "its range is empty"
@@ -99,13 +99,13 @@ def _changeable(system: System, row: Sourced, base: Any, fixed: Callable[[System
             continue
         made = Changeable(row, row.kind.display_unit, number, probes[0], probes[-1])
         try:
-            return _followed(system, made, probes, base, fixed)
+            return _with_followers(system, made, probes, base, fixed)
         except (VvdpError, ValueError) as problem:
             why = str(problem).splitlines()[0].removeprefix("--set: ")[:160]
     return Changeable(row, row.kind.display_unit, number, low, high, why_not=why)
 
 
-def _followed(
+def _with_followers(
     system: System, made: Changeable, probes: Sequence[float], base: Any, fixed: Callable[[System], object]
 ) -> Changeable:
     """The value with what follows it. Raises ValueError, or what a system raises, where it cannot be changed so."""
@@ -118,7 +118,7 @@ def _followed(
     rows = [vectors(each.case) for each in cases]
     if any(a.shape != b.shape for each in rows for a, b in zip(each, base[0], strict=True)):
         raise ValueError("it changes how many numbers the circuit has")
-    held = command_parts(system.case).get("held", slice(0, 0))
+    held = held_part(system.case)
     values = [parse(f"{probe!r} {made.unit}".rstrip(), made.row.kind) for probe in probes]
     followers = list(_followers(base[0], rows, values, held))
     if not followers:
@@ -158,15 +158,15 @@ def _operation(values: Sequence[float], numbers: Sequence[float]) -> tuple[str, 
 
 def _conversion(kind: Kind, unit: str, samples: Sequence[float]) -> tuple[tuple[str, float], ...] | None:
     """One or two operations that bring a number in `unit` to SI as files are read; None where there are none."""
-    zero, one = _parsed(0.0, unit, kind), _parsed(1.0, unit, kind)
+    zero, one = _in_si(0.0, unit, kind), _in_si(1.0, unit, kind)
     factor, offset = one - zero, zero
     tried = np.linspace(min(samples), max(samples), SAMPLES).tolist()
     factors = [("*", factor), ("*", float(f"{factor:.12g}"))]
     if factor:
-        factors += [("*", _parsed(1.0, unit, kind, difference=True)), ("/", float(f"{1.0 / factor:.12g}"))]
+        factors += [("*", _in_si(1.0, unit, kind, difference=True)), ("/", float(f"{1.0 / factor:.12g}"))]
     for first in factors:
         steps = (first, ("+", offset)) if offset else (first,)
-        if all(_follow(steps, x) == _parsed(x, unit, kind) for x in tried):
+        if all(_follow(steps, x) == _in_si(x, unit, kind) for x in tried):
             return steps
     return None
 
@@ -177,7 +177,7 @@ def _follow(steps: Sequence[tuple[str, float]], x: float) -> float:
     return x
 
 
-def _parsed(number: float, unit: str, kind: Kind, *, difference: bool = False) -> float:
+def _in_si(number: float, unit: str, kind: Kind, *, difference: bool = False) -> float:
     factor, offset = line_to_si(unit, kind)
     if difference:
         return factor
@@ -187,7 +187,7 @@ def _parsed(number: float, unit: str, kind: Kind, *, difference: bool = False) -
         return number * factor + offset
 
 
-def _written(value: float, kind: Kind) -> float:
+def _as_written(value: float, kind: Kind) -> float:
     """A value [SI] in the unit in which it is written, of 12 digits."""
     unit = display_unit(kind)
     return float(f"{unit.from_si(value):.12g}")
@@ -196,14 +196,14 @@ def _written(value: float, kind: Kind) -> float:
 def _ends(row: Sourced) -> tuple[float, float]:
     """Ends of the slider of a value, within what its quantity may be."""
     kind = row.kind
-    number = _written(row.nominal, kind)
+    number = _as_written(row.nominal, kind)
     if row.range is not None:
-        low, high = (_written(end, kind) for end in row.range)
+        low, high = (_as_written(end, kind) for end in row.range)
     elif kind.name == PRESSURE_LEVEL.name or number:
         low, high = sorted((LEAST * number, MOST * number))
     else:
-        low, high = 0.0, _written(min(kind.high, max(kind.scale, 1e-9)), kind)
-    least, most = sorted((_written(kind.low, kind), _written(kind.high, kind)))
+        low, high = 0.0, _as_written(min(kind.high, max(kind.scale, 1e-9)), kind)
+    least, most = sorted((_as_written(kind.low, kind), _as_written(kind.high, kind)))
     return float(f"{max(low, least):.4g}"), float(f"{min(high, most):.4g}")
 
 

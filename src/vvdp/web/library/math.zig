@@ -7,6 +7,3 @@ export fn asin(x: f64) f64 {
 export fn log1p(x: f64) f64 {
     return m.log1p(x);
 }
-export fn tanh(x: f64) f64 {
-    return m.tanh(x);
-}
