@@ -20,7 +20,7 @@ RUNGS = [
     {"steady"},
     {"rigs", "design", "cfd", "offline", "comparison", "export", "fitting"},
     {"report"},
-    {"api"},
+    {"api", "web"},
     {"reproduction"},
     {"cli"},
 ]

@@ -29,6 +29,7 @@ PACKAGES = (
     "logs",
     "offline",
     "report",
+    "web",
     "cli",
 )
 BY_NAME = {"reproduction"}

@@ -1,4 +1,4 @@
-"""`vvdp export`: results for other programs, and models as C."""
+"""`vvdp export`: results for other programs, models as C, systems as pages."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +18,7 @@ Parquet = Annotated[
 
 @app.callback()
 def export() -> None:
-    """Export results for other programs, or a model as C."""
+    """Export results for other programs, a model as C, or a system as a page that runs it."""
 
 
 @app.command("data", cls=Verb)
@@ -102,3 +102,38 @@ def write_c_folder(
         tell(f"{found['functions']} functions, {found['lines']} lines of C, {samples} samples with expected bits")
         tell(f"memory: {found['memory_bytes']} bytes, settings: {found['settings_bytes']} bytes")
         tell(f"results: {directory}\ntest: make -C {directory} test")
+
+
+@app.command("web", cls=Verb)
+def write_web_page(
+    system: SystemName,
+    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="The page, FILE.html.")],
+    settings: Settings = None,
+    until: Annotated[
+        str | None, typer.Option("--until", metavar="TIME", help='Time to simulate, for example "2 s".')
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    json: AsJson = False,
+) -> None:
+    """Export a system as one HTML file that runs it in a browser, without a network.
+
+    Its values have sliders; charts, numbers and warnings follow. Needs the extra `web`.
+    """
+    from vvdp.base.errors import unusable
+    from vvdp.base.files import write_whole
+    from vvdp.cli.screen import print_json, say, tell
+    from vvdp.systems.system import load_system
+    from vvdp.web.page import web_page
+
+    if out.exists() and not force:
+        raise unusable(out, "exists already; --force replaces it")
+    page = web_page(load_system(system, settings or (), until), say)
+    write_whole(out, page.html)
+    if json:
+        print_json({**page.facts, "out": str(out)})
+    else:
+        facts = page.facts
+        tell(
+            f"{facts['bytes']} bytes, {facts['module_bytes']} of them the module; {facts['values']} values with sliders"
+        )
+        tell(f"page: {out}")

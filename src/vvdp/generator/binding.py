@@ -80,10 +80,13 @@ def version() -> str:
 
 def optimise(text: str, level: int = 2) -> Any:
     """The module of LLVM text at an optimisation level from 0 to 3. Raises RuntimeError where LLVM refuses the text."""
+    return _optimise_for(text, llvm.get_process_triple(), _machine(level), level)
+
+
+def _optimise_for(text: str, triple: str, machine: Any, level: int) -> Any:
     module = llvm.parse_assembly(text)
     module.verify()
-    machine = _machine(level)
-    module.triple, module.data_layout = llvm.get_process_triple(), str(machine.target_data)
+    module.triple, module.data_layout = triple, str(machine.target_data)
     tuning = llvm.create_pipeline_tuning_options(speed_level=level)
     tuning.loop_vectorization = False  # it takes as long again as all else; sums in order gain nothing by it
     tuning.slp_vectorization = level > 0
@@ -91,6 +94,19 @@ def optimise(text: str, level: int = 2) -> Any:
     builder = llvm.create_pass_builder(machine, tuning)
     builder.getModulePassManager().run(module, builder)
     return module
+
+
+def compile_foreign(text: str, triple: str, features: str) -> bytes:
+    """Object code for another machine, at speed level 2. Raises RuntimeError where LLVM refuses the text.
+
+    triple, features  the machine as LLVM names it, such as "wasm32-unknown-unknown" and "+bulk-memory"
+    """
+    with _one_at_a_time:
+        llvm.initialize_all_targets()
+        llvm.initialize_all_asmprinters()
+        machine = llvm.Target.from_triple(triple).create_target_machine(features=features, opt=2, reloc="static")
+        code: bytes = machine.emit_object(_optimise_for(text, triple, machine, 2))
+    return code
 
 
 def compile_text(text: str, level: int = 2) -> bytes:

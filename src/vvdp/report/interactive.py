@@ -53,14 +53,16 @@ VIEWER = "solids.js"
 STYLES = ("uPlot.min.css", "charts.css")
 
 
-def live_head() -> str:
-    """For the head of a page: the styles of live charts, and a policy that forbids the network and any other script."""
-    hashes = " ".join(
-        f"'sha256-{base64.b64encode(hashlib.sha256(asset(name).encode()).digest()).decode()}'"
-        for name in (*SCRIPTS, VIEWER)
-    )
+def live_head(own: Iterable[str] = (), allowed: str = "") -> str:
+    """For the head of a page: the styles of live charts, and a policy that forbids the network and any other script.
+
+    own      texts of further scripts that may run
+    allowed  further directives of the policy, and sources of scripts before a semicolon
+    """
+    texts = (*map(asset, (*SCRIPTS, VIEWER)), *own)
+    hashes = " ".join(f"'sha256-{base64.b64encode(hashlib.sha256(each.encode()).digest()).decode()}'" for each in texts)
     policy = (
-        f"default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; img-src data:; "
+        f"default-src 'none'; script-src {hashes}{allowed}; style-src 'unsafe-inline'; img-src data:; "
         "base-uri 'none'; form-action 'none'"
     )
     style = "".join(asset(name) for name in STYLES)

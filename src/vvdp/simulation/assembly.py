@@ -85,6 +85,10 @@ class Assembly:
         """The name under which other modules call a function of this one."""
         return f"{name}_{self.digest}"
 
+    def failure_number(self, place: int) -> int:
+        """The number by which its code tells a failure, from the place of its reason."""
+        return self._base + place + 1
+
     def load(
         self,
         cache: Path,

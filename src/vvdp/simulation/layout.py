@@ -19,9 +19,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
+from vvdp.base.conservation import NOTHING
 from vvdp.base.signal import Signal
 from vvdp.simulation.model import Case
-from vvdp.simulation.values import are_floats, as_value, flat, form, names, parts
+from vvdp.simulation.values import are_floats, as_value, flat, form, leaves, names, parts
 
 SIGNAL_SLOTS = 4
 """Numbers that a signal has in its block: base, place, changes, sines."""
@@ -103,6 +104,16 @@ def all_but_state(case: Case) -> tuple[object, ...]:
 def command_parts(case: Case) -> dict[str, slice]:
     """Where in the command the conditions `held` and the command of each program stand; empty without either."""
     return _parts({name: getattr(case.command, name) for name in names(case.command)})
+
+
+def held_part(case: Case) -> slice:
+    """Where in the command the conditions stand; empty without any."""
+    return command_parts(case).get("held", slice(0, 0))
+
+
+def mode_paths(case: Case) -> list[str]:
+    """The names of the modes of a circuit, in their order."""
+    return [path for path, _, _ in leaves(getattr(case.command, "modes", NOTHING))]
 
 
 def memory_parts(case: Case) -> dict[str, slice]:

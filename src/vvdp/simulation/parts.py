@@ -73,6 +73,16 @@ def outputs_part(model: Model, case: Case) -> Part:
     return _part("outputs", lines, {"circuit": model.circuit}, a.classes)
 
 
+def stored_part(stored: Callable[..., Any], case: Case) -> Part:
+    """stored(t, y, p, s), what the circuit holds."""
+    classes = Classes()
+    params = parameters(case.params, Place(), classes)
+    state = numbers(case.state, "y", Place(), Place(), [], classes)
+    lines = ["def stored(t, y, p, s):", f"    value = held({state}, {params})"]
+    write(stored(case.state, case.params), "value", "s", Place(), lines)
+    return _part("stored", [*lines, "    return"], {"held": stored}, classes)
+
+
 def stop_part(model: Model, case: Case) -> Part:
     """stop(t, u, p) -> float"""
     a = _Arguments(case)

@@ -63,8 +63,8 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
         "averaged_to_s": window.end,
         "averaged_periods": float(window.periods),
         "settled": window.settled,
-        **_node_numbers(run, system, means),
-        **_part_numbers(system, means),
+        **node_numbers(run, system, means),
+        **part_numbers(system, means),
     }
     found |= valve_numbers(system, means, found)
     balances = _balances(run)
@@ -114,7 +114,7 @@ def _means(run: Outcome) -> dict[str, float]:
     return {path: float(value) for path, value, _ in leaves(mean)}
 
 
-def _node_numbers(run: Outcome, system: System, means: Mapping[str, float]) -> Summary:
+def node_numbers(run: Outcome, system: System, means: Mapping[str, float]) -> Summary:
     """Pressures, speeds and positions: means over the window, extremes over every step."""
     window = run.window
     paths = [path for path, _, _ in leaves(run.case.state)]
@@ -162,7 +162,7 @@ def _prescribed_bounds(
     return mean, mean
 
 
-def _part_numbers(system: System, means: Mapping[str, float]) -> Summary:
+def part_numbers(system: System, means: Mapping[str, float]) -> Summary:
     """Mean flows, losses and powers by component, and what its sources give."""
     found = Summary()
     nodes = system.circuit.network.nodes
@@ -185,10 +185,10 @@ def _part_numbers(system: System, means: Mapping[str, float]) -> Summary:
             found |= {f"loss_{part.name}_{loss}_W": value for loss, value in losses.items()}
     for whole, chain in system.circuit.network.groups.items():
         found[f"flow_mean_{whole}_m3_s"] = found[f"flow_mean_{chain.parts[-1]}_m3_s"]
-        found[f"loss_{whole}_W"] = float(sum(found[f"loss_{part}_W"] for part in chain.parts))
+        found[f"loss_{whole}_W"] = sum(found[f"loss_{part}_W"] for part in chain.parts)
     for circuit in system.circuit.network.circuits:
         inside = system.circuit.network.parts_inside(circuit)
-        found[f"loss_{circuit}_W"] = float(sum(found.get(f"loss_{part}_W", 0.0) for part in inside))
+        found[f"loss_{circuit}_W"] = sum(found.get(f"loss_{part}_W", 0.0) for part in inside)
     return found
 
 

@@ -1,0 +1,2 @@
+#pragma once
+#define a_clz_64(x) __builtin_clzll(x)

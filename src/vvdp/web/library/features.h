@@ -1,0 +1,4 @@
+#pragma once
+#ifndef hidden
+#define hidden
+#endif

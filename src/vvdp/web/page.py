@@ -1,0 +1,178 @@
+"""One HTML file that shows a run of a system and repeats it, in the browser, for other values; nothing is fetched."""
+
+import base64
+import json
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib import resources
+from typing import Any
+
+import numpy as np
+
+from vvdp.base.errors import unusable
+from vvdp.report.html import inline_svg, row, table, text
+from vvdp.report.interactive import is_live, live_body, live_head
+from vvdp.report.page import opening
+from vvdp.report.report import circuit_svg
+from vvdp.results.result import Result
+from vvdp.runs.charts import SERIES
+from vvdp.runs.result import run_result
+from vvdp.runs.run import RecordedRun
+from vvdp.runs.simulate import recorded_run
+from vvdp.simulation.layout import held_part
+from vvdp.simulation.link import quiet
+from vvdp.simulation.parts import outputs_size
+from vvdp.simulation.prepare import prepare
+from vvdp.simulation.run import simulate
+from vvdp.systems.overview import warnings
+from vvdp.systems.system import System
+from vvdp.web.call import call
+from vvdp.web.module import WebModule, web_module
+from vvdp.web.numbers import judgement, labels, summary_sums
+from vvdp.web.series import followed_charts, recorded_columns
+from vvdp.web.values import Changeable, changeable_values
+
+LEVEL = "exact"
+"""The one level of a page: products and sums are rounded as on the command line, so that the bits are the same."""
+MOST_BYTES = 1_000_000
+SCRIPTS = ("loop.js", "numbers.js", "values.js", "worker.js", "page.js")
+PAGES = 64
+"""Memory that a module has from the start, in pages of 64 KiB: its tables and its stack."""
+
+
+@dataclass(frozen=True)
+class WebPage:
+    """The page, with what it consists of."""
+
+    html: str
+    module: WebModule
+    values: tuple[Changeable, ...]
+    model: Mapping[str, Any]
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """What the command says of it."""
+        changeable = sum(not value.why_not for value in self.values)
+        return {
+            "verb": "export web", "system": self.model["name"], "bytes": len(self.html.encode()),
+            "module_bytes": len(self.module.code), "values": changeable, "level": LEVEL,
+        }  # fmt: skip
+
+
+def web_page(system: System, say: Callable[[str], None] = quiet) -> WebPage:
+    """The page of a system, which is run once for what it shows first.
+
+    Raises MissingExtraError without the extra `web`, RunError where the run fails or the page becomes too large.
+    """
+    module = web_module(system.model, system.case)
+    run = recorded_run(system, simulate(system.model, system.case, system.stepping, say=say))
+    values = changeable_values(system, _outside_vectors)
+    result = run_result(run)
+    model = {**run_model(system, module, values), **_shown_numbers(run, result)}
+    html = "\n".join(_lines(run, result, model, values))
+    if (size := len(html.encode())) > MOST_BYTES:
+        raise unusable("export web", f"the page has {size} bytes; at most {MOST_BYTES}: record less (run.window)")
+    return WebPage(html, module, values, model)
+
+
+def _outside_vectors(system: System) -> Any:
+    """What of a system must be the same for a page to carry it out: all that is not in the vectors of its case."""
+    programs = [(name, p.period, p.phase, p.latency, p.trigger is None) for name, p in system.model.programs.items()]
+    return system.circuit.text, programs, system.stepping, summary_sums(system)
+
+
+def run_model(system: System, module: WebModule, values: Sequence[Changeable]) -> dict[str, Any]:
+    """What the scripts of a page need to carry a system out."""
+    conditions = held_part(system.case)
+    return {
+        **call(system, prepare(system.model, system.case, system.stepping)),
+        "module": base64.b64encode(module.code).decode(),
+        "reasons": {str(number): words for number, words in module.reasons.items()},
+        "pages": PAGES,
+        "name": system.name,
+        "held": [conditions.start, conditions.stop],
+        "outputs": outputs_size(system.model, system.case),
+        "values": [value.flat for value in values],
+    }
+
+
+def _shown_numbers(run: RecordedRun, result: Result) -> dict[str, Any]:
+    """What the scripts of a page need to show and judge a run."""
+    system, known = run.system, recorded_columns(run, result.tables[SERIES])
+    return {
+        "sums": summary_sums(system),
+        "judgement": judgement(system, run.summary),
+        "labels": {key: each for key, each in labels(system).items() if key in run.summary},
+        "series": {key: list(each) for key, each in known.items()},
+        "charts": followed_charts(result, known),
+        "summary": {key: _json(value) for key, value in run.summary.items()},
+        "warnings": list(warnings(system, run.summary)),
+    }
+
+
+def _json(value: Any) -> Any:
+    if isinstance(value, bool | np.bool_):
+        return bool(value)
+    return float(value) if np.isfinite(value) else None
+
+
+def _lines(run: RecordedRun, result: Result, model: Mapping[str, Any], values: tuple[Changeable, ...]) -> Iterator[str]:
+    scripts = {name: _asset(name) for name in SCRIPTS}
+    head = live_head([scripts["page.js"]], " 'wasm-unsafe-eval'; worker-src blob:")
+    yield opening(text(result.title), _asset("page.css"), head)
+    yield f"<h1>{text(result.title)}</h1>"
+    yield f'<p class="facts">System <b>{text(run.system.name)}</b> &middot; {text(time.strftime("%Y-%m-%d"))}</p>'
+    yield _asset("controls.html")
+    yield from _values(values)
+    live = [chart for chart in result.charts.values() if is_live(chart)]
+    yield "<h2>Course of the run</h2>"
+    for chart in live:
+        still = f'<svg viewBox="0 0 880 {95 * chart.height:.0f}" role="img" aria-label="{text(chart.name)}"></svg>'
+        caption = f"<figcaption>{text(chart.caption)}</figcaption>"
+        yield f'<figure id="figure-{text(chart.name)}">{still}{caption}</figure>'
+    yield '<h2 id="numbers">Key numbers</h2>\n<div id="key-numbers"></div>'
+    yield "<h2>Circuit</h2>"
+    yield f'<figure id="figure-circuit">{inline_svg(circuit_svg(run), "circuit")}</figure>'
+    yield live_body(live, result.tables)
+    data = json.dumps(model, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    yield f'<script type="application/json" id="model">{data}</script>'
+    working = "\n".join(scripts[name] for name in SCRIPTS[:-1])
+    yield f'<script type="text/plain" id="worker">{working}</script>'
+    yield f"<script>{scripts['page.js']}</script>\n</body>\n</html>"
+
+
+def _values(values: tuple[Changeable, ...]) -> Iterator[str]:
+    """The values with sliders by table, and behind them those that stay, each with the reason."""
+    yield '<h2 id="values">Values</h2><div class="sliders">'
+    before = ""
+    for place, value in enumerate(values):
+        if not value.why_not:
+            if value.row.table != before:
+                yield f"<h3>{text(value.row.table.replace('_', ' '))}</h3>"
+                before = value.row.table
+            yield _slider(place, value)
+    yield "</div>"
+    fixed = [value for value in values if value.why_not]
+    if fixed:
+        rows = [row([text(each.row.setting), text(each.row.display_text), text(each.why_not)]) for each in fixed]
+        yield f"<details><summary>{len(fixed)} values that the page keeps</summary>"
+        yield table(("value", "", "why"), rows) + "</details>"
+
+
+def _slider(place: int, value: Changeable) -> str:
+    about = value.flat
+    label, symbol = text(about["label"]), text(about["symbol"])
+    origin = ", ".join(filter(None, (about["status"], about["source"], about["where"])))
+    ends = f'min="{value.low!r}" max="{value.high!r}"'
+    step = f"{(value.high - value.low) / 200:.3g}"
+    return (
+        f'<div class="value" data-place="{place}"><label for="slider-{place}">{label}</label>'
+        f'<input type="range" id="slider-{place}" {ends} step="any" data-step="{step}" value="{value.number!r}">'
+        f'<input type="text" inputmode="decimal" value="{value.number!r}" aria-label="{label}, number">'
+        f'<span class="u">{symbol}</span><span class="origin" title="{text(about["note"])}">{text(origin)}</span></div>'
+    )
+
+
+def _asset(name: str) -> str:
+    return resources.files("vvdp.web").joinpath("assets", name).read_text("utf-8")
