@@ -56,6 +56,10 @@ VALUES: dict[str, list[dict[str, float]]] = {
     "GerotorCalibration": [{"commands": (-1.0, -0.1, 0.1, 1.0), "flows": (-3e-5, 0.0, 0.0, 3e-5)}],
     "OnOffValve": [{"dead_travel": 0.25}],
     "UnitValve": [{"weight": 2.0, "modulus": 4.0}],
+    "Reservoir": [
+        {"base_area": 0.1, "tank_height": 0.4, "tank_volume": 0.01, "suction_height": 0.0, "sealed": 0.0},
+        {"base_area": 0.1, "tank_height": 0.4, "tank_volume": 0.01, "suction_height": 0.0, "sealed": 1.0},
+    ],
     "FlowSource": [{"counted_at_outlet": 0.0}, {"counted_at_outlet": 1.0}],
 }
 OIL = Oil(

@@ -31,6 +31,7 @@ from vvdp.components.flow_sources import FLOW_SOURCE
 from vvdp.components.gerotor_drives import CALIBRATED_GEROTOR_DRIVE, GEROTOR_DRIVE
 from vvdp.components.lines import COLUMN, LINE
 from vvdp.components.machines import CONTROLLED_PUMP, MOTOR, PUMP
+from vvdp.components.oil_care import COOLER, FILTER, TANK_WITH_LEVEL
 from vvdp.components.pipes import LAYERED_PIPE, PIPE
 from vvdp.components.resistances import LAMINAR_GAP, ORIFICE
 from vvdp.components.rods import CYLINDER, END_STOP, LOAD_FORCE, PLUNGER, ROD_BRAKE, ROD_FRICTION, SPRING, WEIGHT
@@ -84,6 +85,7 @@ COMPONENTS = _by_name(
     COLUMN,
     COMPENSATED_THROTTLE,
     CONTROLLED_PUMP,
+    COOLER,
     CYLINDER,
     DIRECTED_RETURN,
     DIRECTED_SOURCE,
@@ -91,6 +93,7 @@ COMPONENTS = _by_name(
     DRIVE_COUPLING,
     DUMP_VALVE,
     END_STOP,
+    FILTER,
     FLOW_CONTROL_VALVE,
     FLOW_SOURCE,
     GEROTOR_DRIVE,
@@ -124,6 +127,7 @@ COMPONENTS = _by_name(
     SHOCK_VALVE,
     SPRING,
     SWITCHING_VALVE,
+    TANK_WITH_LEVEL,
     THREE_WAY_PROPORTIONAL_VALVE,
     THROTTLED_DIRECTIONAL_VALVE,
     TORSION_SPRING,

@@ -98,8 +98,8 @@ class Component:
 
     @property
     def name(self) -> str:
-        """The name of its law."""
-        return self.law.__name__
+        """The name of its law, without an underscore that keeps it apart from a word of Python."""
+        return self.law.__name__.rstrip("_")
 
     @cached_property
     def result(self) -> type:
