@@ -28,8 +28,8 @@ def cooler_flow(drop: float, viscosity: float, cooler: Cooler) -> float:
     viscosity  mu, dynamic [Pa s]
 
     >>> cooler = Cooler(rated_flow=1e-3, rated_drop=1e5, rated_viscosity=0.03, laminar_share=0.5)
-    >>> cooler_flow(1e5, 0.03, cooler), cooler_flow(3e5, 0.03, cooler)
-    (0.001, 0.002)
+    >>> print(cooler_flow(1e5, 0.03, cooler), cooler_flow(3e5, 0.03, cooler))
+    0.001 0.002
     """
     y = drop / cooler.rated_drop
     laminar = cooler.laminar_share * viscosity / cooler.rated_viscosity

@@ -119,16 +119,21 @@ def dipped_share(volume: float, tank: Reservoir) -> float:
 
     volume  of oil in it [m^3]
     """
-    width = np.sqrt(4.0 * tank.port_area / np.pi)
-    return clip((reservoir_level(volume, tank) - tank.suction_height) / width, 0.0, 1.0)
+    return clip((reservoir_level(volume, tank) - tank.suction_height) / mouth_width(tank), 0.0, 1.0)
+
+
+def mouth_width(tank: Reservoir) -> float:
+    """Diameter of the mouth of a port of a tank [m]."""
+    width: float = np.sqrt(4.0 * tank.port_area / np.pi)
+    return width
 
 
 def dry_side(volume: float, tank: Reservoir) -> float:
-    """Whether the suction mouth of a tank still has oil over its lower edge [1], see `base.modes.side`.
+    """Whether oil covers the whole suction mouth of a tank [1], see `base.modes.side`.
 
     volume  of oil in it [m^3]
     """
-    return side((reservoir_level(volume, tank) - tank.suction_height) / tank.tank_height)
+    return side((reservoir_level(volume, tank) - tank.suction_height - mouth_width(tank)) / tank.tank_height)
 
 
 def reservoir_stored(volume: float, density: float, reference_pressure: float, tank: Reservoir) -> Stored:

@@ -58,6 +58,15 @@ def tank() -> Symbol:
     return Symbol((-12, -7, 12, 7), pipe((-12, -6), (-12, 6), (12, 6), (12, -6)), {"port": Terminal(0, -6, Side.TOP)})
 
 
+def level_tank() -> Symbol:
+    """A tank with a level, both lines ending below it."""
+    walls = pipe((-30, -14), (-30, 20), (30, 20), (30, -14))
+    lines = pipe((-14, -26), (-14, 12)) + pipe((14, -26), (14, 12))
+    level = pipe((-30, 0), (30, 0), pilot=True)
+    ends = {"suction": Terminal(14, -26, Side.TOP), "inlet": Terminal(-14, -26, Side.TOP)}
+    return Symbol((-30, -26, 30, 20), walls + level + lines, ends)
+
+
 def dot() -> Symbol:
     """A node by itself."""
     return Symbol((-4, -4, 4, 4), draw.junction(0, 0))

@@ -44,6 +44,21 @@ def flow_control() -> Symbol:
     return Symbol((-24, -34, 24, 34), box(-24, -20, 24, 20) + stubs(20, 34) + inside + compensated, through(34))
 
 
+def _diamond() -> str:
+    return pipe((0, 20), (20, 0), (0, -20), (-20, 0), (0, 20)) + stubs(20, 30)
+
+
+def filter_symbol() -> Symbol:
+    """A filter."""
+    return Symbol((-20, -30, 20, 30), _diamond() + pipe((-20, 0), (20, 0), pilot=True), through(30))
+
+
+def cooler() -> Symbol:
+    """A cooler, heat going out either way."""
+    heat = arrow((6, 0), (32, 0), 8) + arrow((-6, 0), (-32, 0), 8)
+    return Symbol((-32, -30, 32, 30), _diamond() + heat, through(30))
+
+
 def _spring_set(x: float) -> str:
     return spring(x, x + 26, 0) + arrow((x + 3, 15), (x + 24, -15), 7)
 

@@ -26,6 +26,7 @@ from vvdp.simulation.values import as_value, flat, leaves
 from vvdp.systems.extras import Summary as Summary
 from vvdp.systems.pipe_waves import wave_numbers
 from vvdp.systems.system import System
+from vvdp.systems.tank_levels import level_numbers
 from vvdp.systems.validity import broken_bounds, cavitation_pressure, lowest_pressure
 from vvdp.systems.valve_numbers import valve_numbers
 
@@ -65,6 +66,7 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
         "settled": window.settled,
         **_node_numbers(run, system, means),
         **_part_numbers(system, means),
+        **level_numbers(run, system),
     }
     found |= valve_numbers(system, means, found)
     balances = _balances(run)
