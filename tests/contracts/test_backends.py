@@ -338,6 +338,7 @@ def components():
         compensated_throttle,
         cooler,
         cylinder,
+        delay_line,
         directional_valve,
         filter_element,
         flow_control_valve,
@@ -436,6 +437,7 @@ def components():
             base_area=0.1, tank_height=0.4, tank_volume=0.02, suction_height=1e-3, port_area=1e-3, sealed=1.0,
             air_exponent=1.3,
         ),
+        delay_line.DelayLine(length=10.0, diameter=0.02, sound_speed=1260.0),
         filter_element.FilterElement(
             clean_conductance=2e-8, dirt_capacity=0.02, dirt_content=5e-3, bypass_pressure=3e5,
             bypass_conductance=1e-8,
@@ -485,6 +487,8 @@ def components():
             unsteady_friction.LayeredState: lambda: unsteady_friction.LayeredState(
                 *map(float, rng.uniform(-1e-3, 1e-3, 6))
             ),
+            delay_line.Arriving: lambda: delay_line.Arriving(*map(float, rng.uniform(-100.0, 100.0, 4))),
+            delay_line.DelayState: lambda: delay_line.DelayState(*map(float, rng.uniform(0.0, 10.0, 6))),
             gerotor_drive.GerotorState: lambda: gerotor_drive.GerotorState(
                 float(rng.uniform(-3e-5, 3e-5)), float(rng.uniform(-8e-3, 30e-3))
             ),

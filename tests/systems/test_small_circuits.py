@@ -5,6 +5,7 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
 import pytest
 
 from vvdp.simulation.run import Run, simulate
@@ -64,3 +65,14 @@ def test_a_tank_that_runs_dry_is_told(ran):
     dry = ran("Tank, cooler, filter", "components.drain.flow=40 lpm", "run.until=48 s")
     assert not dry.found["within_validity"]
     assert any("its suction runs dry" in sentence for sentence in dry.broken)
+
+
+def test_square_wave(ran):
+    done = ran("A square wave in a line")
+    check_closed(done)
+    assert not done.broken
+    assert done.found["pressure_max_end_Pa"] == pytest.approx(200e5, rel=2e-3)
+    end = done.run.state.end - 101325.0 - 150e5
+    assert np.sum(np.diff(np.sign(end)) != 0) == 12
+    first = done.run.times > 25e-3
+    assert np.min(done.run.state.end[first]) - 101325.0 == pytest.approx(100e5, rel=2e-3)

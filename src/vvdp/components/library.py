@@ -19,6 +19,7 @@ from vvdp.components.controlled_valves import (
     SERIES_THROTTLES,
     UNLOADING_VALVE,
 )
+from vvdp.components.delay_lines import DELAY_LINE
 from vvdp.components.directed_flows import DIRECTED_RETURN, DIRECTED_SOURCE
 from vvdp.components.directional_valves import (
     DIRECTIONAL_VALVE,
@@ -87,6 +88,7 @@ COMPONENTS = _by_name(
     CONTROLLED_PUMP,
     COOLER,
     CYLINDER,
+    DELAY_LINE,
     DIRECTED_RETURN,
     DIRECTED_SOURCE,
     DIRECTIONAL_VALVE,

@@ -5,7 +5,7 @@ Source  ours, docs/models/components.md, where a function names no other.
 
 from typing import Annotated, NamedTuple
 
-from vvdp.base.kinds import Conductance, Flow, Fraction, Kind, Mass, PressureDifference
+from vvdp.base.kinds import Conductance, Flow, Kind, Mass, PressureDifference
 from vvdp.base.modes import side
 from vvdp.base.params import Params, require_positive
 from vvdp.base.select import maximum, select

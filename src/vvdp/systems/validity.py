@@ -10,6 +10,7 @@ from vvdp.systems.bound import Bound
 from vvdp.systems.extras import LoadedSystem
 from vvdp.systems.pipe_waves import wave_bounds
 from vvdp.systems.plausibility import plausible_bounds
+from vvdp.systems.sound_speeds import sound_bounds
 from vvdp.systems.tank_levels import level_bounds
 from vvdp.systems.valve_numbers import placed_valve_bounds
 from vvdp.valve.validity import CAVITATION_PRESSURE
@@ -49,6 +50,7 @@ def bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
             )
     yield from plausible_bounds(system, found)
     yield from wave_bounds(found)
+    yield from sound_bounds(system, found)
     yield from level_bounds(system, found)
     yield from placed_valve_bounds(system, found)
     yield from _strokes(system, found)
