@@ -60,6 +60,11 @@ VALUES: dict[str, list[dict[str, float]]] = {
         {"base_area": 0.1, "tank_height": 0.4, "tank_volume": 0.01, "suction_height": 0.0, "sealed": 0.0},
         {"base_area": 0.1, "tank_height": 0.4, "tank_volume": 0.01, "suction_height": 0.0, "sealed": 1.0},
     ],
+    "GasAccumulator": [
+        {"gas_volume": 1e-3, "precharge_pressure": 5e6, "heat_time": 5.0, "real_gas": 1.0, "oil_volume": 1e-5},
+        {"gas_volume": 1e-3, "precharge_pressure": 5e6, "heat_time": 5.0, "real_gas": 0.0, "oil_volume": 1e-5},
+    ],
+    "PistonCharge": [{"gas_volume": 1e-3, "precharge_pressure": 5e6, "real_gas": 1.0, "piston_area": 1e-3}],
     "FlowSource": [{"counted_at_outlet": 0.0}, {"counted_at_outlet": 1.0}],
 }
 OIL = Oil(

@@ -223,6 +223,8 @@ POSITIVE = {
     "volume": (1e-6, 1e-3),
     "inlet_volume": (1e-6, 1e-4),
     "gas": (1e-5, 4e-5),
+    "gas_volume": (3e-4, 1.004e-3),
+    "gas_pressure": (1e7, 3e7),
     "swept_volume": (0.0, 1e-4),
     "area": (1e-6, 1e-4),
     "pwm_frequency": (10.0, 60.0),
@@ -275,6 +277,9 @@ OWN_RANGES = {
     "power_growth": {"ratio": (0.01, 200.0), "exponent": (0.0, 0.5)},
     "gerotor_command": GEROTOR_FLOWS,
     "calibrated_command": GEROTOR_FLOWS,
+    "gas_state": {"volume": (1e-4, 1e-3), "temperature": (250.0, 450.0)},
+    "gas_internal_energy": {"volume": (1e-4, 1e-3), "temperature": (250.0, 450.0)},
+    "molar_volume": {"pressure": (1e6, 3e7), "temperature": (250.0, 450.0)},
     "oil_stiffness": {"bulk_modulus": (1e8, 1e9)},
 }
 FORWARD = {"flow": (1e-4, 1e-3), "duty_ratio": (0.35, 0.65)}  # for formulas that say "> 0"
@@ -344,6 +349,7 @@ def components():
         flow_control_valve,
         flow_source,
         friction,
+        gas_accumulator,
         gerotor_drive,
         line,
         motor,
@@ -437,6 +443,17 @@ def components():
             base_area=0.1, tank_height=0.4, tank_volume=0.02, suction_height=1e-3, port_area=1e-3, sealed=1.0,
             air_exponent=1.3,
         ),
+        gas_accumulator.NitrogenCharge(gas_volume=1e-3, precharge_pressure=1e7, heat_time=5.0),
+        gas_accumulator.PistonCharge(
+            gas_volume=1e-3, precharge_pressure=1e7, heat_time=5.0, piston_area=5e-3, moving_mass=3.0
+        ),
+        gas_accumulator.GasAccumulator(
+            gas_volume=1e-3, precharge_pressure=1e7, heat_time=5.0, oil_volume=2e-5, inlet_area=1e-4,
+            start_pressure=1.5e7,
+        ),
+        gas_accumulator.SpringAccumulator(
+            piston_area=5e-4, stroke=0.1, spring_pressure=1e7, pressure_rise=1e7, moving_mass=1.0
+        ),
         delay_line.DelayLine(length=10.0, diameter=0.02, sound_speed=1260.0),
         filter_element.FilterElement(
             clean_conductance=2e-8, dirt_capacity=0.02, dirt_content=5e-3, bypass_pressure=3e5,
@@ -487,6 +504,10 @@ def components():
             unsteady_friction.LayeredState: lambda: unsteady_friction.LayeredState(
                 *map(float, rng.uniform(-1e-3, 1e-3, 6))
             ),
+            gas_accumulator.ChargeState: lambda: gas_accumulator.ChargeState(
+                float(rng.uniform(0.996, 4.0)), float(rng.uniform(250.0, 450.0))
+            ),
+            gas_accumulator.ChargeAmount: lambda: gas_accumulator.ChargeAmount(float(rng.uniform(3.5, 4.5))),
             delay_line.Arriving: lambda: delay_line.Arriving(*map(float, rng.uniform(-100.0, 100.0, 4))),
             delay_line.DelayState: lambda: delay_line.DelayState(*map(float, rng.uniform(0.0, 10.0, 6))),
             gerotor_drive.GerotorState: lambda: gerotor_drive.GerotorState(

@@ -76,3 +76,29 @@ def test_square_wave(ran):
     assert np.sum(np.diff(np.sign(end)) != 0) == 12
     first = done.run.times > 25e-3
     assert np.min(done.run.state.end[first]) - 101325.0 == pytest.approx(100e5, rel=2e-3)
+
+
+def test_gas_fast_and_slowly(ran):
+    title = "Compressing a gas fast and slowly"
+    done, quick = ran(title), ran(title, "components.accumulator.heat_time=1000 s")
+    for each in (done, quick):
+        check_closed(each)
+    first = 1e7 + 101325.0
+    V = 1e-3 / done.run.state.accumulator.compression[-1]
+    assert pytest.approx(0.604e-3, abs=5e-7) == V
+    assert done.run.state.line[-1] == pytest.approx(first * 1e-3 / V, rel=1e-3)
+    assert done.run.state.accumulator.gas_temperature[-1] == pytest.approx(293.15, abs=0.1)
+    least = 1e-3 / np.max(quick.run.state.accumulator.compression)
+    assert quick.found["pressure_max_line_Pa"] + 101325.0 == pytest.approx(first * (1e-3 / least) ** 1.4, rel=1e-3)
+    real = ran(title, "components.accumulator.real_gas=1")
+    check_closed(real)
+    assert real.run.state.line[-1] == pytest.approx(170.3e5 + 101325.0, rel=1e-3)
+
+
+def test_behind_a_piston(ran):
+    done = ran("Behind a piston")
+    check_closed(done)
+    P0, P = 101325.0, 150e5 + 101325.0
+    V = (100e5 + P0) * 1e-3 / P
+    assert done.run.state.piston.position[-1] == pytest.approx((1e-3 - V) / 5e-3, rel=1e-3)
+    assert done.run.state.spring_piston.position[-1] == pytest.approx(0.05, rel=1e-3)

@@ -11,6 +11,7 @@ from vvdp.base.kinds import (
     Pressure,
     ThermalExpansion,
 )
+from vvdp.components.accumulators import GAS_ACCUMULATOR, PISTON_ACCUMULATOR, SPRING_ACCUMULATOR
 from vvdp.components.controlled_valves import (
     COMPENSATED_THROTTLE,
     DUMP_VALVE,
@@ -98,6 +99,7 @@ COMPONENTS = _by_name(
     FILTER,
     FLOW_CONTROL_VALVE,
     FLOW_SOURCE,
+    GAS_ACCUMULATOR,
     GEROTOR_DRIVE,
     LAMINAR_GAP,
     LAYERED_PIPE,
@@ -112,6 +114,7 @@ COMPONENTS = _by_name(
     ORIFICE,
     PILOT_CHECK_VALVE,
     PIPE,
+    PISTON_ACCUMULATOR,
     PLUNGER,
     PROPORTIONAL_VALVE,
     PULSED_SWITCHING_VALVE,
@@ -128,6 +131,7 @@ COMPONENTS = _by_name(
     SHAFT_FRICTION,
     SHOCK_VALVE,
     SPRING,
+    SPRING_ACCUMULATOR,
     SWITCHING_VALVE,
     TANK_WITH_LEVEL,
     THREE_WAY_PROPORTIONAL_VALVE,

@@ -53,6 +53,24 @@ def accumulator() -> Symbol:
     return Symbol((-15, -31, 15, 31), draw.accumulator(0, 31), {"port": Terminal(0, 31, Side.BOTTOM)})
 
 
+def _capsule() -> str:
+    return '<rect x="-15" y="-31" width="30" height="62" rx="15"/>'
+
+
+def piston_accumulator() -> Symbol:
+    """A gas accumulator with a piston."""
+    gas = pipe((0, -10), (-7, -22), (7, -22), (0, -10))
+    drawn = _capsule() + box(-15, -3, 15, 5) + gas
+    return Symbol((-15, -31, 15, 31), drawn, {"port": Terminal(0, 31, Side.BOTTOM)})
+
+
+def spring_accumulator() -> Symbol:
+    """An accumulator with a spring."""
+    coil = pipe((0, 4), (8, 0), (-8, -6), (8, -12), (-8, -18), (0, -22), (0, -31))
+    drawn = _capsule() + pipe((-15, 4), (15, 4)) + coil
+    return Symbol((-15, -31, 15, 31), drawn, {"port": Terminal(0, 31, Side.BOTTOM)})
+
+
 def tank() -> Symbol:
     """A tank, the line ending in it from above."""
     return Symbol((-12, -7, 12, 7), pipe((-12, -6), (-12, 6), (12, 6), (12, -6)), {"port": Terminal(0, -6, Side.TOP)})

@@ -74,6 +74,8 @@ CATALOGUE: Mapping[str, Entry] = MappingProxyType(
         "line": Entry(valve.line, "W"),
         "hose": Entry(valve.hose, "W"),
         "accumulator": Entry(machine.accumulator, "Z"),
+        "piston_accumulator": Entry(machine.piston_accumulator, "Z"),
+        "spring_accumulator": Entry(machine.spring_accumulator, "Z"),
         "pressure_source": Entry(machine.pressure_source, "P"),
         "tank": Entry(machine.tank, "T"),
         "level_tank": Entry(machine.level_tank, "T"),
