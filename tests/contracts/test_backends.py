@@ -342,6 +342,7 @@ def components():
         check_valve,
         compensated_throttle,
         cooler,
+        cushion,
         cylinder,
         delay_line,
         directional_valve,
@@ -352,9 +353,11 @@ def components():
         gas_accumulator,
         gerotor_drive,
         line,
+        linkage,
         motor,
         pilot_check_valve,
         pipe,
+        ports,
         proportional_valve,
         reducing_valve,
         relief_valve,
@@ -363,7 +366,9 @@ def components():
         seat_valve,
         shaft,
         soft_switching,
+        stick_friction,
         switching_valve,
+        telescope,
         unsteady_friction,
         variable_pump,
     )
@@ -454,6 +459,13 @@ def components():
         gas_accumulator.SpringAccumulator(
             piston_area=5e-4, stroke=0.1, spring_pressure=1e7, pressure_rise=1e7, moving_mass=1.0
         ),
+        cushion.Cushion(port_area=1e-4, throttle_area=2e-6, cushion_begin=0.03, cushion_end=0.01),
+        linkage.Gear(gear_ratio=3.0, torsional_stiffness=1e4, tooth_damping=10.0),
+        linkage.Link(stiffness=1e6, link_damping=1e3),
+        linkage.Arm(base_arm=0.3, eye_arm=0.4, retracted_length=0.45, stiffness=1e6, link_damping=1e3),
+        linkage.RoadLoad(mass=2000.0, rolling_resistance=0.01, drag_area=1.0, slope=0.1),
+        stick_friction.StickFriction(dry_friction=100.0, stick_stiffness=300.0, stick_damping=10.0),
+        telescope.Telescope(areas=(5e-3, 3e-3, 2e-3), strokes=(0.1, 0.2, 0.3), moving_mass=20.0),
         delay_line.DelayLine(length=10.0, diameter=0.02, sound_speed=1260.0),
         filter_element.FilterElement(
             clean_conductance=2e-8, dirt_capacity=0.02, dirt_content=5e-3, bypass_pressure=3e5,
@@ -508,6 +520,8 @@ def components():
                 float(rng.uniform(0.996, 4.0)), float(rng.uniform(250.0, 450.0))
             ),
             gas_accumulator.ChargeAmount: lambda: gas_accumulator.ChargeAmount(float(rng.uniform(3.5, 4.5))),
+            ports.ShaftState: lambda: ports.ShaftState(*map(float, rng.uniform(0.3, 2.5, 2))),
+            ports.RodState: lambda: ports.RodState(*map(float, rng.uniform(-0.3, 0.3, 2))),
             delay_line.Arriving: lambda: delay_line.Arriving(*map(float, rng.uniform(-100.0, 100.0, 4))),
             delay_line.DelayState: lambda: delay_line.DelayState(*map(float, rng.uniform(0.0, 10.0, 6))),
             gerotor_drive.GerotorState: lambda: gerotor_drive.GerotorState(

@@ -102,3 +102,67 @@ def test_behind_a_piston(ran):
     V = (100e5 + P0) * 1e-3 / P
     assert done.run.state.piston.position[-1] == pytest.approx((1e-3 - V) / 5e-3, rel=1e-3)
     assert done.run.state.spring_piston.position[-1] == pytest.approx(0.05, rel=1e-3)
+
+
+G = 9.80665
+
+
+def test_winch(ran):
+    done = ran("A winch")
+    check_closed(done)
+    rise = 0.2 * 2.0 * np.pi
+    assert done.found["velocity_mean_load_m_s"] == pytest.approx(rise, rel=1e-4)
+    assert done.found["power_shaft_W"] == pytest.approx(500.0 * G * rise, rel=1e-4)
+
+
+def test_arm(ran):
+    done = ran("An arm")
+    check_closed(done)
+    angle = done.run.state.joint.angle[-1]
+    length = 0.5 * np.sqrt(2.0 - 2.0 * np.cos(angle))
+    force = 2000.0 / (0.25 * np.sin(angle) / length)
+    assert done.run.state.chamber[-1] - 101325.0 == pytest.approx(force / 2e-3, rel=1e-4)
+    assert force / 2e-3 == pytest.approx(28.3e5, rel=2e-3)
+
+
+def test_friction_that_sticks(ran):
+    done = ran("Friction that sticks")
+    check_closed(done)
+    times, body = done.run.times, done.run.state.body
+    held = (times > 2.0) & (times < 99.9)
+    assert np.max(np.abs(body.position[held] - 90e-6)) < 1e-12
+    assert body.velocity[-1] == pytest.approx(10.0 * 0.1, rel=0.02)
+
+
+def test_telescope(ran):
+    done = ran("A telescope")
+    check_closed(done)
+    v = np.interp((8.0, 14.0), done.run.times, done.run.state.lift.velocity)
+    thinner = np.exp(-np.array((19.8e5, 40.0e5)) / 1.4e9)  # compressed by that
+    assert v == pytest.approx(thinner * (0.01, 0.02), rel=2e-4)
+    assert done.run.state.chamber[-1] - 101325.0 == pytest.approx((1000.0 * G + 200.0) / 2.5e-3, rel=2e-3)
+
+
+def test_cushion(ran):
+    done = ran("A cushion")
+    check_closed(done)
+    rod = done.run.state.rod
+    before = np.interp(0.04, rod.position[::-1], rod.velocity[::-1])
+    creep = 0.61 * 2e-6 * np.sqrt(2.0 * 1e7 / 870.0) / 2e-3
+    assert -before == pytest.approx(10.0 * creep, rel=5e-3)
+    assert -rod.velocity[-1] == pytest.approx(creep, rel=5e-3)
+
+
+def test_vehicle_that_rolls_out(ran):
+    done = ran("A vehicle that rolls out")
+    check_closed(done)
+    slower = 0.01 * 2000.0 * G / (2000.0 + (2.0 + 9.0 * 1.0) / 0.09)
+    assert done.run.state.vehicle.velocity[-1] == pytest.approx(10.0 - 20.0 * slower, rel=1e-4)
+    assert done.run.state.flywheel.speed[-1] == pytest.approx(3.0 * done.run.state.axle.speed[-1], rel=1e-3)
+
+
+def test_lever(ran):
+    done = ran("A lever")
+    check_closed(done)
+    assert done.run.state.long.position[-1] == pytest.approx(10e-3, rel=1e-5)
+    assert done.run.state.short.position[-1] == pytest.approx(11e-3 / 3.0, rel=1e-5)

@@ -20,6 +20,7 @@ from vvdp.components.controlled_valves import (
     SERIES_THROTTLES,
     UNLOADING_VALVE,
 )
+from vvdp.components.cylinders import CUSHION, TELESCOPIC_CYLINDER
 from vvdp.components.delay_lines import DELAY_LINE
 from vvdp.components.directed_flows import DIRECTED_RETURN, DIRECTED_SOURCE
 from vvdp.components.directional_valves import (
@@ -32,6 +33,7 @@ from vvdp.components.flow_control_units import UNIT_VALVE
 from vvdp.components.flow_sources import FLOW_SOURCE
 from vvdp.components.gerotor_drives import CALIBRATED_GEROTOR_DRIVE, GEROTOR_DRIVE
 from vvdp.components.lines import COLUMN, LINE
+from vvdp.components.linkages import ARM, DRUM, GEAR, LEVER, ROAD_LOAD, STICK_FRICTION, WHEEL
 from vvdp.components.machines import CONTROLLED_PUMP, MOTOR, PUMP
 from vvdp.components.oil_care import COOLER, FILTER, TANK_WITH_LEVEL
 from vvdp.components.pipes import LAYERED_PIPE, PIPE
@@ -82,27 +84,32 @@ def _by_name(*components: Component | Assembly) -> Mapping[str, Component | Asse
 
 
 COMPONENTS = _by_name(
+    ARM,
     CALIBRATED_GEROTOR_DRIVE,
     CHECK_VALVE,
     COLUMN,
     COMPENSATED_THROTTLE,
     CONTROLLED_PUMP,
     COOLER,
+    CUSHION,
     CYLINDER,
     DELAY_LINE,
     DIRECTED_RETURN,
     DIRECTED_SOURCE,
     DIRECTIONAL_VALVE,
     DRIVE_COUPLING,
+    DRUM,
     DUMP_VALVE,
     END_STOP,
     FILTER,
     FLOW_CONTROL_VALVE,
     FLOW_SOURCE,
     GAS_ACCUMULATOR,
+    GEAR,
     GEROTOR_DRIVE,
     LAMINAR_GAP,
     LAYERED_PIPE,
+    LEVER,
     LINE,
     LOAD_FORCE,
     LOAD_RELIEF_VALVE,
@@ -122,6 +129,7 @@ COMPONENTS = _by_name(
     PUMP,
     REDUCING_VALVE,
     RELIEF_VALVE,
+    ROAD_LOAD,
     ROD_BRAKE,
     ROD_FRICTION,
     ROTARY_VALVE,
@@ -132,8 +140,10 @@ COMPONENTS = _by_name(
     SHOCK_VALVE,
     SPRING,
     SPRING_ACCUMULATOR,
+    STICK_FRICTION,
     SWITCHING_VALVE,
     TANK_WITH_LEVEL,
+    TELESCOPIC_CYLINDER,
     THREE_WAY_PROPORTIONAL_VALVE,
     THROTTLED_DIRECTIONAL_VALVE,
     TORSION_SPRING,
@@ -141,5 +151,6 @@ COMPONENTS = _by_name(
     UNIT_VALVE,
     UNLOADING_VALVE,
     WEIGHT,
+    WHEEL,
 )
 """Components that a system file can name, by their type."""

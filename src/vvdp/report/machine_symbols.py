@@ -150,6 +150,52 @@ def driven_rod() -> Symbol:
     return Symbol((-24, -18, 24, 18), box(-24, -18, 24, 18) + both, {}, (-24, 24), ((0, -7, "x", 14.0),))
 
 
+def gear() -> Symbol:
+    """A pair of gear wheels, seen from the side."""
+    drawn = box(-14, -26, -6, 2) + box(6, -2, 14, 26) + pipe((-14, 0), (-24, 0)) + pipe((14, 0), (24, 0))
+    mesh = pipe((-6, 0), (6, 0), pilot=True)
+    return Symbol((-24, -26, 24, 26), drawn + mesh, {}, (-24, 24))
+
+
+def lever() -> Symbol:
+    """A lever on a pivot."""
+    pivot = pipe((0, 4), (-8, 20), (8, 20), (0, 4))
+    return Symbol((-28, -12, 28, 20), pipe((-28, 0), (28, 0)) + pivot + draw.junction(0, 4), {}, (-28, 28))
+
+
+def arm() -> Symbol:
+    """An arm that a cylinder turns."""
+    pivot = pipe((-16, 10), (-24, 24), (-8, 24), (-16, 10))
+    drawn = pipe((-16, 10), (20, -20)) + pipe((6, 24), (20, -20)) + pivot
+    return Symbol((-28, -24, 28, 24), drawn + draw.junction(-16, 10) + draw.junction(20, -20), {}, (-28, 28))
+
+
+def drum() -> Symbol:
+    """A drum that winds a rope."""
+    rope = arrow((16, 0), (16, 28), 8)
+    return Symbol((-20, -20, 20, 28), _circle(16) + draw.junction(0, 0) + rope, {}, (-20, 20))
+
+
+def wheel() -> Symbol:
+    """A wheel on a road."""
+    road = pipe((-26, 18), (26, 18)) + pipe((-20, 18), (-26, 25)) + pipe((0, 18), (-6, 25)) + pipe((20, 18), (14, 25))
+    return Symbol((-26, -18, 26, 25), _circle(18) + draw.junction(0, 0) + road, {}, (-26, 26))
+
+
+def vehicle() -> Symbol:
+    """A vehicle on its wheels."""
+    wheels = '<circle cx="-14" cy="14" r="6"/><circle cx="14" cy="14" r="6"/>'
+    drawn = box(-26, -14, 26, 8) + wheels + pipe((-30, 20), (30, 20))
+    return Symbol((-30, -14, 30, 20), drawn, {}, (-26, 26), ((0, -3, "m", 14.0),))
+
+
+def telescope() -> Symbol:
+    """A single-acting telescopic cylinder."""
+    body = pipe((30, -20), (-60, -20), (-60, 20), (30, 20)) + box(-50, -13, 50, 13) + box(-40, -6, 78, 6)
+    drawn = body + pipe((-55, 20), (-55, 30))
+    return Symbol((-60, -20, 78, 30), drawn, {"cap": Terminal(-55, 30, Side.BOTTOM)}, (None, 78))
+
+
 def _ground(x: float) -> str:
     hatch = "".join(pipe((x, y), (x + 6, y - 6)) for y in (-9, -2, 5, 12, 19))
     return pipe((x, -17), (x, 17)) + hatch

@@ -44,6 +44,14 @@ def flow_control() -> Symbol:
     return Symbol((-24, -34, 24, 34), box(-24, -20, 24, 20) + stubs(20, 34) + inside + compensated, through(34))
 
 
+def one_way_throttle() -> Symbol:
+    """A throttle with a check valve beside it."""
+    throttle = _restriction(0, 10, 12) + pipe((0, 34), (0, -34))
+    beside = pipe((0, 26), (24, 26), (24, 13)) + pipe((0, -26), (24, -26), (24, -5))
+    check = '<circle cx="24" cy="0" r="5"/>' + pipe((15, 2), (24, 11), (33, 2))
+    return Symbol((-14, -34, 34, 34), throttle + beside + check, through(34))
+
+
 def _diamond() -> str:
     return pipe((0, 20), (20, 0), (0, -20), (-20, 0), (0, 20)) + stubs(20, 30)
 
