@@ -166,3 +166,17 @@ def test_lever(ran):
     check_closed(done)
     assert done.run.state.long.position[-1] == pytest.approx(10e-3, rel=1e-5)
     assert done.run.state.short.position[-1] == pytest.approx(11e-3 / 3.0, rel=1e-5)
+
+
+def test_actual_flow_is_the_one_at_the_ports_pressure(ran):
+    """Into the line at 1.8 bar the oil's modulus makes exp(-1.8 bar/1.4 GPa) of the tank volumes; at the tank none."""
+    done = ran("Tank, cooler, filter", "components.pump.flow=60 lpm", "oil.liquid_bulk_modulus=10 MPa")
+    found = done.found
+    line = done.run.state.line - 101325.0
+    t = done.run.times
+    inside = t >= done.found["averaged_from_s"]
+    thinner = np.trapezoid(np.exp(-line[inside] / 1e7), t[inside]) / np.ptp(t[inside])
+    ratio = found["flow_actual_mean_pump_m3_s"] / found["flow_mean_pump_m3_s"]
+    assert ratio == pytest.approx(thinner, rel=1e-4)
+    assert ratio < 0.99
+    assert found["flow_actual_mean_drain_m3_s"] == pytest.approx(found["flow_mean_drain_m3_s"], rel=1e-12)

@@ -45,11 +45,12 @@ from vvdp.network.nodes import (
     has_free_air,
     is_held,
 )
-from vvdp.network.paths import Places, StartValue, averaged_flows, part_outputs, paths_of, tank_exchanges
+from vvdp.network.paths import Places, StartValue, actual_flows, averaged_flows, part_outputs, paths_of, tank_exchanges
 from vvdp.simulation.values import blank, names
 
 INTEGRALS = {FLOW: TankVolume, PRESSURE_LEVEL: PressureTime, FRACTION: Duration, RATIO: Duration, POWER: Energy}
 """What the integrals over time of a kind are."""
+SweptVolume = Annotated[float, Kind("volume that went by", "m^3", -1e6, 1e6, "1 l", scale=1e-6, accumulates=True)]
 
 
 class Classes:
@@ -102,7 +103,8 @@ class Classes:
         _join(hints, "the oil", dict.fromkeys(boiling, _integral(VOLUME)) | dict.fromkeys(aerated, _integral(FREE_AIR)))
         for part in self.network.parts.values():
             flows = [f"{part.name}_{n}" for n in averaged_flows(part)]
-            fresh: dict[str, Any] = dict.fromkeys(flows, TankVolume)
+            actual = [f"{part.name}_{n}" for n in actual_flows(part)]
+            fresh: dict[str, Any] = dict.fromkeys(flows, TankVolume) | dict.fromkeys(actual, SweptVolume)
             fresh |= {f"{part.name}_{n}": _integral(part.component.outputs[n]) for n in part.component.averages}
             _join(hints, part.name, fresh)
         return named_tuple("Totals", hints)

@@ -33,6 +33,7 @@ from vvdp.network.nodes import (
 )
 from vvdp.network.oil_options import aerated_volumes, air_lines, boiling_modes, boiling_outputs
 from vvdp.network.paths import (
+    actual_flows,
     averaged_flows,
     part_outputs,
     paths_of,
@@ -192,7 +193,8 @@ class Functions:
             name: f"s.{name}" for name in map(free_air_name, aerated_volumes(self.text))
         }
         for part in self.network.parts.values():
-            found |= {f"{part.name}_{name}": text for name, text in averaged_flows(part).items()}
+            flows = averaged_flows(part) | actual_flows(part)
+            found |= {f"{part.name}_{name}": text for name, text in flows.items()}
             found |= {f"{part.name}_{name}": f"{part.name}.{name}" for name in part.component.averages}
         return found
 

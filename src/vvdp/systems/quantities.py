@@ -95,6 +95,9 @@ def _of_parts(system: System) -> Iterator[tuple[str, tuple[Kind, str]]]:
             key = f"{part.name}_{flow}".removesuffix("_flow")
             yield f"flow_mean_{key}_m3_s", (FLOW, f"{key.replace('_', ' ')} flow, mean")
         yield f"flow_mean_{part.name}_m3_s", (FLOW, f"{part.name.replace('_', ' ')} flow, mean")
+        for flow in flows_of(part):
+            key = f"{part.name}_{flow}".removesuffix("_flow")
+            yield f"flow_actual_mean_{key}_m3_s", (FLOW, f"{key.replace('_', ' ')} actual flow, mean")
         for loss in ("", *part.component.losses):
             key = "_".join(filter(None, (part.name, loss)))
             yield f"loss_{key}_W", (MEAN_POWER, f"{key.replace('_', ' ')} loss")
@@ -105,6 +108,7 @@ def _of_parts(system: System) -> Iterator[tuple[str, tuple[Kind, str]]]:
         yield f"loss_{circuit}_W", (MEAN_POWER, f"{circuit.replace('_', ' ')} loss")
     for whole in network.groups:
         yield f"flow_mean_{whole}_m3_s", (FLOW, f"{whole.replace('_', ' ')} flow, mean")
+        yield f"flow_actual_mean_{whole}_m3_s", (FLOW, f"{whole.replace('_', ' ')} actual flow, mean")
         yield f"loss_{whole}_W", (MEAN_POWER, f"{whole.replace('_', ' ')} loss")
         yield f"wave_roughness_{whole}", (RATIO, f"roughness of the waves in {whole.replace('_', ' ')}")
 

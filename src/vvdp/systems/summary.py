@@ -18,7 +18,7 @@ from vvdp.network.nodes import (
     free_air_name,
     has_free_air,
 )
-from vvdp.network.paths import flows_of, moving_parts
+from vvdp.network.paths import actual_flows, flows_of, moving_parts
 from vvdp.simulation.balance import LIMIT, balance_between
 from vvdp.simulation.outcome import SETTLED, Outcome, outcome
 from vvdp.simulation.run import Run
@@ -180,6 +180,9 @@ def _part_numbers(system: System, means: Mapping[str, float]) -> Summary:
         if others:
             into_others = (means[f"totals.{part.name}_{name}"] for name in others)
             found[f"flow_mean_{part.name}_{first.removesuffix('_flow')}_m3_s"] = -sum(into_others)
+        for name in actual_flows(part):
+            key = f"{part.name}_{name}".removesuffix("_actual").removesuffix("_flow")
+            found[f"flow_actual_mean_{key}_m3_s"] = means[f"totals.{part.name}_{name}"]
         losses = dict(_losses(part.name, means))
         if losses:
             found[f"loss_{part.name}_W"] = sum(losses.values())
@@ -187,6 +190,7 @@ def _part_numbers(system: System, means: Mapping[str, float]) -> Summary:
             found |= {f"loss_{part.name}_{loss}_W": value for loss, value in losses.items()}
     for whole, chain in system.circuit.network.groups.items():
         found[f"flow_mean_{whole}_m3_s"] = found[f"flow_mean_{chain.parts[-1]}_m3_s"]
+        found[f"flow_actual_mean_{whole}_m3_s"] = found[f"flow_actual_mean_{chain.parts[-1]}_m3_s"]
         found[f"loss_{whole}_W"] = float(sum(found[f"loss_{part}_W"] for part in chain.parts))
     for circuit in system.circuit.network.circuits:
         inside = system.circuit.network.parts_inside(circuit)
