@@ -22,6 +22,7 @@ from vvdp.fluid.dissolving import FREE_AIR
 from vvdp.network.nodes import HydraulicNode, Rod, Shaft, can_boil, free_air_name, has_free_air
 from vvdp.network.paths import flows_of, moving_parts
 from vvdp.results.result import Number
+from vvdp.systems.heat_numbers import heat_quantities
 from vvdp.systems.system import System
 from vvdp.systems.tank_levels import reservoirs
 from vvdp.systems.valve_numbers import valve_quantities
@@ -54,6 +55,7 @@ def quantities(system: System) -> dict[str, tuple[Kind, str]]:
     """Kind and label of every key that a summary of the system may have."""
     own = {} if system.extras is None else dict(system.extras.QUANTITIES)
     of_network = dict(_of_nodes(system)) | dict(_of_parts(system)) | dict(_of_tanks(system))
+    of_network |= dict(heat_quantities(system))
     return dict(OF_ANY_RUN) | of_network | dict(valve_quantities(system)) | own
 
 

@@ -24,6 +24,7 @@ from vvdp.simulation.outcome import SETTLED, Outcome, outcome
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves
 from vvdp.systems.extras import Summary as Summary
+from vvdp.systems.heat_numbers import heat_numbers, temperature_numbers
 from vvdp.systems.pipe_waves import wave_numbers
 from vvdp.systems.system import System
 from vvdp.systems.tank_levels import level_numbers
@@ -45,8 +46,8 @@ def run_summary(system: System, run: Run) -> Summary:
     """The part of a summary that the run itself gives: all but the closed forms, in a tenth of the time."""
     simulated = simulated_summary(outcome(run), system)
     recorded: Summary = {} if system.extras is None else system.extras.record_numbers(run)
-    waves = wave_numbers(system, run)
-    return simulated | recorded | waves | (validity(system, simulated | waves) if waves else {})
+    seen = wave_numbers(system, run) | temperature_numbers(system, run)
+    return simulated | recorded | seen | (validity(system, simulated | seen) if seen else {})
 
 
 def closed_forms(system: System, found: Mapping[str, float | bool]) -> Summary:
@@ -67,6 +68,7 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
         **_node_numbers(run, system, means),
         **_part_numbers(system, means),
         **level_numbers(run, system),
+        **heat_numbers(run, system),
     }
     found |= valve_numbers(system, means, found)
     balances = _balances(run)
