@@ -1,6 +1,7 @@
 """docs/small-circuits.md: each file runs, its balances close, and it gives what follows by hand."""
 
 import re
+import tomllib
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -8,9 +9,10 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from vvdp.base.tables import Table
 from vvdp.simulation.run import Run, simulate
 from vvdp.systems.summary import Summary, summary
-from vvdp.systems.system import load_system
+from vvdp.systems.system import built_system, load_system
 from vvdp.systems.validity import broken_bounds
 
 PAGE = (Path(__file__).parents[2] / "docs" / "small-circuits.md").read_text("utf-8")
@@ -180,3 +182,48 @@ def test_actual_flow_is_the_one_at_the_ports_pressure(ran):
     assert ratio == pytest.approx(thinner, rel=1e-4)
     assert ratio < 0.99
     assert found["flow_actual_mean_drain_m3_s"] == pytest.approx(found["flow_mean_drain_m3_s"], rel=1e-12)
+
+
+def test_a_closed_box_warms_by_its_loss_over_its_heat_capacity(ran):
+    done = ran("A closed box that warms")
+    check_closed(done)
+    state, P0, oil = done.run.state, 101325.0, 876.0 * 1900.0
+    # Tank volumes of the oil in each: V exp((P - P0)/b), b of the usual oil.
+    held = {name: 1e-3 * np.exp((getattr(state, name)[-1] - P0) / 1.4e9) for name in ("low", "high")}
+    rise = {name: getattr(done.run.outputs, f"{name}_temperature")[-1] - 313.15 for name in held}
+    mean = sum(held[name] * rise[name] for name in held) / sum(held.values())
+    lost = state.books.spent.orifice[-1] - state.books.spent.orifice[0]
+    assert mean == pytest.approx(lost / (oil * sum(held.values())), rel=1e-6)
+    assert mean == pytest.approx(7.744, abs=1e-3)
+    assert abs(done.found["heat_residual"]) < 1e-8
+    assert done.found["temperature_max_low_K"] == pytest.approx(313.15 + rise["low"])
+    # Half of what the orifice gives is carried on to the other volume.
+    assert rise["low"] - rise["high"] == pytest.approx(0.5 * lost / 60.0 * 6e4 / 20.0 / oil, rel=0.01)
+
+
+def test_heat_that_the_oil_brings_and_takes_is_in_the_balance(ran):
+    """Through walls, and in and out of a tank at another temperature."""
+    done = ran(
+        "Tank, cooler, filter", "heat.start_temperature=40 degC", "heat.wall_conductance=5 W/K", "run.until=20 s"
+    )
+    check_closed(done)
+    assert abs(done.found["heat_residual"]) < 1e-8
+    assert done.found["heat_outside_W"] != 0.0
+    assert done.found["heat_walls_W"] > 0.0
+
+
+def test_a_ring_with_a_cooler(ran):
+    done = ran("A ring with a cooler")
+    check_closed(done)
+    assert abs(done.found["heat_residual"]) < 1e-8
+    over = done.run.outputs.low_temperature[-1] - 293.15
+    assert over == pytest.approx(done.found["power_pump_W"] / 100.0, rel=1e-3)
+
+
+def test_without_a_heat_balance_nothing_is_written_of_heat():
+    text = re.search(r"^## A closed box that warms\n.*?```toml\n(.*?)```", PAGE, re.MULTILINE | re.DOTALL)[1]
+    content = tomllib.loads(text)
+    warm = built_system(Table("warm", content, {}), "warm")
+    cold = built_system(Table("cold", {key: value for key, value in content.items() if key != "heat"}, {}), "cold")
+    assert "heat" not in cold.circuit.text and "warm" not in cold.circuit.text
+    assert "warm_medium" in warm.circuit.text

@@ -10,6 +10,7 @@ from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.cooler import Cooler, cooler_flow
 from vvdp.hydraulics.filter_element import FilterElement, FilterState, bypass_side, clogging_rate, filter_flows
 from vvdp.hydraulics.flow import Passage, passage
+from vvdp.hydraulics.heat import Coolant
 from vvdp.hydraulics.ports import Medium
 from vvdp.hydraulics.reservoir import (
     Reservoir,
@@ -101,6 +102,11 @@ def cooler(a: FluidState, b: FluidState, medium: Medium, values: Cooler) -> Pass
     return passage(cooler_flow(a.pressure - b.pressure, medium.viscosity, values), a, b)
 
 
+def cooler_coolant(values: Cooler) -> Coolant:
+    """What it gives heat to, where there is a heat balance."""
+    return Coolant(values.heat_conductance, values.coolant_temperature)
+
+
 TANK_WITH_LEVEL = Component(tank_with_level, symbol="level_tank", start=tank_start, stored=tank_stored)
 FILTER = Component(filter_, symbol="filter")
-COOLER = Component(cooler, symbol="cooler")
+COOLER = Component(cooler, symbol="cooler", cooling=cooler_coolant)

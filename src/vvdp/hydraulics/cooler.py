@@ -5,17 +5,23 @@ Source  ours, docs/models/components.md, where a function names no other.
 
 import numpy as np
 
-from vvdp.base.kinds import DynamicViscosity, Flow, Fraction, PressureDifference
+from vvdp.base.kinds import DynamicViscosity, Flow, Fraction, PressureDifference, Temperature
 from vvdp.base.params import Params, require_positive
+from vvdp.hydraulics.heat import HeatConductance
 
 
 class Cooler(Params):
-    """At `rated_flow` and `rated_viscosity` the drop is `rated_drop`, a `laminar_share` of it proportional to both."""
+    """At `rated_flow` and `rated_viscosity` the drop is `rated_drop`, a `laminar_share` of it proportional to both.
+
+    With a heat balance the oil behind it gives `heat_conductance` times its excess over `coolant_temperature` to it.
+    """
 
     rated_flow: Flow
     rated_drop: PressureDifference
     rated_viscosity: DynamicViscosity
     laminar_share: Fraction = 0.5
+    heat_conductance: HeatConductance = 0.0
+    coolant_temperature: Temperature = 293.15
 
     def check(self) -> None:
         require_positive(self, "rated_flow", "rated_drop", "rated_viscosity", "laminar_share")

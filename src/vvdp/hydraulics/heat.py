@@ -5,7 +5,7 @@ Heat counts from the temperature at the start, so that it is zero then.
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 from vvdp.base.kinds import Kind, SpecificHeat, Temperature
 from vvdp.base.params import Params
@@ -18,6 +18,13 @@ HEAT_CONDUCTANCE = Kind("thermal conductance", "W/K", 0.0, 1e6, "20 W/K")
 HeatConductance = Annotated[float, HEAT_CONDUCTANCE]
 STILL = 1e-12
 """Flow below which a loss is shared among all nodes at a component [m^3/s]."""
+
+
+class Coolant(NamedTuple):
+    """What a cooler gives heat to: its conductance, and the temperature of what flows on the other side."""
+
+    conductance: HeatConductance
+    temperature: Temperature
 
 
 class HeatBalance(Params):
@@ -91,3 +98,14 @@ def wall_heat(temperature: float, balance: HeatBalance) -> float:
     temperature  T of its oil [K]
     """
     return balance.wall_conductance * (temperature - balance.ambient_temperature)
+
+
+def coolant_heat(temperature: float, coolant: Coolant) -> float:
+    """Heat that a cooler takes from the oil behind it [W]: G (T - T_c).
+
+    temperature  T of the oil [K]
+
+    >>> coolant_heat(333.0, Coolant(conductance=500.0, temperature=293.0))
+    20000.0
+    """
+    return coolant.conductance * (temperature - coolant.temperature)

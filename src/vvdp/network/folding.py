@@ -33,7 +33,7 @@ def keyword_call(head: str, cls: type, fields: dict[str, str]) -> Iterator[str]:
 
 
 def fold(line: str) -> list[str]:
-    """A line of text, on several where it is too long: one for each argument of its call, term of its sum, or factor."""
+    """A line of text, on several where it is too long: one for each argument of a call, term of a sum, or factor."""
     if len(line) <= WIDTH or line.endswith("("):
         return [line]
     space = line[: len(line) - len(line.lstrip())]

@@ -5,7 +5,7 @@ from vvdp.network.network import Network
 from vvdp.network.nodes import OilVolume
 
 TOTALS = ("heat_losses", "heat_outside", "heat_walls")
-"""Integrals of the heat that losses gave to the oil, and that went to tanks, sources and walls."""
+"""Integrals of the heat that losses gave to the oil, that went to tanks and sources, and through walls and coolers."""
 
 
 def heat_balance(network: Network) -> HeatBalance | None:

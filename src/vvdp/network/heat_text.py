@@ -2,11 +2,13 @@
 
 from collections.abc import Iterator
 
+from vvdp.base.errors import NetworkError
 from vvdp.base.select import maximum
 from vvdp.base.signal import signal_value
 from vvdp.hydraulics.heat import (
     HeatBalance,
     carried_heat,
+    coolant_heat,
     loss_share,
     supplied_warmth,
     wall_heat,
@@ -15,10 +17,11 @@ from vvdp.hydraulics.heat import (
 )
 from vvdp.network.folding import negative
 from vvdp.network.heat import heated
-from vvdp.network.network import Part
+from vvdp.network.network import Network, Part
 from vvdp.network.nodes import HydraulicNode, OilVolume
 from vvdp.network.oil_options import oil_volume, part_flows
 from vvdp.network.text import Text
+
 
 class HeatText:
     """The lines of a network about heat."""
@@ -27,6 +30,7 @@ class HeatText:
         self.text, self.network = text, text.network
         self.values = text.places.path(balance)
         self.volumes = heated(self.network)
+        self.coolers = _coolers(self.network)
 
     def before(self) -> Iterator[str]:
         """Lines that say how warm the oil in each node is, before the laws."""
@@ -45,40 +49,45 @@ class HeatText:
 
     def after(self) -> Iterator[str]:
         """Lines that say what heat each node gains, behind the laws."""
-        gains: dict[str, list[str]] = {name: [] for name in self.network.nodes}
-        losses = []
+        losses = list[str]()
         for part in self.network.parts.values():
-            flows = part_flows(part)
-            if not flows:
-                continue
-            out = {node: self._positive(negative(f) if " " not in f else f"-({f})") for node, f in flows.items()}
-            yield f"carried_{part.name} = {' + '.join(f'{flow} * warm_{node}' for node, flow in out.items())}"
-            yield f"entering_{part.name} = {' + '.join(map(self._positive, flows.values()))}"
-            loss = self._loss(part)
-            losses += [f"({loss})"] if loss else []
-            for node, flow in flows.items():
-                ends = f"({flow}, warm_{node}, carried_{part.name}, entering_{part.name})"
-                gains[node].append(f"{self.text.use(carried_heat)}{ends}")
-                if loss:
-                    share = f"{self.text.use(loss_share)}({flow}, entering_{part.name}, {len(flows):.1f})"
-                    gains[node].append(f"{share} * ({loss})")
-        for node in gains:
-            if isinstance(self.network.nodes[node], HydraulicNode):
-                yield f"heat_{node} = {' + '.join(gains[node]) or '0.0'}"
+            if flows := part_flows(part):
+                yield from self._mixed(part, flows)
+                losses += filter(None, [_loss(part)])
+        for name, node in self.coolers.items():
+            part = self.network.parts[name]
+            coolant = self.text.call(part, part.component.cooling)
+            yield f"cooled_{name} = {self.text.use(coolant_heat)}(temperature_{node}, {coolant})"
+        for name, node in self.network.nodes.items():
+            if isinstance(node, HydraulicNode):
+                yield f"heat_{name} = {' + '.join(self._gains(name)) or '0.0'}"
         for name in self.volumes:
             yield f"walls_{name} = {self.text.use(wall_heat)}(temperature_{name}, {self.values})"
         yield f"heat_losses = {' + '.join(losses) or '0.0'}"
 
+    def _mixed(self, part: Part, flows: dict[str, str]) -> Iterator[str]:
+        """Lines that say what a part takes out of all nodes, and how much oil it gives to them."""
+        out = {node: self._positive(negative(f) if " " not in f else f"-({f})") for node, f in flows.items()}
+        yield f"carried_{part.name} = {' + '.join(f'{flow} * warm_{node}' for node, flow in out.items())}"
+        yield f"entering_{part.name} = {' + '.join(map(self._positive, flows.values()))}"
+
+    def _gains(self, node: str) -> Iterator[str]:
+        """The terms of what a node gains."""
+        for part in self.network.parts.values():
+            flows = part_flows(part)
+            if node in flows:
+                yield self._carried(part, node, flows[node])
+                if loss := _loss(part):
+                    share = f"{self.text.use(loss_share)}({flows[node]}, entering_{part.name}, {len(flows):.1f})"
+                    yield f"{share} * ({loss})"
+        yield from (f"(-cooled_{name})" for name, behind in self.coolers.items() if behind == node)
+
+    def _carried(self, part: Part, node: str, flow: str) -> str:
+        ends = f"({flow}, warm_{node}, carried_{part.name}, entering_{part.name})"
+        return f"{self.text.use(carried_heat)}{ends}"
+
     def _positive(self, flow: str) -> str:
         return f"{self.text.use(maximum)}({flow}, 0.0)"
-
-    @staticmethod
-    def _loss(part: Part) -> str:
-        """The power that a part turns to heat."""
-        losses = part.component.losses
-        if not losses:
-            return ""
-        return " + ".join(f"{part.name}.losses.{name}" if name else f"{part.name}.loss" for name in losses)
 
     def rates(self) -> Iterator[tuple[str, str]]:
         """The rates of the heat in each volume."""
@@ -97,12 +106,30 @@ class HeatText:
         ]
         for part in self.network.parts.values():
             if part.component.stored and (flows := part_flows(part)):
-                ends = f"carried_{part.name}, entering_{part.name}"
-                given = (f"{self.text.use(carried_heat)}({flow}, warm_{node}, {ends})" for node, flow in flows.items())
+                given = (self._carried(part, node, flow) for node, flow in flows.items())
                 outside.append(f"-({' + '.join(given)})")
-        walls = " + ".join(f"walls_{name}" for name in self.volumes)
+        walls = " + ".join([*(f"walls_{name}" for name in self.volumes), *(f"cooled_{n}" for n in self.coolers)])
         return {
             "heat_losses": "heat_losses",
             "heat_outside": " + ".join(outside) or "0.0",
             "heat_walls": walls or "0.0",
         }
+
+
+def _loss(part: Part) -> str:
+    """The power that a part turns to heat."""
+    losses = part.component.losses
+    return " + ".join(f"{part.name}.losses.{name}" if name else f"{part.name}.loss" for name in losses)
+
+
+def _coolers(network: Network) -> dict[str, str]:
+    """The components that take heat away, and the volume behind each. Raises NetworkError where there is none."""
+    found = {}
+    for part in network.parts.values():
+        if part.component.cooling is None:
+            continue
+        node = part.nodes[part.component.hydraulic_ports[-1]]
+        if node not in heated(network):
+            raise NetworkError(f"{part.name}: it cools the oil at {node}, which is prescribed; put a volume there")
+        found[part.name] = node
+    return found

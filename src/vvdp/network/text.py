@@ -79,7 +79,7 @@ class Text:
         derived |= {text for name in net.parts for text in (f"{name}_walls", f"in_{name}")}
         if self._heated:
             derived |= {f"{word}_{name}" for name in net.nodes for word in ("warm", "temperature", "heat", "walls")}
-            derived |= {f"{word}_{name}" for name in net.parts for word in ("carried", "entering")}
+            derived |= {f"{word}_{name}" for name in net.parts for word in ("carried", "entering", "cooled")}
         aerated = {name for name, node in net.nodes.items() if has_free_air(node)}
         derived |= {free_air_name(name) for name in aerated} | ({f"air_{n}" for n in net.parts} if aerated else set())
         if twice := own & derived:

@@ -48,7 +48,19 @@ from vvdp.systems.bench_tables import Limits
 from vvdp.systems.drawn_programs import ProgramDrawer
 from vvdp.systems.part_keys import PartType, other_type, part_keys
 
-TABLES = ("oil", "oils", "operation", "heat", "nodes", "components", "programs", "parts", "limits", "faults", "geometry")
+TABLES = (
+    "oil",
+    "oils",
+    "operation",
+    "heat",
+    "nodes",
+    "components",
+    "programs",
+    "parts",
+    "limits",
+    "faults",
+    "geometry",
+)
 DRAWING_WORDS = ("type", "at")
 
 

@@ -53,7 +53,7 @@ def heat_quantities(system: LoadedSystem) -> Iterator[tuple[str, tuple[Kind, str
     if volumes:
         yield "heat_losses_W", (MEAN_POWER, "heat of losses in oil")
         yield "heat_outside_W", (MEAN_POWER, "heat carried to tanks and sources")
-        yield "heat_walls_W", (MEAN_POWER, "heat through walls")
+        yield "heat_walls_W", (MEAN_POWER, "heat through walls and coolers")
         yield "heat_stored_W", (MEAN_POWER, "heat stored in oil")
         yield "heat_residual", (RATIO, "heat residual, of the throughput")
 
