@@ -352,6 +352,7 @@ def components():
         friction,
         gas_accumulator,
         gerotor_drive,
+        heat,
         line,
         linkage,
         motor,
@@ -466,6 +467,8 @@ def components():
         linkage.RoadLoad(mass=2000.0, rolling_resistance=0.01, drag_area=1.0, slope=0.1),
         stick_friction.StickFriction(dry_friction=100.0, stick_stiffness=300.0, stick_damping=10.0),
         telescope.Telescope(areas=(5e-3, 3e-3, 2e-3), strokes=(0.1, 0.2, 0.3), moving_mass=20.0),
+        heat.HeatBalance(start_temperature=313.15, wall_conductance=5.0),
+        heat.Coolant(conductance=100.0, temperature=293.15),
         delay_line.DelayLine(length=10.0, diameter=0.02, sound_speed=1260.0),
         filter_element.FilterElement(
             clean_conductance=2e-8, dirt_capacity=0.02, dirt_content=5e-3, bypass_pressure=3e5,
@@ -520,6 +523,7 @@ def components():
                 float(rng.uniform(0.996, 4.0)), float(rng.uniform(250.0, 450.0))
             ),
             gas_accumulator.ChargeAmount: lambda: gas_accumulator.ChargeAmount(float(rng.uniform(3.5, 4.5))),
+            ports.Medium: lambda: ports.Medium(float(rng.uniform(800.0, 900.0)), float(rng.uniform(5e-3, 0.1))),
             ports.ShaftState: lambda: ports.ShaftState(*map(float, rng.uniform(0.3, 2.5, 2))),
             ports.RodState: lambda: ports.RodState(*map(float, rng.uniform(-0.3, 0.3, 2))),
             delay_line.Arriving: lambda: delay_line.Arriving(*map(float, rng.uniform(-100.0, 100.0, 4))),

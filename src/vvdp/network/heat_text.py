@@ -54,10 +54,10 @@ class HeatText:
             if flows := part_flows(part):
                 yield from self._mixed(part, flows)
                 losses += filter(None, [_loss(part)])
-        for name, node in self.coolers.items():
+        for name, behind in self.coolers.items():
             part = self.network.parts[name]
             coolant = self.text.call(part, part.component.cooling)
-            yield f"cooled_{name} = {self.text.use(coolant_heat)}(temperature_{node}, {coolant})"
+            yield f"cooled_{name} = {self.text.use(coolant_heat)}(temperature_{behind}, {coolant})"
         for name, node in self.network.nodes.items():
             if isinstance(node, HydraulicNode):
                 yield f"heat_{name} = {' + '.join(self._gains(name)) or '0.0'}"

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from vvdp.base.signal import Signal
+from vvdp.network.network import Part
 from vvdp.network.nodes import (
     HydraulicNode,
     OilVolume,
@@ -182,9 +183,7 @@ def _part_numbers(system: System, means: Mapping[str, float]) -> Summary:
         if others:
             into_others = (means[f"totals.{part.name}_{name}"] for name in others)
             found[f"flow_mean_{part.name}_{first.removesuffix('_flow')}_m3_s"] = -sum(into_others)
-        for name in actual_flows(part):
-            key = f"{part.name}_{name}".removesuffix("_actual").removesuffix("_flow")
-            found[f"flow_actual_mean_{key}_m3_s"] = means[f"totals.{part.name}_{name}"]
+        found |= _actual_numbers(part, means)
         losses = dict(_losses(part.name, means))
         if losses:
             found[f"loss_{part.name}_W"] = sum(losses.values())
@@ -198,6 +197,12 @@ def _part_numbers(system: System, means: Mapping[str, float]) -> Summary:
         inside = system.circuit.network.parts_inside(circuit)
         found[f"loss_{circuit}_W"] = float(sum(found.get(f"loss_{part}_W", 0.0) for part in inside))
     return found
+
+
+def _actual_numbers(part: Part, means: Mapping[str, float]) -> Summary:
+    """Mean flows of a component at the pressure of the port that they enter."""
+    keys = {name: f"{part.name}_{name}".removesuffix("_actual").removesuffix("_flow") for name in actual_flows(part)}
+    return {f"flow_actual_mean_{key}_m3_s": means[f"totals.{part.name}_{name}"] for name, key in keys.items()}
 
 
 def _losses(name: str, means: Mapping[str, float]) -> Iterator[tuple[str, float]]:
