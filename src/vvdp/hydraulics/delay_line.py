@@ -3,7 +3,7 @@
 Waves are taken in the root of power, w = (h + Z q)/(2 root(Z)), so that w^2 is the power that they carry. A sample of a
 wave is its mean since the sample before; what its swing about that mean carried is counted as a loss where it arrives.
 
-Source  ours, docs/models/components.md, where a function names no other.
+Source  wylie1993, ch. 3 (characteristics); waves in the root of power, samples: ours, docs/models/components.md
 """
 
 from typing import Annotated, NamedTuple
