@@ -56,6 +56,19 @@ VALUES: dict[str, list[dict[str, float]]] = {
     "GerotorCalibration": [{"commands": (-1.0, -0.1, 0.1, 1.0), "flows": (-3e-5, 0.0, 0.0, 3e-5)}],
     "OnOffValve": [{"dead_travel": 0.25}],
     "UnitValve": [{"weight": 2.0, "modulus": 4.0}],
+    "Reservoir": [
+        {"base_area": 0.1, "tank_height": 0.4, "tank_volume": 0.01, "suction_height": 0.0, "sealed": 0.0},
+        {"base_area": 0.1, "tank_height": 0.4, "tank_volume": 0.01, "suction_height": 0.0, "sealed": 1.0},
+    ],
+    "GasAccumulator": [
+        {"gas_volume": 1e-3, "precharge_pressure": 5e6, "heat_time": 5.0, "real_gas": 1.0, "oil_volume": 1e-5},
+        {"gas_volume": 1e-3, "precharge_pressure": 5e6, "heat_time": 5.0, "real_gas": 0.0, "oil_volume": 1e-5},
+    ],
+    "PistonCharge": [{"gas_volume": 1e-3, "precharge_pressure": 5e6, "real_gas": 1.0, "piston_area": 1e-3}],
+    "Arm": [{"base_arm": 0.3, "eye_arm": 0.4, "retracted_length": 0.45}],
+    "Cushion": [{"port_area": 1e-4, "throttle_area": 2e-6, "cushion_begin": 0.03, "cushion_end": 0.01}],
+    "Telescope": [{"areas": (5e-3, 3e-3, 2e-3), "strokes": (5e-3, 4e-3, 1e-2)}],
+    "StickFriction": [{"dry_friction": 100.0, "stick_stiffness": 1e4, "stick_damping": 10.0}],
     "FlowSource": [{"counted_at_outlet": 0.0}, {"counted_at_outlet": 1.0}],
 }
 OIL = Oil(

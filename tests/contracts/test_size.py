@@ -111,6 +111,7 @@ ALLOWED = {
     "base.units._to_si": CHOICE,
     "comparison.loop_trials.compare_controllers": ONE_CALL,
     "comparison.trials.compare": ONE_CALL,
+    "components.delay_lines.delay_line_ends": LAW,
     "components.directed_flows.directed_source": LAW,
     "components.directional_valves.directional_valve": LAW,
     "components.directional_valves.throttled_directional_valve": LAW,

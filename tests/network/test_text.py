@@ -68,7 +68,9 @@ def circuit(t, s, u, p):
                 tank_pressure=tank.pressure,
                 line_pressure=line.pressure,
                 supply_flow=supply.flow,
+                supply_flow_actual=supply.flow * line.volume_ratio,
                 load_flow=load.flow,
+                load_flow_actual=load.flow * tank.volume_ratio,
             ),
         ),
     )

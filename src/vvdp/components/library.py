@@ -11,6 +11,7 @@ from vvdp.base.kinds import (
     Pressure,
     ThermalExpansion,
 )
+from vvdp.components.accumulators import GAS_ACCUMULATOR, PISTON_ACCUMULATOR, SPRING_ACCUMULATOR
 from vvdp.components.controlled_valves import (
     COMPENSATED_THROTTLE,
     DUMP_VALVE,
@@ -19,6 +20,8 @@ from vvdp.components.controlled_valves import (
     SERIES_THROTTLES,
     UNLOADING_VALVE,
 )
+from vvdp.components.cylinders import CUSHION, TELESCOPIC_CYLINDER
+from vvdp.components.delay_lines import DELAY_LINE
 from vvdp.components.directed_flows import DIRECTED_RETURN, DIRECTED_SOURCE
 from vvdp.components.directional_valves import (
     DIRECTIONAL_VALVE,
@@ -31,7 +34,9 @@ from vvdp.components.flow_sources import FLOW_SOURCE
 from vvdp.components.four_way_valves import FOUR_WAY_VALVE
 from vvdp.components.gerotor_drives import CALIBRATED_GEROTOR_DRIVE, GEROTOR_DRIVE
 from vvdp.components.lines import COLUMN, LINE
+from vvdp.components.linkages import ARM, DRUM, GEAR, LEVER, ROAD_LOAD, STICK_FRICTION, WHEEL
 from vvdp.components.machines import CONTROLLED_PUMP, MOTOR, PUMP
+from vvdp.components.oil_care import COOLER, FILTER, TANK_WITH_LEVEL
 from vvdp.components.pipes import LAYERED_PIPE, PIPE
 from vvdp.components.resistances import LAMINAR_GAP, ORIFICE
 from vvdp.components.rods import CYLINDER, END_STOP, LOAD_FORCE, PLUNGER, ROD_BRAKE, ROD_FRICTION, SPRING, WEIGHT
@@ -84,25 +89,34 @@ def _by_name(*components: Component | Assembly) -> Mapping[str, Component | Asse
 
 
 COMPONENTS = _by_name(
+    ARM,
     CALIBRATED_GEROTOR_DRIVE,
     CHECK_VALVE,
     COLUMN,
     COMPENSATED_THROTTLE,
     CONTROLLED_PUMP,
+    COOLER,
     COUNTERBALANCE_VALVE,
+    CUSHION,
     CYLINDER,
+    DELAY_LINE,
     DIRECTED_RETURN,
     DIRECTED_SOURCE,
     DIRECTIONAL_VALVE,
     DRIVE_COUPLING,
+    DRUM,
     DUMP_VALVE,
     END_STOP,
+    FILTER,
     FLOW_CONTROL_VALVE,
     FLOW_SOURCE,
     FOUR_WAY_VALVE,
+    GAS_ACCUMULATOR,
+    GEAR,
     GEROTOR_DRIVE,
     LAMINAR_GAP,
     LAYERED_PIPE,
+    LEVER,
     LINE,
     LOAD_FORCE,
     LOAD_RELIEF_VALVE,
@@ -114,6 +128,7 @@ COMPONENTS = _by_name(
     ORIFICE,
     PILOT_CHECK_VALVE,
     PIPE,
+    PISTON_ACCUMULATOR,
     PLUNGER,
     PROPORTIONAL_VALVE,
     PULSED_SWITCHING_VALVE,
@@ -121,6 +136,7 @@ COMPONENTS = _by_name(
     PUMP,
     REDUCING_VALVE,
     RELIEF_VALVE,
+    ROAD_LOAD,
     ROD_BRAKE,
     ROD_FRICTION,
     ROTARY_VALVE,
@@ -132,7 +148,11 @@ COMPONENTS = _by_name(
     SHOCK_VALVE,
     SHUTTLE_VALVE,
     SPRING,
+    SPRING_ACCUMULATOR,
+    STICK_FRICTION,
     SWITCHING_VALVE,
+    TANK_WITH_LEVEL,
+    TELESCOPIC_CYLINDER,
     THREE_WAY_PROPORTIONAL_VALVE,
     THROTTLED_DIRECTIONAL_VALVE,
     TORSION_SPRING,
@@ -142,5 +162,6 @@ COMPONENTS = _by_name(
     VARIABLE_MOTOR,
     VARIABLE_PUMP,
     WEIGHT,
+    WHEEL,
 )
 """Components that a system file can name, by their type."""

@@ -26,13 +26,14 @@ class Assembly:
 
 @dataclass(frozen=True)
 class Group:
-    """What an assembly has become: its parts from the first port to the last, and the nodes inside."""
+    """What an assembly has become: its parts from the first port to the last, the nodes and the programs inside."""
 
     assembly: Assembly
     values: Params
     ports: Mapping[str, str]
     parts: tuple[str, ...]
     nodes: tuple[str, ...]
+    programs: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -26,12 +26,14 @@ from vvdp.base.kinds import (
     PressureTime,
     Speed,
     TankVolume,
+    Temperature,
     Volume,
 )
 from vvdp.base.params import Params
 from vvdp.fluid.dissolving import FREE_AIR, FreeAir
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.ports import Medium, RodState, ShaftState
+from vvdp.network.heat import TOTALS, heated
 from vvdp.network.nodes import (
     DrivenShaft,
     HydraulicNode,
@@ -45,11 +47,12 @@ from vvdp.network.nodes import (
     has_free_air,
     is_held,
 )
-from vvdp.network.paths import Places, StartValue, averaged_flows, part_outputs, paths_of, tank_exchanges
+from vvdp.network.paths import Places, StartValue, actual_flows, averaged_flows, part_outputs, paths_of, tank_exchanges
 from vvdp.simulation.values import blank, names
 
 INTEGRALS = {FLOW: TankVolume, PRESSURE_LEVEL: PressureTime, FRACTION: Duration, RATIO: Duration, POWER: Energy}
 """What the integrals over time of a kind are."""
+SweptVolume = Annotated[float, Kind("volume that went by", "m^3", -1e6, 1e6, "1 l", scale=1e-6, accumulates=True)]
 
 
 class Classes:
@@ -102,9 +105,12 @@ class Classes:
         _join(hints, "the oil", dict.fromkeys(boiling, _integral(VOLUME)) | dict.fromkeys(aerated, _integral(FREE_AIR)))
         for part in self.network.parts.values():
             flows = [f"{part.name}_{n}" for n in averaged_flows(part)]
-            fresh: dict[str, Any] = dict.fromkeys(flows, TankVolume)
+            actual = [f"{part.name}_{n}" for n in actual_flows(part)]
+            fresh: dict[str, Any] = dict.fromkeys(flows, TankVolume) | dict.fromkeys(actual, SweptVolume)
             fresh |= {f"{part.name}_{n}": _integral(part.component.outputs[n]) for n in part.component.averages}
             _join(hints, part.name, fresh)
+        if heated(self.network):
+            _join(hints, "the heat", dict.fromkeys(TOTALS, ExchangedEnergy))
         return named_tuple("Totals", hints)
 
     @cached_property
@@ -124,6 +130,7 @@ class Classes:
                 case DrivenShaft() if name in self.places.turning:
                     hints[name] = Angle
         hints |= {p.name: p.component.state for p in self.network.parts.values() if p.component.state is not None}
+        hints |= {f"{name}_heat": ExchangedEnergy for name in heated(self.network)}
         return named_tuple("State", hints | {"books": Books})
 
     @cached_property
@@ -145,6 +152,7 @@ class Classes:
         for path in self.program_reads:
             kind = self.places.quantity(path, path).kind
             _join(hints, path, {path.replace(".", "_"): Annotated[float, kind]})
+        _join(hints, "the heat", {f"{name}_temperature": Temperature for name in heated(self.network)})
         return named_tuple("Outputs", hints)
 
     @cached_property

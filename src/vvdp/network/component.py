@@ -80,6 +80,7 @@ class Component:
     mark     mark(...) -> a period ends wherever its floor changes, of t, state, angles, positions and Params
     averages names of outputs that are averaged over a run beside the flows; a component that has some may be a meter,
              which gives nothing to its ports
+    cooling  cooling(values) -> Coolant, to which the oil behind it gives heat where there is a heat balance
     suited   suited(values) -> the component of the same ports and values that stands in its place, where most values
              need less than all
     """
@@ -94,12 +95,13 @@ class Component:
     stop: Callable[..., Any] | None = None
     mark: Callable[..., Any] | None = None
     averages: tuple[str, ...] = ()
+    cooling: Callable[..., Any] | None = None
     suited: "Callable[..., Component] | None" = None
 
     @property
     def name(self) -> str:
-        """The name of its law."""
-        return self.law.__name__
+        """The name of its law, without an underscore that keeps it apart from a word of Python."""
+        return self.law.__name__.rstrip("_")
 
     @cached_property
     def result(self) -> type:
@@ -225,6 +227,7 @@ ALLOWED = {
     "walls": {Role.SHAFT, Role.ROD, Role.PARAMS},
     "inertia": {Role.PARAMS},
     "stop": {Role.TIME, Role.INPUT, Role.PARAMS},
+    "cooling": {Role.PARAMS},
     "mark": {Role.TIME, Role.STATE, Role.SHAFT, Role.ROD, Role.PARAMS},
 }
 """What the functions of a component beside its law are given."""

@@ -33,7 +33,7 @@ def keyword_call(head: str, cls: type, fields: dict[str, str]) -> Iterator[str]:
 
 
 def fold(line: str) -> list[str]:
-    """A line of text, on several where it is too long: one for each argument of its call, or term of its sum."""
+    """A line of text, on several where it is too long: one for each argument of a call, term of a sum, or factor."""
     if len(line) <= WIDTH or line.endswith("("):
         return [line]
     space = line[: len(line) - len(line.lstrip())]
@@ -46,6 +46,8 @@ def fold(line: str) -> list[str]:
         terms = [] if is_call else split_at(inside, (" + ", " - "))
         if is_call:
             terms = [f"{part.removeprefix(', ')}," for part in split_at(inside, (", ",))]
+    if len(terms) < 2:
+        terms, opened, closed = split_at(value, (" * ",)), "(", ")"
     if len(terms) < 2:
         return [line]
     folds = [text for term in terms for text in fold(f"{space}    {term.lstrip()}")]

@@ -15,6 +15,8 @@ from vvdp.hydraulics.ports import Medium, RodState, ShaftState
 from vvdp.hydraulics.volume import closed_volume_contents, closed_volume_rate, pressure_rate, vessel_contents
 from vvdp.network.component import Role
 from vvdp.network.folding import indent, keyword_call, negative
+from vvdp.network.heat import heat_balance
+from vvdp.network.heat_text import HeatText
 from vvdp.network.network import Part
 from vvdp.network.nodes import (
     Chamber,
@@ -33,6 +35,7 @@ from vvdp.network.nodes import (
 )
 from vvdp.network.oil_options import aerated_volumes, air_lines, boiling_modes, boiling_outputs
 from vvdp.network.paths import (
+    actual_flows,
     averaged_flows,
     part_outputs,
     paths_of,
@@ -51,6 +54,8 @@ class Functions:
     def __init__(self, text: Text) -> None:
         self.text = text
         self.places, self.classes, self.network = text.places, text.classes, text.network
+        balance = heat_balance(self.network)
+        self.heat = None if balance is None else HeatText(text, balance)
 
     def all(self) -> list[list[str]]:
         """All functions, the lines of each."""
@@ -62,6 +67,7 @@ class Functions:
         lines += [
             f"{p.name}_walls = {self.text.call(p, p.component.walls)}" for p in self.places.order if p.component.walls
         ]
+        lines += self.heat.before() if self.heat else ()
         done: set[str] = set()
         for name in self.places.late:
             part = self.network.parts.get(name)
@@ -73,7 +79,8 @@ class Functions:
                 lines.append(f"surplus_{node} = {self.text.inflow_sum(node, only=done)}")
             lines.append(f"{name} = {self.text.call(part, part.component.law)}")
             done.add(name)
-        lines += [*self._exchange(), *air_lines(self.text), "rates = State("]
+        lines += [*self._exchange(), *air_lines(self.text), *(self.heat.after() if self.heat else ())]
+        lines += ["rates = State("]
         lines += [f"    {name}={rate}," for name, rate in self._rates()]
         lines += ["    books=Books(", *(f"        {line}" for line in self._books()), "    ),", ")"]
         lines += ["outputs = Outputs(", *(f"    {name}={text}," for name, text in self._outputs()), ")"]
@@ -91,6 +98,7 @@ class Functions:
         for part in self.network.parts.values():
             if part.component.state is not None:
                 yield part.name, f"{part.name}.rates"
+        yield from self.heat.rates() if self.heat else ()
 
     def _node_rate(self, name: str, node: Node) -> str:
         swept, rate = self.text.walls(name, "volume"), self.text.walls(name, "rate") or "0.0"
@@ -192,9 +200,10 @@ class Functions:
             name: f"s.{name}" for name in map(free_air_name, aerated_volumes(self.text))
         }
         for part in self.network.parts.values():
-            found |= {f"{part.name}_{name}": text for name, text in averaged_flows(part).items()}
+            flows = averaged_flows(part) | actual_flows(part)
+            found |= {f"{part.name}_{name}": text for name, text in flows.items()}
             found |= {f"{part.name}_{name}": f"{part.name}.{name}" for name in part.component.averages}
-        return found
+        return found | (self.heat.totals() if self.heat else {})
 
     def _outputs(self) -> Iterator[tuple[str, str]]:
         texts = {}
@@ -207,6 +216,7 @@ class Functions:
             texts |= {f"{part.name}_{name}": text for name, (text, _) in part_outputs(part).items()}
         texts |= boiling_outputs(self.text)
         texts |= {read.replace(".", "_"): f"u.{read}" for read in self.classes.program_reads}
+        texts |= dict(self.heat.outputs()) if self.heat else {}
         yield from texts.items()
 
     def _modes(self) -> Iterator[tuple[str, str]]:

@@ -24,14 +24,14 @@ def air_lines(text: Text) -> Iterator[str]:
     """Lines that say how the free air of each volume changes."""
     volumes = aerated_volumes(text)
     for part in text.network.parts.values():
-        if volumes.keys() & _flows(part).keys():
+        if volumes.keys() & part_flows(part).keys():
             yield f"air_{part.name} = {_mean_of_drawn(text, part)}"
     for name, node in volumes.items():
         own = f"s.{free_air_name(name)}"
         terms = [
             f"{text.use(maximum)}({flow}, 0.0) * (air_{part.name} - {own})"
             for part in text.network.parts.values()
-            for where, flow in _flows(part).items()
+            for where, flow in part_flows(part).items()
             if where == name
         ]
         volume, oil = oil_volume(text, name, node), text.places.path(node.oil)
@@ -39,7 +39,7 @@ def air_lines(text: Text) -> Iterator[str]:
         yield f"{free_air_name(name)} = {text.use(air_change)}({inflow}, {volume}, {name}, {own}, {oil})"
 
 
-def _flows(part: Part) -> dict[str, str]:
+def part_flows(part: Part) -> dict[str, str]:
     """What a part gives to the nodes at its ports [tank volumes]."""
     component, found = part.component, dict[str, str]()
     for number, port in enumerate(component.hydraulic_ports):
@@ -58,7 +58,7 @@ def _mean_of_drawn(text: Text, part: Part) -> str:
     """The free air of what a part gives."""
     drawn = {
         node: f"{text.use(maximum)}({negative(flow) if ' ' not in flow else f'-({flow})'}, 0.0)"
-        for node, flow in _flows(part).items()
+        for node, flow in part_flows(part).items()
     }
     air = " + ".join(f"{flow} * {_free_air(text, node)}" for node, flow in drawn.items())
     return f"{text.use(mixed_air)}({air}, {' + '.join(drawn.values())})"

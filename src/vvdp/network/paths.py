@@ -338,6 +338,16 @@ def averaged_flows(part: Part) -> dict[str, str]:
     return dict(list(found.items())[1:]) if len(found) > 1 else found
 
 
+def actual_flows(part: Part) -> dict[str, str]:
+    """Names and texts of the flows of a part at the pressure of the port that they enter, whose means are kept."""
+    entered = part.component.hydraulic_ports[-1:]
+    return {
+        f"{name}_actual": f"{text} * {part.nodes[port]}.volume_ratio"
+        for name, text in flows_of(part).items()
+        for port in ([name.removesuffix("_flow")] if name != "flow" else entered)
+    }
+
+
 def part_outputs(part: Part) -> dict[str, tuple[str, Kind]]:
     """Names, texts and kinds of what a part shows: flows, outputs, torques and forces."""
     found = {name: (text, FLOW) for name, text in flows_of(part).items()}

@@ -13,10 +13,12 @@ from vvdp.base.params import Params
 from vvdp.base.signal import Signal, signal_value
 from vvdp.fluid.mixture import aerated_state, fluid_state, is_plain, plain_state, state_at
 from vvdp.fluid.oil import Oil
+from vvdp.hydraulics.heat import warm_medium
 from vvdp.hydraulics.ports import ShaftSpeed, ShaftState
 from vvdp.network.classes import Classes
 from vvdp.network.component import Argument, Role
 from vvdp.network.folding import signed_sum
+from vvdp.network.heat import heated
 from vvdp.network.network import Network, Part
 from vvdp.network.nodes import (
     Connection,
@@ -75,6 +77,9 @@ class Text:
         own = {*net.nodes, *net.parts, *net.programs}
         derived = {f"{word}_{name}" for name in net.nodes for word in ("surplus", "in", "into")}
         derived |= {text for name in net.parts for text in (f"{name}_walls", f"in_{name}")}
+        if self._heated:
+            derived |= {f"{word}_{name}" for name in net.nodes for word in ("warm", "temperature", "heat", "walls")}
+            derived |= {f"{word}_{name}" for name in net.parts for word in ("carried", "entering", "cooled")}
         aerated = {name for name, node in net.nodes.items() if has_free_air(node)}
         derived |= {free_air_name(name) for name in aerated} | ({f"air_{n}" for n in net.parts} if aerated else set())
         if twice := own & derived:
@@ -103,16 +108,16 @@ class Text:
 
     def arguments(self, part: Part, function: Callable[..., Any]) -> str:
         """The arguments with which a function of a part is called."""
-        return ", ".join(self._argument(part, argument) for argument in part.component.arguments_of(function))
+        return ", ".join(self._argument(part, function, each) for each in part.component.arguments_of(function))
 
-    def _argument(self, part: Part, argument: Argument) -> str:
+    def _argument(self, part: Part, function: Callable[..., Any], argument: Argument) -> str:
         match argument.role:
             case Role.PORT | Role.SHAFT | Role.ROD:
                 return part.nodes[argument.name]
             case Role.SHAFT_SPEED:
                 return f"{self.use(ShaftSpeed)}({part.nodes[argument.name]}.speed)"
             case Role.MEDIUM:
-                return f"h.{self.medium(part)}"
+                return self._warm_medium(part) if function is part.component.law else f"h.{self.medium(part)}"
             case Role.OIL:
                 return self.places.path(self.oil(part))
             case Role.PARAMS:
@@ -130,6 +135,18 @@ class Text:
             case Role.INPUT:
                 return self.source(part.inputs[argument.name], f"{part.name}.{argument.name}", argument.kind)
         return "t"
+
+    def _warm_medium(self, part: Part) -> str:
+        """The oil of a part as warm as the first volume that it joins has it, where volumes have a temperature."""
+        plain = f"h.{self.medium(part)}"
+        volumes = [node for port in part.component.hydraulic_ports if (node := part.nodes[port]) in self._heated]
+        if not volumes:
+            return plain
+        return f"{self.use(warm_medium)}({plain}, temperature_{volumes[0]}, {self.places.path(self.oil(part))})"
+
+    @cached_property
+    def _heated(self) -> tuple[str, ...]:
+        return heated(self.network)
 
     @staticmethod
     def _value(part: Part, argument: Argument) -> Params:

@@ -59,9 +59,36 @@ def accumulator() -> Symbol:
     return Symbol((-15, -31, 15, 31), draw.accumulator(0, 31), {"port": Terminal(0, 31, Side.BOTTOM)})
 
 
+def _capsule() -> str:
+    return '<rect x="-15" y="-31" width="30" height="62" rx="15"/>'
+
+
+def piston_accumulator() -> Symbol:
+    """A gas accumulator with a piston."""
+    gas = pipe((0, -10), (-7, -22), (7, -22), (0, -10))
+    drawn = _capsule() + box(-15, -3, 15, 5) + gas
+    return Symbol((-15, -31, 15, 31), drawn, {"port": Terminal(0, 31, Side.BOTTOM)})
+
+
+def spring_accumulator() -> Symbol:
+    """An accumulator with a spring."""
+    coil = pipe((0, 4), (8, 0), (-8, -6), (8, -12), (-8, -18), (0, -22), (0, -31))
+    drawn = _capsule() + pipe((-15, 4), (15, 4)) + coil
+    return Symbol((-15, -31, 15, 31), drawn, {"port": Terminal(0, 31, Side.BOTTOM)})
+
+
 def tank() -> Symbol:
     """A tank, the line ending in it from above."""
     return Symbol((-12, -7, 12, 7), pipe((-12, -6), (-12, 6), (12, 6), (12, -6)), {"port": Terminal(0, -6, Side.TOP)})
+
+
+def level_tank() -> Symbol:
+    """A tank with a level, both lines ending below it."""
+    walls = pipe((-30, -14), (-30, 20), (30, 20), (30, -14))
+    lines = pipe((-14, -26), (-14, 12)) + pipe((14, -26), (14, 12))
+    level = pipe((-30, 0), (30, 0), pilot=True)
+    ends = {"suction": Terminal(14, -26, Side.TOP), "inlet": Terminal(-14, -26, Side.TOP)}
+    return Symbol((-30, -26, 30, 20), walls + level + lines, ends)
 
 
 def dot() -> Symbol:
@@ -127,6 +154,52 @@ def driven_rod() -> Symbol:
     """A rod whose position is prescribed."""
     both = arrow((0, 9), (18, 9), 7) + arrow((0, 9), (-18, 9), 7)
     return Symbol((-24, -18, 24, 18), box(-24, -18, 24, 18) + both, {}, (-24, 24), ((0, -7, "x", 14.0),))
+
+
+def gear() -> Symbol:
+    """A pair of gear wheels, seen from the side."""
+    drawn = box(-14, -26, -6, 2) + box(6, -2, 14, 26) + pipe((-14, 0), (-24, 0)) + pipe((14, 0), (24, 0))
+    mesh = pipe((-6, 0), (6, 0), pilot=True)
+    return Symbol((-24, -26, 24, 26), drawn + mesh, {}, (-24, 24))
+
+
+def lever() -> Symbol:
+    """A lever on a pivot."""
+    pivot = pipe((0, 4), (-8, 20), (8, 20), (0, 4))
+    return Symbol((-28, -12, 28, 20), pipe((-28, 0), (28, 0)) + pivot + draw.junction(0, 4), {}, (-28, 28))
+
+
+def arm() -> Symbol:
+    """An arm that a cylinder turns."""
+    pivot = pipe((-16, 10), (-24, 24), (-8, 24), (-16, 10))
+    drawn = pipe((-16, 10), (20, -20)) + pipe((6, 24), (20, -20)) + pivot
+    return Symbol((-28, -24, 28, 24), drawn + draw.junction(-16, 10) + draw.junction(20, -20), {}, (-28, 28))
+
+
+def drum() -> Symbol:
+    """A drum that winds a rope."""
+    rope = arrow((16, 0), (16, 28), 8)
+    return Symbol((-20, -20, 20, 28), _circle(16) + draw.junction(0, 0) + rope, {}, (-20, 20))
+
+
+def wheel() -> Symbol:
+    """A wheel on a road."""
+    road = pipe((-26, 18), (26, 18)) + pipe((-20, 18), (-26, 25)) + pipe((0, 18), (-6, 25)) + pipe((20, 18), (14, 25))
+    return Symbol((-26, -18, 26, 25), _circle(18) + draw.junction(0, 0) + road, {}, (-26, 26))
+
+
+def vehicle() -> Symbol:
+    """A vehicle on its wheels."""
+    wheels = '<circle cx="-14" cy="14" r="6"/><circle cx="14" cy="14" r="6"/>'
+    drawn = box(-26, -14, 26, 8) + wheels + pipe((-30, 20), (30, 20))
+    return Symbol((-30, -14, 30, 20), drawn, {}, (-26, 26), ((0, -3, "m", 14.0),))
+
+
+def telescope() -> Symbol:
+    """A single-acting telescopic cylinder."""
+    body = pipe((30, -20), (-60, -20), (-60, 20), (30, 20)) + box(-50, -13, 50, 13) + box(-40, -6, 78, 6)
+    drawn = body + pipe((-55, 20), (-55, 30))
+    return Symbol((-60, -20, 78, 30), drawn, {"cap": Terminal(-55, 30, Side.BOTTOM)}, (None, 78))
 
 
 def _ground(x: float) -> str:

@@ -44,6 +44,29 @@ def flow_control() -> Symbol:
     return Symbol((-24, -34, 24, 34), box(-24, -20, 24, 20) + stubs(20, 34) + inside + compensated, through(34))
 
 
+def one_way_throttle() -> Symbol:
+    """A throttle with a check valve beside it."""
+    throttle = _restriction(0, 10, 12) + pipe((0, 34), (0, -34))
+    beside = pipe((0, 26), (24, 26), (24, 13)) + pipe((0, -26), (24, -26), (24, -5))
+    check = '<circle cx="24" cy="0" r="5"/>' + pipe((15, 2), (24, 11), (33, 2))
+    return Symbol((-14, -34, 34, 34), throttle + beside + check, through(34))
+
+
+def _diamond() -> str:
+    return pipe((0, 20), (20, 0), (0, -20), (-20, 0), (0, 20)) + stubs(20, 30)
+
+
+def filter_symbol() -> Symbol:
+    """A filter."""
+    return Symbol((-20, -30, 20, 30), _diamond() + pipe((-20, 0), (20, 0), pilot=True), through(30))
+
+
+def cooler() -> Symbol:
+    """A cooler, heat going out either way."""
+    heat = arrow((6, 0), (32, 0), 8) + arrow((-6, 0), (-32, 0), 8)
+    return Symbol((-32, -30, 32, 30), _diamond() + heat, through(30))
+
+
 def _spring_set(x: float) -> str:
     return spring(x, x + 26, 0) + arrow((x + 3, 15), (x + 24, -15), 7)
 

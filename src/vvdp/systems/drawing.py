@@ -38,6 +38,7 @@ from vvdp.base.tables import (
 )
 from vvdp.components.library import COMPONENTS, UsualOil
 from vvdp.fluid.oil import Oil
+from vvdp.hydraulics.heat import HeatBalance
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.assembly import Assembly, InnerCircuit
 from vvdp.network.component import Component
@@ -47,7 +48,19 @@ from vvdp.systems.bench_tables import Limits
 from vvdp.systems.drawn_programs import ProgramDrawer
 from vvdp.systems.part_keys import PartType, other_type, part_keys
 
-TABLES = ("oil", "oils", "operation", "nodes", "components", "programs", "parts", "limits", "faults", "geometry")
+TABLES = (
+    "oil",
+    "oils",
+    "operation",
+    "heat",
+    "nodes",
+    "components",
+    "programs",
+    "parts",
+    "limits",
+    "faults",
+    "geometry",
+)
 DRAWING_WORDS = ("type", "at")
 
 
@@ -179,9 +192,10 @@ class Drawer(ProgramDrawer):
         if oil is None:
             return None
         oils = {name: self._table(Oil, f"oils.{name}", part) for name, part in self._parts("oils")}
-        net = Network(
-            oil, temperature=heat.oil_temperature if heat else ROOM_TEMPERATURE, **{n: o for n, o in oils.items() if o}
-        )
+        values: dict[str, Params] = {name: found for name, found in oils.items() if found}
+        if balance := self._given_table(HeatBalance, "heat"):
+            values["heat"] = balance
+        net = Network(oil, temperature=heat.oil_temperature if heat else ROOM_TEMPERATURE, **values)
         for name, part in self._parts("parts"):
             self._add_circuit(net, name, part["drawn"])
         for name, part in self._validly_named_parts(net, "nodes"):

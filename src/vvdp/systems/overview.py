@@ -48,8 +48,9 @@ class LossLine(NamedTuple):
 
 
 def inside(network: Network) -> frozenset[str]:
-    """The nodes and components inside of pipes and the like, which count as one component."""
-    return frozenset(name for group in network.groups.values() for name in (*group.nodes, *group.parts))
+    """The nodes, components and programs inside of pipes and the like, which count as one component."""
+    groups = network.groups.values()
+    return frozenset(name for group in groups for name in (*group.nodes, *group.parts, *group.programs))
 
 
 def node_lines(system: System, found: Mapping[str, Any]) -> Iterator[NodeLine]:

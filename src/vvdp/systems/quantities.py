@@ -8,6 +8,7 @@ from vvdp.base.kinds import (
     FLAG,
     FLOW,
     GAUGE_PRESSURE,
+    LENGTH,
     MEAN_POWER,
     NUMBER,
     POSITION,
@@ -21,7 +22,9 @@ from vvdp.fluid.dissolving import FREE_AIR
 from vvdp.network.nodes import HydraulicNode, Rod, Shaft, can_boil, free_air_name, has_free_air
 from vvdp.network.paths import flows_of, moving_parts
 from vvdp.results.result import Number
+from vvdp.systems.heat_numbers import heat_quantities
 from vvdp.systems.system import System
+from vvdp.systems.tank_levels import reservoirs
 from vvdp.systems.valve_numbers import valve_quantities
 
 OF_ANY_RUN: Mapping[str, tuple[Kind, str]] = {
@@ -51,7 +54,9 @@ EXTREMES = {"mean": "mean", "min": "lowest", "max": "highest"}
 def quantities(system: System) -> dict[str, tuple[Kind, str]]:
     """Kind and label of every key that a summary of the system may have."""
     own = {} if system.extras is None else dict(system.extras.QUANTITIES)
-    return dict(OF_ANY_RUN) | dict(_of_nodes(system)) | dict(_of_parts(system)) | dict(valve_quantities(system)) | own
+    of_network = dict(_of_nodes(system)) | dict(_of_parts(system)) | dict(_of_tanks(system))
+    of_network |= dict(heat_quantities(system))
+    return dict(OF_ANY_RUN) | of_network | dict(valve_quantities(system)) | own
 
 
 def summary_units(system: System) -> dict[str, str]:
@@ -92,6 +97,9 @@ def _of_parts(system: System) -> Iterator[tuple[str, tuple[Kind, str]]]:
             key = f"{part.name}_{flow}".removesuffix("_flow")
             yield f"flow_mean_{key}_m3_s", (FLOW, f"{key.replace('_', ' ')} flow, mean")
         yield f"flow_mean_{part.name}_m3_s", (FLOW, f"{part.name.replace('_', ' ')} flow, mean")
+        for flow in flows_of(part):
+            key = f"{part.name}_{flow}".removesuffix("_flow")
+            yield f"flow_actual_mean_{key}_m3_s", (FLOW, f"{key.replace('_', ' ')} actual flow, mean")
         for loss in ("", *part.component.losses):
             key = "_".join(filter(None, (part.name, loss)))
             yield f"loss_{key}_W", (MEAN_POWER, f"{key.replace('_', ' ')} loss")
@@ -102,5 +110,12 @@ def _of_parts(system: System) -> Iterator[tuple[str, tuple[Kind, str]]]:
         yield f"loss_{circuit}_W", (MEAN_POWER, f"{circuit.replace('_', ' ')} loss")
     for whole in network.groups:
         yield f"flow_mean_{whole}_m3_s", (FLOW, f"{whole.replace('_', ' ')} flow, mean")
+        yield f"flow_actual_mean_{whole}_m3_s", (FLOW, f"{whole.replace('_', ' ')} actual flow, mean")
         yield f"loss_{whole}_W", (MEAN_POWER, f"{whole.replace('_', ' ')} loss")
         yield f"wave_roughness_{whole}", (RATIO, f"roughness of the waves in {whole.replace('_', ' ')}")
+
+
+def _of_tanks(system: System) -> Iterator[tuple[str, tuple[Kind, str]]]:
+    for name in reservoirs(system.circuit.network):
+        for which in ("min", "max"):
+            yield f"level_{which}_{name}_m", (LENGTH, f"{name.replace('_', ' ')} level, {EXTREMES[which]}")

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from vvdp.base.signal import Signal
+from vvdp.network.network import Part
 from vvdp.network.nodes import (
     HydraulicNode,
     OilVolume,
@@ -18,14 +19,16 @@ from vvdp.network.nodes import (
     free_air_name,
     has_free_air,
 )
-from vvdp.network.paths import flows_of, moving_parts
+from vvdp.network.paths import actual_flows, flows_of, moving_parts
 from vvdp.simulation.balance import LIMIT, balance_between
 from vvdp.simulation.outcome import SETTLED, Outcome, outcome
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves
 from vvdp.systems.extras import Summary as Summary
+from vvdp.systems.heat_numbers import heat_numbers, temperature_numbers
 from vvdp.systems.pipe_waves import wave_numbers
 from vvdp.systems.system import System
+from vvdp.systems.tank_levels import level_numbers
 from vvdp.systems.validity import broken_bounds, cavitation_pressure, lowest_pressure
 from vvdp.systems.valve_numbers import valve_numbers
 
@@ -44,8 +47,8 @@ def run_summary(system: System, run: Run) -> Summary:
     """The part of a summary that the run itself gives: all but the closed forms, in a tenth of the time."""
     simulated = simulated_summary(outcome(run), system)
     recorded: Summary = {} if system.extras is None else system.extras.record_numbers(run)
-    waves = wave_numbers(system, run)
-    return simulated | recorded | waves | (validity(system, simulated | waves) if waves else {})
+    seen = wave_numbers(system, run) | temperature_numbers(system, run)
+    return simulated | recorded | seen | (validity(system, simulated | seen) if seen else {})
 
 
 def closed_forms(system: System, found: Mapping[str, float | bool]) -> Summary:
@@ -65,6 +68,8 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
         "settled": window.settled,
         **node_numbers(run, system, means),
         **part_numbers(system, means),
+        **level_numbers(run, system),
+        **heat_numbers(run, system),
     }
     found |= valve_numbers(system, means, found)
     balances = _balances(run)
@@ -178,6 +183,7 @@ def part_numbers(system: System, means: Mapping[str, float]) -> Summary:
         if others:
             into_others = (means[f"totals.{part.name}_{name}"] for name in others)
             found[f"flow_mean_{part.name}_{first.removesuffix('_flow')}_m3_s"] = -sum(into_others)
+        found |= _actual_numbers(part, means)
         losses = dict(_losses(part.name, means))
         if losses:
             found[f"loss_{part.name}_W"] = sum(losses.values())
@@ -185,11 +191,18 @@ def part_numbers(system: System, means: Mapping[str, float]) -> Summary:
             found |= {f"loss_{part.name}_{loss}_W": value for loss, value in losses.items()}
     for whole, chain in system.circuit.network.groups.items():
         found[f"flow_mean_{whole}_m3_s"] = found[f"flow_mean_{chain.parts[-1]}_m3_s"]
+        found[f"flow_actual_mean_{whole}_m3_s"] = found[f"flow_actual_mean_{chain.parts[-1]}_m3_s"]
         found[f"loss_{whole}_W"] = sum(found[f"loss_{part}_W"] for part in chain.parts)
     for circuit in system.circuit.network.circuits:
         inside = system.circuit.network.parts_inside(circuit)
         found[f"loss_{circuit}_W"] = sum(found.get(f"loss_{part}_W", 0.0) for part in inside)
     return found
+
+
+def _actual_numbers(part: Part, means: Mapping[str, float]) -> Summary:
+    """Mean flows of a component at the pressure of the port that they enter."""
+    keys = {name: f"{part.name}_{name}".removesuffix("_actual").removesuffix("_flow") for name in actual_flows(part)}
+    return {f"flow_actual_mean_{key}_m3_s": means[f"totals.{part.name}_{name}"] for name, key in keys.items()}
 
 
 def _losses(name: str, means: Mapping[str, float]) -> Iterator[tuple[str, float]]:

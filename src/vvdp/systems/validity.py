@@ -8,14 +8,13 @@ from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.network.nodes import HydraulicNode
 from vvdp.systems.bound import Bound
 from vvdp.systems.extras import LoadedSystem
+from vvdp.systems.heat_numbers import COLDEST, HOTTEST, temperature_bounds
 from vvdp.systems.pipe_waves import wave_bounds
 from vvdp.systems.plausibility import plausible_bounds
+from vvdp.systems.sound_speeds import sound_bounds
+from vvdp.systems.tank_levels import level_bounds
 from vvdp.systems.valve_numbers import placed_valve_bounds
 from vvdp.valve.validity import CAVITATION_PRESSURE
-
-COLDEST, HOTTEST = 258.15, 373.15
-"""Oil temperatures [K] between which two points of a data sheet tell the viscosity: from -15 degC, at which DIN 51524
-has an oil of ISO VG 46 still flow, to 100 degC, the upper point itself."""
 
 STOP_GIVES = 0.01
 """Of the stroke, by which end stops may give way: theirs are springs."""
@@ -47,7 +46,10 @@ def bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
                 otherwise="the oil cavitates, which its law leaves out; oil.vapour_pressure brings it in",
             )
     yield from plausible_bounds(system, found)
+    yield from temperature_bounds(system, found)
     yield from wave_bounds(found)
+    yield from sound_bounds(system, found)
+    yield from level_bounds(system, found)
     yield from placed_valve_bounds(system, found)
     yield from _strokes(system, found)
     if extras is not None:
