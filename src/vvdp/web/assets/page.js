@@ -69,7 +69,7 @@ const vvdp = (() => {
       return unit ? ` --set '${setting}="${number} ${unit}"'` : ` --set ${setting}=${number}`;
     });
     const until = untilSet();
-    const line = `vvdp run ${model.name}${words.join("")}${until === model.stepping.until ? "" : ` --until "${until} s"`}`;
+    const line = `${model.command}${words.join("")}${until === model.stepping.until ? "" : ` --until "${until} s"`}`;
     place("setting").hidden = !words.length && until === model.stepping.until;
     place("setting").querySelector("code").textContent = line;
   }
