@@ -119,6 +119,8 @@ def write_web_page(
 
     Its values have sliders; charts, numbers and warnings follow. Needs the extra `web`.
     """
+    import shlex
+
     from vvdp.base.errors import unusable
     from vvdp.base.files import write_whole
     from vvdp.cli.screen import print_json, say, tell
@@ -127,7 +129,8 @@ def write_web_page(
 
     if out.exists() and not force:
         raise unusable(out, "exists already; --force replaces it")
-    page = web_page(load_system(system, settings or (), until), say)
+    given = [word for each in settings or () for word in ("--set", each)] + (["--until", until] if until else [])
+    page = web_page(load_system(system, settings or (), until), shlex.join(["vvdp", "run", system, *given]), say)
     write_whole(out, page.html)
     if json:
         print_json({**page.facts, "out": str(out)})

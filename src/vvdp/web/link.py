@@ -1,4 +1,4 @@
-"""Objects of a model become one WebAssembly module, with functions of the C library, by `zig` of the extra `web`."""
+"""Objects of a model become a WebAssembly module, with functions of the C library, by the `zig` of the extra `web`."""
 
 import os
 import subprocess

@@ -60,9 +60,10 @@ class WebPage:
         }  # fmt: skip
 
 
-def web_page(system: System, say: Callable[[str], None] = quiet) -> WebPage:
+def web_page(system: System, command: str = "", say: Callable[[str], None] = quiet) -> WebPage:
     """The page of a system, which is run once for what it shows first.
 
+    command  the line that runs the system as it is, to which the page adds what is set there
     Raises MissingExtraError without the extra `web`, RunError where the run fails or the page becomes too large.
     """
     module = web_module(system.model, system.case)
@@ -70,6 +71,7 @@ def web_page(system: System, say: Callable[[str], None] = quiet) -> WebPage:
     values = changeable_values(system, _outside_vectors)
     result = run_result(run)
     model = {**run_model(system, module, values), **_shown_numbers(run, result)}
+    model["command"] = command or f"vvdp run {system.name}"
     html = "\n".join(_lines(run, result, model, values))
     if (size := len(html.encode())) > MOST_BYTES:
         raise unusable("export web", f"the page has {size} bytes; at most {MOST_BYTES}: record less (run.window)")

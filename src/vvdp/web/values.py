@@ -109,12 +109,12 @@ def _with_followers(
     system: System, made: Changeable, probes: Sequence[float], base: Any, fixed: Callable[[System], object]
 ) -> Changeable:
     """The value with what follows it. Raises ValueError, or what a system raises, where it cannot be changed so."""
-    steps = _conversion(made.row.kind, made.unit, probes)
+    steps = conversion(made.row.kind, made.unit, probes)
     if steps is None:
         raise ValueError("its unit is not read by one operation")
     cases = [_with_value(system, made.row, probe, made.unit) for probe in probes]
     if any(fixed(each) != base[1] for each in cases):
-        raise ValueError("what the numbers are counted from follows it")
+        raise ValueError("it changes the circuit itself, or from what numbers are counted")
     rows = [vectors(each.case) for each in cases]
     if any(a.shape != b.shape for each in rows for a, b in zip(each, base[0], strict=True)):
         raise ValueError("it changes how many numbers the circuit has")
@@ -136,11 +136,11 @@ def _followers(base: Any, rows: Sequence[Any], values: Sequence[float], held: sl
         if name == "command":
             changed[held] = False
         for at in np.flatnonzero(changed):
-            found = _operation(values, probed[:, at].tolist())
+            found = operation_of(values, probed[:, at].tolist())
             yield None if found is None else Follower(name, int(at), *found)
 
 
-def _operation(values: Sequence[float], numbers: Sequence[float]) -> tuple[str, float] | None:
+def operation_of(values: Sequence[float], numbers: Sequence[float]) -> tuple[str, float] | None:
     """The operation and constant by which `numbers` follow `values`, to the last bit."""
     middle = (len(values) + 1) // 2
     x, y = values[middle], numbers[middle]
@@ -156,7 +156,7 @@ def _operation(values: Sequence[float], numbers: Sequence[float]) -> tuple[str, 
     return None
 
 
-def _conversion(kind: Kind, unit: str, samples: Sequence[float]) -> tuple[tuple[str, float], ...] | None:
+def conversion(kind: Kind, unit: str, samples: Sequence[float]) -> tuple[tuple[str, float], ...] | None:
     """One or two operations that bring a number in `unit` to SI as files are read; None where there are none."""
     zero, one = _in_si(0.0, unit, kind), _in_si(1.0, unit, kind)
     factor, offset = one - zero, zero

@@ -69,7 +69,7 @@ const vvdp = (() => {
       return unit ? ` --set '${setting}="${number} ${unit}"'` : ` --set ${setting}=${number}`;
     });
     const until = untilSet();
-    const line = `vvdp run ${model.name}${words.join("")}${until === model.stepping.until ? "" : ` --until "${until} s"`}`;
+    const line = `${model.command}${words.join("")}${until === model.stepping.until ? "" : ` --until "${until} s"`}`;
     place("setting").hidden = !words.length && until === model.stepping.until;
     place("setting").querySelector("code").textContent = line;
   }
@@ -81,7 +81,7 @@ const vvdp = (() => {
     place("fault").textContent = words || "";
   }
 
-  /* The charts with what was set over what was computed, which is dashed then. */
+  /* The charts with what was set over what was computed, which is dotted and paler then. */
   async function showCharts(series) {
     const page = await vvdpCharts;
     for (const [name, panels] of Object.entries(model.charts)) {
@@ -92,7 +92,8 @@ const vvdp = (() => {
       const described = { ...live.first, panels: live.first.panels.map((panel, p) => ({ ...panel, lines: panel.lines.flatMap((line, i) => {
         const own = series && panels[p][i];
         if (!own) return [line];
-        const before = { ...line, label: `${line.label}, as computed`, stroke: "dashed", width: 1 };
+        const stroke = line.stroke === "steps" ? "steps" : ":";
+        const before = { ...line, label: `${line.label}, as computed`, stroke, colour: `${line.colour}99`, width: 1 };
         return [before, { ...line, x: at(scaled("time_s", own.x)), y: at(scaled(own.key, own.y)) }];
       }) })) };
       if (series) described.panels = described.panels.map((panel) => ({ ...panel, levels: [] }));

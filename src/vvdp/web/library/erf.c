@@ -175,7 +175,8 @@ sb5  =  2.55305040643316442583e+03, /* 0x40A3F219, 0xCEDF3BE6 */
 sb6  =  4.74528541206955367215e+02, /* 0x407DA874, 0xE79FE763 */
 sb7  = -2.24409524465858183362e+01; /* 0xC03670E2, 0x42712D62 */
 
-static double erfc1(double x)
+/* erf(|x|) - erx. */
+static double erf1(double x)
 {
 	double_t s,P,Q;
 
@@ -183,7 +184,12 @@ static double erfc1(double x)
 	double_t s2 = s*s, s4 = s2*s2, s6 = s4*s2;
 	P = (pa0+s*pa1) + s2*(pa2+s*pa3) + s4*(pa4+s*pa5) + s6*pa6;
 	Q = (1+s*qa1) + s2*(qa2+s*qa3) + s4*(qa4+s*qa5) + s6*qa6;
-	return 1 - erx - P/Q;
+	return P/Q;
+}
+
+static double erfc1(double x)
+{
+	return 1 - erx - erf1(x);
 }
 
 static double erfc2(uint32_t ix, double x)
@@ -233,7 +239,9 @@ double erf(double x)
 		y = r/s;
 		return x + x*y;
 	}
-	if (ix < 0x40180000)  /* 0.84375 <= |x| < 6 */
+	if (ix < 0x3ff40000)  /* 0.84375 <= |x| < 1.25 */
+		y = erx + erf1(x);
+	else if (ix < 0x40180000)  /* |x| < 6 */
 		y = 1 - erfc2(ix,x);
 	else
 		y = 1 - 0x1p-1022;
@@ -265,6 +273,8 @@ double erfc(double x)
 		}
 		return 0.5 - (x - 0.5 + x*y);
 	}
+	if (sign && ix < 0x3ff40000)
+		return 1 + (erx + erf1(x));
 	if (ix < 0x403c0000) {  /* 0.84375 <= |x| < 28 */
 		return sign ? 2 - erfc2(ix,x) : erfc2(ix,x);
 	}
