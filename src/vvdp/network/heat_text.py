@@ -16,7 +16,7 @@ from vvdp.hydraulics.heat import (
     warmth,
 )
 from vvdp.network.folding import negative
-from vvdp.network.heat import heated
+from vvdp.network.heat import warm_volumes
 from vvdp.network.network import Network, Part
 from vvdp.network.nodes import HydraulicNode, OilVolume
 from vvdp.network.oil_options import oil_volume, part_flows
@@ -29,7 +29,7 @@ class HeatText:
     def __init__(self, text: Text, balance: HeatBalance) -> None:
         self.text, self.network = text, text.network
         self.values = text.places.path(balance)
-        self.volumes = heated(self.network)
+        self.volumes = warm_volumes(self.network)
         self.coolers = _coolers(self.network)
 
     def before(self) -> Iterator[str]:
@@ -129,7 +129,7 @@ def _coolers(network: Network) -> dict[str, str]:
         if part.component.cooling is None:
             continue
         node = part.nodes[part.component.hydraulic_ports[-1]]
-        if node not in heated(network):
+        if node not in warm_volumes(network):
             raise NetworkError(f"{part.name}: it cools the oil at {node}, which is prescribed; put a volume there")
         found[part.name] = node
     return found

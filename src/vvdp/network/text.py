@@ -18,7 +18,7 @@ from vvdp.hydraulics.ports import ShaftSpeed, ShaftState
 from vvdp.network.classes import Classes
 from vvdp.network.component import Argument, Role
 from vvdp.network.folding import signed_sum
-from vvdp.network.heat import heated
+from vvdp.network.heat import warm_volumes
 from vvdp.network.network import Network, Part
 from vvdp.network.nodes import (
     Connection,
@@ -146,7 +146,7 @@ class Text:
 
     @cached_property
     def _heated(self) -> tuple[str, ...]:
-        return heated(self.network)
+        return warm_volumes(self.network)
 
     @staticmethod
     def _value(part: Part, argument: Argument) -> Params:
