@@ -33,7 +33,7 @@ from vvdp.base.params import Params
 from vvdp.fluid.dissolving import FREE_AIR, FreeAir
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.ports import Medium, RodState, ShaftState
-from vvdp.network.heat import TOTALS, heated
+from vvdp.network.heat import TOTALS, warm_volumes
 from vvdp.network.nodes import (
     DrivenShaft,
     HydraulicNode,
@@ -109,7 +109,7 @@ class Classes:
             fresh: dict[str, Any] = dict.fromkeys(flows, TankVolume) | dict.fromkeys(actual, SweptVolume)
             fresh |= {f"{part.name}_{n}": _integral(part.component.outputs[n]) for n in part.component.averages}
             _join(hints, part.name, fresh)
-        if heated(self.network):
+        if warm_volumes(self.network):
             _join(hints, "the heat", dict.fromkeys(TOTALS, ExchangedEnergy))
         return named_tuple("Totals", hints)
 
@@ -130,7 +130,7 @@ class Classes:
                 case DrivenShaft() if name in self.places.turning:
                     hints[name] = Angle
         hints |= {p.name: p.component.state for p in self.network.parts.values() if p.component.state is not None}
-        hints |= {f"{name}_heat": ExchangedEnergy for name in heated(self.network)}
+        hints |= {f"{name}_heat": ExchangedEnergy for name in warm_volumes(self.network)}
         return named_tuple("State", hints | {"books": Books})
 
     @cached_property
@@ -152,7 +152,7 @@ class Classes:
         for path in self.program_reads:
             kind = self.places.quantity(path, path).kind
             _join(hints, path, {path.replace(".", "_"): Annotated[float, kind]})
-        _join(hints, "the heat", {f"{name}_temperature": Temperature for name in heated(self.network)})
+        _join(hints, "the heat", {f"{name}_temperature": Temperature for name in warm_volumes(self.network)})
         return named_tuple("Outputs", hints)
 
     @cached_property

@@ -13,7 +13,7 @@ def heat_balance(network: Network) -> HeatBalance | None:
     return next((value for value in network.values.values() if isinstance(value, HeatBalance)), None)
 
 
-def heated(network: Network) -> tuple[str, ...]:
+def warm_volumes(network: Network) -> tuple[str, ...]:
     """The volumes whose heat is a state."""
     if heat_balance(network) is None:
         return ()

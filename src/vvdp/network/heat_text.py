@@ -16,7 +16,7 @@ from vvdp.hydraulics.heat import (
     warmth,
 )
 from vvdp.network.folding import negative
-from vvdp.network.heat import heated
+from vvdp.network.heat import warm_volumes
 from vvdp.network.network import Network, Part
 from vvdp.network.nodes import HydraulicNode, OilVolume
 from vvdp.network.oil_options import oil_volume, part_flows
@@ -29,7 +29,7 @@ class HeatText:
     def __init__(self, text: Text, balance: HeatBalance) -> None:
         self.text, self.network = text, text.network
         self.values = text.places.path(balance)
-        self.volumes = heated(self.network)
+        self.volumes = warm_volumes(self.network)
         self.coolers = _coolers(self.network)
 
     def before(self) -> Iterator[str]:
@@ -52,7 +52,7 @@ class HeatText:
         losses = list[str]()
         for part in self.network.parts.values():
             if flows := part_flows(part):
-                yield from self._mixed(part, flows)
+                yield from self._mixture(part, flows)
                 losses += filter(None, [_loss(part)])
         for name, behind in self.coolers.items():
             part = self.network.parts[name]
@@ -65,7 +65,7 @@ class HeatText:
             yield f"walls_{name} = {self.text.use(wall_heat)}(temperature_{name}, {self.values})"
         yield f"heat_losses = {' + '.join(losses) or '0.0'}"
 
-    def _mixed(self, part: Part, flows: dict[str, str]) -> Iterator[str]:
+    def _mixture(self, part: Part, flows: dict[str, str]) -> Iterator[str]:
         """Lines that say what a part takes out of all nodes, and how much oil it gives to them."""
         out = {node: self._positive(negative(f) if " " not in f else f"-({f})") for node, f in flows.items()}
         yield f"carried_{part.name} = {' + '.join(f'{flow} * warm_{node}' for node, flow in out.items())}"
@@ -76,13 +76,13 @@ class HeatText:
         for part in self.network.parts.values():
             flows = part_flows(part)
             if node in flows:
-                yield self._carried(part, node, flows[node])
+                yield self._heat_into(part, node, flows[node])
                 if loss := _loss(part):
                     share = f"{self.text.use(loss_share)}({flows[node]}, entering_{part.name}, {len(flows):.1f})"
                     yield f"{share} * ({loss})"
         yield from (f"(-cooled_{name})" for name, behind in self.coolers.items() if behind == node)
 
-    def _carried(self, part: Part, node: str, flow: str) -> str:
+    def _heat_into(self, part: Part, node: str, flow: str) -> str:
         ends = f"({flow}, warm_{node}, carried_{part.name}, entering_{part.name})"
         return f"{self.text.use(carried_heat)}{ends}"
 
@@ -106,7 +106,7 @@ class HeatText:
         ]
         for part in self.network.parts.values():
             if part.component.stored and (flows := part_flows(part)):
-                given = (self._carried(part, node, flow) for node, flow in flows.items())
+                given = (self._heat_into(part, node, flow) for node, flow in flows.items())
                 outside.append(f"-({' + '.join(given)})")
         walls = " + ".join([*(f"walls_{name}" for name in self.volumes), *(f"cooled_{n}" for n in self.coolers)])
         return {
@@ -129,7 +129,7 @@ def _coolers(network: Network) -> dict[str, str]:
         if part.component.cooling is None:
             continue
         node = part.nodes[part.component.hydraulic_ports[-1]]
-        if node not in heated(network):
+        if node not in warm_volumes(network):
             raise NetworkError(f"{part.name}: it cools the oil at {node}, which is prescribed; put a volume there")
         found[part.name] = node
     return found

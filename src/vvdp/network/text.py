@@ -18,7 +18,7 @@ from vvdp.hydraulics.ports import ShaftSpeed, ShaftState
 from vvdp.network.classes import Classes
 from vvdp.network.component import Argument, Role
 from vvdp.network.folding import signed_sum
-from vvdp.network.heat import heated
+from vvdp.network.heat import warm_volumes
 from vvdp.network.network import Network, Part
 from vvdp.network.nodes import (
     Connection,
@@ -77,7 +77,7 @@ class Text:
         own = {*net.nodes, *net.parts, *net.programs}
         derived = {f"{word}_{name}" for name in net.nodes for word in ("surplus", "in", "into")}
         derived |= {text for name in net.parts for text in (f"{name}_walls", f"in_{name}")}
-        if self._heated:
+        if self._warm_volumes:
             derived |= {f"{word}_{name}" for name in net.nodes for word in ("warm", "temperature", "heat", "walls")}
             derived |= {f"{word}_{name}" for name in net.parts for word in ("carried", "entering", "cooled")}
         aerated = {name for name, node in net.nodes.items() if has_free_air(node)}
@@ -139,14 +139,14 @@ class Text:
     def _warm_medium(self, part: Part) -> str:
         """The oil of a part as warm as the first volume that it joins has it, where volumes have a temperature."""
         plain = f"h.{self.medium(part)}"
-        volumes = [node for port in part.component.hydraulic_ports if (node := part.nodes[port]) in self._heated]
+        volumes = [node for port in part.component.hydraulic_ports if (node := part.nodes[port]) in self._warm_volumes]
         if not volumes:
             return plain
         return f"{self.use(warm_medium)}({plain}, temperature_{volumes[0]}, {self.places.path(self.oil(part))})"
 
     @cached_property
-    def _heated(self) -> tuple[str, ...]:
-        return heated(self.network)
+    def _warm_volumes(self) -> tuple[str, ...]:
+        return warm_volumes(self.network)
 
     @staticmethod
     def _value(part: Part, argument: Argument) -> Params:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from vvdp.base.kinds import MEAN_POWER, RATIO, TEMPERATURE, Kind
-from vvdp.network.heat import TOTALS, heated
+from vvdp.network.heat import TOTALS, warm_volumes
 from vvdp.simulation.outcome import Outcome
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat
@@ -20,7 +20,7 @@ has an oil of ISO VG 46 still flow, to 100 degC, the upper point itself."""
 
 def heat_numbers(run: Outcome, system: LoadedSystem) -> dict[str, float]:
     """Mean powers of the heat balance, and what is missing in it over the whole run; empty without one."""
-    volumes = heated(system.circuit.network)
+    volumes = warm_volumes(system.circuit.network)
     if not volumes:
         return {}
     window = run.window
@@ -39,14 +39,14 @@ def temperature_numbers(system: LoadedSystem, run: Run) -> dict[str, float]:
     """The lowest and the highest temperature of each volume over the records of a run, by key."""
     return {
         f"temperature_{which}_{name}_K": float(extreme(getattr(run.outputs, f"{name}_temperature")))
-        for name in heated(system.circuit.network)
+        for name in warm_volumes(system.circuit.network)
         for which, extreme in (("min", np.min), ("max", np.max))
     }
 
 
 def heat_quantities(system: LoadedSystem) -> Iterator[tuple[str, tuple[Kind, str]]]:
     """Kinds and labels of these numbers."""
-    volumes = heated(system.circuit.network)
+    volumes = warm_volumes(system.circuit.network)
     for name in volumes:
         for which, label in (("min", "lowest"), ("max", "highest")):
             yield f"temperature_{which}_{name}_K", (TEMPERATURE, f"{name.replace('_', ' ')} temperature, {label}")
@@ -60,7 +60,7 @@ def heat_quantities(system: LoadedSystem) -> Iterator[tuple[str, tuple[Kind, str
 
 def temperature_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
     """The bounds of the temperature of each volume of which a run tells it."""
-    for name in heated(system.circuit.network):
+    for name in warm_volumes(system.circuit.network):
         if f"temperature_max_{name}_K" in found:
             yield Bound(
                 label=f"oil temperature in {name.replace('_', ' ')}",
