@@ -100,6 +100,43 @@ def test_one_to_three_loads_are_those_of_their_tables():
         assert numbers(row) == pytest.approx(drawn - returned, abs=max(0.01 * max(drawn), 1.0)), name
 
 
+def columns(page, name):
+    """The numbers of the table of a cycle, by circuit and head of the column, without units."""
+    (head,) = (line for line in kept_table(page, duty(name)) if line.startswith("| circuit "))
+    heads = [cell.strip().partition(" [")[0] for cell in head.split("|")[2:-1]]
+    return {each: dict(zip(heads, numbers(row), strict=True)) for each, row in kept_rows(page, duty(name)).items()}
+
+
+def test_the_sentences_follow_from_the_tables():
+    """Each sentence is written anew from the table's numbers, and has to stand on the page."""
+    import circuits_compared
+
+    page = circuits_compared.PAGE.read_text("utf-8")
+    text = " ".join(page.split())
+    triangle, heavy, digging = (columns(page, name) for name in ("triangle", "heavy", "digging"))
+    drawn = {name: [cycle[name]["drawn"] for cycle in (triangle, heavy, digging)] for name in heavy}
+    vvdp, sensing, slow, constant = (drawn[name] for name in ("vvdp", "load-sensing", "vvdp-slow", "constant-pressure"))
+    pairs = [f"{a:g} for {b:g}" for a, b in zip(sensing, vvdp, strict=True)]
+    errors = {name: row["error"] for name, row in heavy.items()}
+    lost, ideal = (heavy[name]["return throttle"] for name in ("vvdp", "ideal-pump"))
+    extra = lost - ideal
+    sentences = [
+        f"{pairs[0].replace(' for', ' W for')} on the triangle, {pairs[1]} under the heavy load, {pairs[2]} digging",
+        "the VVDP draws {:g}, {:g} and {:g} W".format(*slow),
+        "A pump that holds one pressure draws {:g}, {:g} and {:g} W".format(*constant),
+        f"Under the heavy load the errors are {min(errors.values()):g} to {max(errors.values()):g} mm",
+        f"`bleed-off` ({errors['bleed-off']:g} mm) and `linear-valves` ({errors['linear-valves']:g} mm) follow worst",
+        f"it draws {heavy['throttle']['drawn'] / vvdp[1]:.1f} times less than throttling",
+        f"Of the {vvdp[1]:g} W, {lost:g} W are lost over the throttle in the return",
+        f"loses {ideal:g} W there",
+        f"The difference of {extra:g} W is due to the control law",
+        f"would draw about {10 * round((vvdp[1] - extra) / 10):g} W",
+    ]
+    assert [each for each in sentences if each not in text] == []
+    assert all(a < b for a, b in zip(sensing, vvdp, strict=True))
+    assert sorted(errors, key=errors.get)[-2:] == ["bleed-off", "linear-valves"]
+
+
 @pytest.mark.slow
 def test_the_spread_is_what_its_command_writes():
     """Of the rivals; each assumed value with a range stands there with the ends at which it is not already."""
