@@ -47,7 +47,7 @@ def recorded_run(system: System, done: Run, command: Sequence[str] = ()) -> Reco
 
     `command` is what was typed.
     """
-    if not done.end > system.stepping.begin:
+    if not done.end > done.stepping.begin:
         raise KeyboardInterrupt  # nothing to keep
     found = summary(system, done)
     balances = {key: found[key] for key in FLAGS if key in found}
@@ -61,7 +61,7 @@ def recorded_run(system: System, done: Run, command: Sequence[str] = ()) -> Reco
     }
     if system.module is not None:
         meta["module"] = system.module.flat
-    return RecordedRun(system, record_of(done), found, meta | balances)
+    return RecordedRun(system, record_of(done), found, meta | balances, done=done)
 
 
 def check_accuracy(run: RecordedRun, progress: Callable[[float], None] | None = None) -> tuple[Move, ...]:
