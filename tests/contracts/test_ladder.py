@@ -20,6 +20,7 @@ RUNGS = [
     {"steady"},
     {"rigs", "design", "cfd", "offline", "comparison", "export", "fitting"},
     {"report"},
+    {"workbench"},
     {"api"},
     {"reproduction"},
     {"cli"},

@@ -29,6 +29,7 @@ PACKAGES = (
     "logs",
     "offline",
     "report",
+    "workbench",
     "cli",
 )
 BY_NAME = {"reproduction"}
