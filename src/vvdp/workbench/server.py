@@ -23,9 +23,6 @@ from vvdp.workbench.tab import LONGEST_MESSAGE, Tab, asked_by
 from vvdp.workbench.work import drawn, faults_of
 
 HOST = "127.0.0.1"
-START = 'const vvdpCharts = startCharts(document.getElementById("chart-data"));'
-"""The line with which a report starts its charts; the workbench makes its own."""
-
 
 def own_asset(name: str) -> str:
     """The text of a part of the page."""
@@ -34,7 +31,7 @@ def own_asset(name: str) -> str:
 
 def _page() -> dict[str, tuple[str, str]]:
     """Path, text and type of the three files that make the page."""
-    charts = "\n".join(asset(name) for name in SCRIPTS).replace(START, "")
+    charts = "".join(f"{asset(name)}\n" for name in SCRIPTS)
     return {
         "/": (own_asset("page.html"), "text/html"),
         "/workbench.js": (charts + own_asset("workbench.js"), "text/javascript"),

@@ -192,4 +192,5 @@ async function startCharts(source) {
   return { live, column, open: (name) => open(charts.find((each) => each.name === name), figures.get(name)) };
 }
 
-const vvdpCharts = startCharts(document.getElementById("chart-data"));
+const chartData = document.getElementById("chart-data");
+const vvdpCharts = chartData && startCharts(chartData);
