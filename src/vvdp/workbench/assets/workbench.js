@@ -156,6 +156,7 @@ function numberLines(wrong = new Set()) {
 /** The values as a table; while one is dragged the rows stay. */
 function showValues(rows) {
   const form = JSON.stringify(rows.map((row) => [row.key, row.unit]));
+  rows.sort((a, b) => b.key.startsWith("operation.") - a.key.startsWith("operation."));
   state.rows = rows;
   if ($("values").dataset.form === form) return;
   $("values").dataset.form = form;
@@ -177,7 +178,7 @@ function valueRow(row) {
   const origin = [row.status, row.source, row.remark].filter(Boolean).join(" · ");
   if (row.number === undefined) made.append(element("span", { class: "plain", id }, row.text));
   else {
-    const field = element("input", { type: "text", id, inputmode: "decimal", value: String(row.number) });
+    const field = element("input", { type: "text", id, inputmode: "decimal", value: String(Number(row.number.toPrecision(6))) });
     const slider = element("input", { type: "range", "aria-label": `${row.key}, slider`, min: String(row.low), max: String(row.high), step: "any", value: String(row.number) });
     slider.addEventListener("input", () => { field.value = String(Number((+slider.value).toPrecision(4))); change(row, field.value, true); });
     slider.addEventListener("keydown", (event) => arrow(event, slider));
