@@ -41,11 +41,13 @@ def test_a_slow_way_there_and_back_ends_at_the_same_numbers(system, first):
         until += 0.15
         run = run.carried_on(system.with_values(operation={"duty_ratio": duty}), until=until)
     run, whole = run.carried_on(system, until=until + 1.5), system.run("2 s")
-    assert run.summary["pressure_mean_load_line_Pa"] == pytest.approx(whole.summary["pressure_mean_load_line_Pa"], rel=5e-3)
+    assert run.summary["pressure_mean_load_line_Pa"] == pytest.approx(
+        whole.summary["pressure_mean_load_line_Pa"], rel=5e-3
+    )
 
 
 def test_what_cannot_be_carried_on(system, first, tmp_path):
-    with pytest.raises(RunError, match="expected more than 0.1 s"):
+    with pytest.raises(RunError, match=r"expected more than 0\.1 s"):
         first.carried_on(system, until="0.05 s")
     with pytest.raises(RunError, match="another model"):
         first.carried_on(vvdp.load("buck-converter"), until="0.2 s")

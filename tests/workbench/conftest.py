@@ -22,7 +22,10 @@ class Running(NamedTuple):
     def ask(self, method: str, path: str, body: Any = None, **headers: str) -> tuple[int, Any, dict[str, str]]:
         """Status, JSON or text, and headers of an answer; with the token unless other headers are given."""
         connection = HTTPConnection("127.0.0.1", self.port, timeout=60)
-        sent = {"Authorization": f"Bearer {self.token}", **{key.replace("_", "-"): text for key, text in headers.items()}}
+        sent = {
+            "Authorization": f"Bearer {self.token}",
+            **{key.replace("_", "-"): text for key, text in headers.items()},
+        }
         content = body if isinstance(body, bytes | None) else json.dumps(body).encode()
         connection.request(method, path, content, {key: text for key, text in sent.items() if text})
         answer = connection.getresponse()
@@ -41,7 +44,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
     (folder.parent / "secret.toml").write_text('title = "secret"\n')
     (folder / "link.toml").symlink_to(folder.parent / "secret.toml")
     (folder / "large.toml").write_text("# " + 1_000_000 * "x")
-    command = [sys.executable, "-m", "vvdp", "workbench", str(folder), "--json", "--no-browser"]
+    command = [sys.executable, "-m", "vvdp", "workbench", str(folder / "pump.toml"), "--json", "--no-browser"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=folder)
     assert process.stdout is not None and process.stderr is not None
     found = json.loads(process.stdout.readline())

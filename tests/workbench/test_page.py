@@ -31,19 +31,27 @@ def page(browser, server):
     wait_for(browser, COMPLETE)
     yield browser
     assert not browser.named("Runtime.exceptionThrown")
-    assert [each["entry"]["text"] for each in browser.named("Log.entryAdded") if each["entry"]["level"] == "error"] == []
-    hosts = {each["request"]["url"].split("/")[2] for each in browser.named("Network.requestWillBeSent") if each["request"]["url"][:4] == "http"}
+    assert [
+        each["entry"]["text"] for each in browser.named("Log.entryAdded") if each["entry"]["level"] == "error"
+    ] == []
+    hosts = {
+        each["request"]["url"].split("/")[2]
+        for each in browser.named("Network.requestWillBeSent")
+        if each["request"]["url"][:4] == "http"
+    }
     assert hosts == {f"127.0.0.1:{server.port}"}
 
 
 def middle(page, expression):
-    return page.ask(f"(() => {{ const e = {expression}; e.scrollIntoView({{block: 'center'}}); const b = e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; }})()")
+    box = "const b = e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2];"
+    return page.ask(f"(() => {{ const e = {expression}; e.scrollIntoView({{block: 'center'}}); {box} }})()")
 
 
 def test_a_drag_makes_drafts_and_its_release_a_whole_run(page):
     slider = f"{DUTY}.closest('.value').querySelector('[type=range]')"
-    x, y = middle(page, slider)
-    at = page.ask(f"(() => {{ const e = {slider}, b = e.getBoundingClientRect(); return b.x + 8 + (b.width - 16) * (e.value - e.min) / (e.max - e.min); }})()")
+    _, y = middle(page, slider)
+    place = "b.x + 8 + (b.width - 16) * (e.value - e.min) / (e.max - e.min)"
+    at = page.ask(f"(() => {{ const e = {slider}, b = e.getBoundingClientRect(); return {place}; }})()")
     page.mouse("mouseMoved", at, y)
     page.mouse("mousePressed", at, y, button="left", clickCount=1)
     for i in range(1, 5):
@@ -88,7 +96,9 @@ def test_a_change_is_written_into_the_text_with_its_origin(page):
 
 def test_a_typed_mistake_is_shown_at_its_line_and_a_good_line_redraws(page):
     page.ask("document.getElementById('tab-text').click()")
-    type_in = "(() => {{ const t = document.getElementById('text'); t.value = {}; t.dispatchEvent(new Event('input')); }})()"
+    type_in = (
+        "(() => {{ const t = document.getElementById('text'); t.value = {}; t.dispatchEvent(new Event('input')); }})()"
+    )
     page.ask(type_in.format("state.saved + '\\n[pump2]\\nspeed = 3\\n'"))
     wait_for(page, "!document.getElementById('faults').hidden")
     line = page.ask("Number(document.querySelector('#numbers-of-lines b').textContent)")
@@ -106,8 +116,11 @@ def test_nothing_is_cut_off_or_too_small(page, width, scheme):
     page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
     wait_for(page, "document.querySelector('.live-plot canvas')?.getBoundingClientRect().width > 200")
     assert page.ask("document.documentElement.scrollWidth <= innerWidth")
-    assert page.ask("[...document.querySelectorAll('section, .live-panel')].every((e) => e.getBoundingClientRect().width > 90)")
-    sizes = "[...document.querySelectorAll('body *')].filter((e) => !e.closest('svg, option') && e.textContent.trim()).map((e) => parseFloat(getComputedStyle(e).fontSize))"
+    assert page.ask(
+        "[...document.querySelectorAll('section, .live-panel')].every((e) => e.getBoundingClientRect().width > 90)"
+    )
+    texts = "[...document.querySelectorAll('body *')].filter((e) => !e.closest('svg, option') && e.textContent.trim())"
+    sizes = f"{texts}.map((e) => parseFloat(getComputedStyle(e).fontSize))"
     assert page.ask(f"Math.min(...{sizes})") >= 9
     dark = "parseInt(/\\d+/.exec(getComputedStyle(document.body).backgroundColor)[0]) < 60"
     assert page.ask(dark) == (scheme == "dark")

@@ -24,13 +24,17 @@ def described(packet):
     return json.loads(packet[8 : 8 + size])
 
 
-@pytest.mark.parametrize("change", [{"Authorization": ""}, {"Authorization": "Bearer wrong"}, {"Cookie": "a=b; ;;=", "Authorization": ""}])
+@pytest.mark.parametrize(
+    "change", [{"Authorization": ""}, {"Authorization": "Bearer wrong"}, {"Cookie": "a=b; ;;=", "Authorization": ""}]
+)
 def test_without_the_token_nothing_is_answered(server, change):
     for method, path in (("GET", "/"), ("GET", "/workbench.js"), ("GET", "/api/systems"), ("POST", "/api/run")):
         assert server.ask(method, path, {}, **change)[0] == 401
 
 
-@pytest.mark.parametrize("change", [{"Host": "evil.example"}, {"Host": "127.0.0.1:1"}, {"Origin": "http://evil.example"}, {"Origin": "null"}])
+@pytest.mark.parametrize(
+    "change", [{"Host": "evil.example"}, {"Host": "127.0.0.1:1"}, {"Origin": "http://evil.example"}, {"Origin": "null"}]
+)
 def test_foreign_hosts_and_origins_are_refused(server, change):
     assert server.ask("GET", "/api/systems", **change)[0] == 403
     assert server.ask("POST", "/api/run", {"system": "prototype"}, **change)[0] == 403
@@ -54,7 +58,10 @@ def test_the_token_becomes_a_cookie(server):
     assert "<script>" not in page
 
 
-@pytest.mark.parametrize("name", ["../secret.toml", "..%2fsecret.toml", "..\\secret.toml", "link.toml", "large.toml", "/etc/passwd", "", "own.py"])
+@pytest.mark.parametrize(
+    "name",
+    ["../secret.toml", "..%2fsecret.toml", "..\\secret.toml", "link.toml", "large.toml", "/etc/passwd", "", "own.py"],
+)
 def test_only_system_files_of_the_folder_are_opened(server, name):
     for path in ("/api/text", "/api/run", "/api/save"):
         status, found, _ = server.ask("POST", path, {"system": name, "text": 'title = "x"', "before": ""})
@@ -64,7 +71,10 @@ def test_only_system_files_of_the_folder_are_opened(server, name):
 
 
 def test_python_is_not_run_from_the_page(server):
-    for message in ({"system": "own.toml"}, {"system": "pump.toml", "text": 'circuit = "own:network"\n[run]\nuntil = "1 s"'}):
+    for message in (
+        {"system": "own.toml"},
+        {"system": "pump.toml", "text": 'circuit = "own:network"\n[run]\nuntil = "1 s"'},
+    ):
         status, found, _ = server.ask("POST", "/api/run", message)
         assert status == 422 and "is Python code" in found["faults"][0]["message"]
     assert not (server.folder / "was_run").exists()
@@ -139,8 +149,20 @@ def test_the_last_of_many_requests_wins(server):
     with socket_of(server) as page:
         for n in range(200):
             duty = 0.3 + 0.001 * n
-            page.send(json.dumps({"n": n, "kind": "draft", "system": "prototype", "set": [f"operation.duty_ratio={duty}"]}))
-        page.send(json.dumps({"n": 200, "kind": "whole", "system": "prototype", "until": "0.2 s", "set": ["operation.duty_ratio=0.5"]}))
+            page.send(
+                json.dumps({"n": n, "kind": "draft", "system": "prototype", "set": [f"operation.duty_ratio={duty}"]})
+            )
+        page.send(
+            json.dumps(
+                {
+                    "n": 200,
+                    "kind": "whole",
+                    "system": "prototype",
+                    "until": "0.2 s",
+                    "set": ["operation.duty_ratio=0.5"],
+                }
+            )
+        )
         found = [described(page.recv(timeout=60))]
         while found[-1]["kind"] != "numbers":
             found.append(described(page.recv(timeout=60)))

@@ -15,8 +15,8 @@ from vvdp.simulation.record import record_of
 from vvdp.simulation.results import Results, origin, write_results
 from vvdp.simulation.run import Run, simulate
 from vvdp.systems.accuracy import FINER, Move, moves
-from vvdp.systems.own_modules import OwnModule
 from vvdp.systems.overview import warnings
+from vvdp.systems.own_modules import OwnModule
 from vvdp.systems.quantities import quantities, summary_units
 from vvdp.systems.resolved import resolved_text
 from vvdp.systems.summary import summary

@@ -81,7 +81,7 @@ class Offer:
         if path is None:
             raise unusable(name, "is a shipped system; `vvdp new NAME --from SYSTEM` writes a copy that can be changed")
         if self.text(name) != before:
-            raise unusable(name, "was changed on the disk since it was opened; open it again, or save under another name")
+            raise unusable(name, "has changed on the disk since it was opened; open it again")
         parsed_table(text, name)
         write_whole(path, text.encode())
 

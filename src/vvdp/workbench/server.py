@@ -24,6 +24,7 @@ from vvdp.workbench.work import drawn, faults_of
 
 HOST = "127.0.0.1"
 
+
 def own_asset(name: str) -> str:
     """The text of a part of the page."""
     return resources.files("vvdp.workbench").joinpath("assets", name).read_text("utf-8")
@@ -74,9 +75,7 @@ def application(offer: Offer, guard: Guard) -> Guarded:
     posts = {"/api/run": run, "/api/draw": draw, "/api/text": text, "/api/save": save}
     routes = [Route(path, answer(*each)) for path, each in _page().items()]
     routes += [Route(path, _post(act), methods=["POST"]) for path, act in posts.items()]
-    return Guarded(
-        Starlette(routes=[*routes, Route("/api/systems", systems), WebSocketRoute("/ws", drafts)]), guard
-    )
+    return Guarded(Starlette(routes=[*routes, Route("/api/systems", systems), WebSocketRoute("/ws", drafts)]), guard)
 
 
 def _post(act: Any) -> Any:

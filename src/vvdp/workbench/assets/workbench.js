@@ -1,4 +1,4 @@
-const RELEASE = 150; // ms after the last change, the whole run replaces drafts
+const RELEASE = 150; // ms after a slider is let go, the whole run replaces drafts
 const MOST_RUNS = 20;
 const $ = (id) => document.getElementById(id);
 const live = new Map();
@@ -181,6 +181,7 @@ function valueRow(row) {
     const field = element("input", { type: "text", id, inputmode: "decimal", value: String(Number(row.number.toPrecision(6))) });
     const slider = element("input", { type: "range", "aria-label": `${row.key}, slider`, min: String(row.low), max: String(row.high), step: "any", value: String(row.number) });
     slider.addEventListener("input", () => { field.value = String(Number((+slider.value).toPrecision(4))); change(row, field.value, true); });
+    slider.addEventListener("change", () => { dragged = ""; clearTimeout(timer); timer = setTimeout(() => ask("whole"), RELEASE); });
     slider.addEventListener("keydown", (event) => arrow(event, slider));
     field.addEventListener("change", () => { slider.value = field.value; change(row, field.value, false); });
     made.append(field, element("span", { class: "unit" }, row.unit), slider);
@@ -196,6 +197,7 @@ function arrow(event, slider) {
   event.preventDefault();
   slider.value = String(+slider.value + (step * (slider.max - slider.min)) / 100);
   slider.dispatchEvent(new Event("input"));
+  slider.dispatchEvent(new Event("change"));
 }
 
 let dragged = "";
@@ -205,8 +207,7 @@ function change(row, number, isDrag) {
   state.changes.set(row.key, `${row.key}=${number}${row.unit ? ` ${row.unit}` : ""}`);
   markChanged();
   clearTimeout(timer);
-  if (isDrag) ask("draft");
-  timer = setTimeout(() => { dragged = ""; ask("whole"); }, isDrag ? RELEASE : 0);
+  ask(isDrag ? "draft" : "whole");
 }
 
 function markChanged() {
