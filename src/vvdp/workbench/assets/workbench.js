@@ -158,7 +158,7 @@ function showValues(rows) {
   const form = JSON.stringify(rows.map((row) => [row.key, row.unit]));
   rows.sort((a, b) => b.key.startsWith("operation.") - a.key.startsWith("operation."));
   state.rows = rows;
-  if ($("values").dataset.form === form) return;
+  if ($("values").dataset.form === form) { refresh(); return; }
   $("values").dataset.form = form;
   let table = "";
   $("values").replaceChildren(...rows.flatMap((row) => {
@@ -168,6 +168,16 @@ function showValues(rows) {
     return [...group, valueRow(row)];
   }));
   markChanged();
+}
+
+/** Shows the numbers of the last run in the fields, but in what is being moved. */
+function refresh() {
+  const known = new Map(state.rows.map((row) => [row.key, row]));
+  for (const made of document.querySelectorAll(".value")) {
+    const row = known.get(made.dataset.key);
+    if (made.dataset.key === dragged || row.number === undefined) continue;
+    for (const field of made.querySelectorAll("input")) if (field.type === "range" || field !== document.activeElement) field.value = String(Number(row.number.toPrecision(6)));
+  }
 }
 
 function valueRow(row) {
@@ -221,12 +231,6 @@ function undo() {
   const before = state.past.pop();
   if (!before) return;
   if (typeof before === "string") setText(before); else state.changes = before;
-  const numbers = new Map(state.rows.map((row) => [row.key, row.number]));
-  for (const row of document.querySelectorAll(".value")) {
-    const set = state.changes.get(row.dataset.key);
-    const number = set === undefined ? numbers.get(row.dataset.key) : parseFloat(set.slice(set.indexOf("=") + 1));
-    for (const field of row.querySelectorAll("input")) if (number !== undefined) field.value = String(number);
-  }
   markChanged();
   ask("whole");
 }
