@@ -89,7 +89,7 @@ def _cookie(headers: Headers) -> str:
         return ""
     port = headers.get("host", "").rpartition(":")[2]
     name = f"{COOKIE}_{port}"
-    return found[name].value if name in found else ""
+    return str(found[name].value) if name in found else ""
 
 
 def _asked_token(scope: Scope) -> str:
