@@ -92,7 +92,7 @@ def _simulate(loaded: "System", output: Output, ways: Ways) -> None:
     from vvdp.cli.progress import report_reach
     from vvdp.cli.report import RUN, add_report
     from vvdp.cli.screen import print_json, say, typed_command
-    from vvdp.runs.simulate import check_accuracy, printed, run_system, save_run
+    from vvdp.runs.simulate import check_accuracy, json_summary, run_system, save_run
 
     end = loaded.stepping.until
     directory = output.directory(loaded.name)
@@ -111,7 +111,7 @@ def _simulate(loaded: "System", output: Output, ways: Ways) -> None:
     if output.json:
         accuracy = {"check": {move.key: move.change for move in changes}} if changes else {}
         spans = {"ranges": done.meta["ranges"]} if "ranges" in done.meta else {}
-        print_json({**printed(done), **accuracy, **spans, "out": str(directory)})
+        print_json({**json_summary(done), **accuracy, **spans, "out": str(directory)})
     else:
         _print(done, changes)
         typer.echo(f"results: {directory}" + (f"\nreport: {directory / 'report.html'}" if reported else ""))

@@ -66,7 +66,7 @@ def recorded_run(system: System, done: Run, command: Sequence[str] = ()) -> Reco
     return RecordedRun(system, record_of(done), found, meta | balances, done=done)
 
 
-def printed(run: RecordedRun) -> dict[str, Any]:
+def json_summary(run: RecordedRun) -> dict[str, Any]:
     """A run as `vvdp run --json` prints it: its summary with counts as whole numbers, and its warnings."""
     known = quantities(run.system)
     found = {

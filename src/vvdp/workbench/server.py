@@ -16,11 +16,11 @@ from starlette.websockets import WebSocket
 from vvdp.base.errors import ConfigError, Fault, VvdpError
 from vvdp.report.interactive import SCRIPTS, STYLES, asset
 from vvdp.results.store import finite
-from vvdp.runs.simulate import printed, run_system
+from vvdp.runs.simulate import json_summary, run_system
 from vvdp.workbench.guard import Guard, Guarded
 from vvdp.workbench.offer import Offer
 from vvdp.workbench.tab import LONGEST_MESSAGE, Tab, asked_by
-from vvdp.workbench.work import drawn, faults_of
+from vvdp.workbench.work import faults_of, text_drawing
 
 HOST = "127.0.0.1"
 
@@ -64,10 +64,10 @@ def application(offer: Offer, guard: Guard) -> Guarded:
         return {"saved": asked.system}
 
     def run(message: Any) -> dict[str, Any]:
-        return printed(run_system(offer.system(asked_by(message))))
+        return json_summary(run_system(offer.system(asked_by(message))))
 
     def draw(message: Any) -> dict[str, Any]:
-        return {"svg": drawn(offer, asked_by({"system": offer.first, **message}))["svg"]}
+        return {"svg": text_drawing(offer, asked_by({"system": offer.first, **message}))["svg"]}
 
     async def drafts(page: WebSocket) -> None:
         await Tab(offer).serve(page)

@@ -12,7 +12,7 @@ from vvdp.results.store import finite
 from vvdp.simulation.run import Run
 from vvdp.workbench.offer import Asked, Offer
 from vvdp.workbench.packet import packet
-from vvdp.workbench.work import draft, drawn, faults_of, whole
+from vvdp.workbench.work import draft, faults_of, text_drawing, whole
 
 LONGEST_MESSAGE = 1_200_000
 
@@ -73,7 +73,7 @@ class Tab:
         try:
             asked = asked_by(message)
             if kind == "draw":
-                yield packet({**drawn(self._offer, asked), "n": number})
+                yield packet({**text_drawing(self._offer, asked), "n": number})
                 return
             system = self._offer.system(asked)
             if kind == "draft":

@@ -18,7 +18,7 @@ from vvdp.report.drawing import INK
 from vvdp.report.result_page import listing_html
 from vvdp.runs.result import course, run_result
 from vvdp.runs.run import RecordedRun
-from vvdp.runs.simulate import printed, recorded_run
+from vvdp.runs.simulate import json_summary, recorded_run
 from vvdp.runs.tables import screen_listings
 from vvdp.simulation.record import record_of
 from vvdp.simulation.run import Run, simulate
@@ -131,7 +131,7 @@ def numbers(run: RecordedRun) -> dict[str, Any]:
     """What a whole run comes to, for people and as `vvdp run --json` has it."""
     result = run_result(run)
     return {
-        "result": printed(run),
+        "result": json_summary(run),
         "labels": {key: each.label for key, each in run.numbers.items()},
         "listings": "".join(map(listing_html, screen_listings(run))),
         "badges": [[str(each.grade), each.words] for each in result.badges],
@@ -140,7 +140,7 @@ def numbers(run: RecordedRun) -> dict[str, Any]:
     }
 
 
-def drawn(offer: Offer, asked: Asked) -> Mapping[str, Any]:
+def text_drawing(offer: Offer, asked: Asked) -> Mapping[str, Any]:
     """The diagram and the values of a text, without running it."""
     system = offer.system(asked)
     return {"kind": "drawing", "svg": drawing(system), "title": system.title, "values": value_rows(system)}
