@@ -16,7 +16,9 @@ from vvdp.systems.system import source_text
 def socket_of(server, **headers):
     given = {"Authorization": f"Bearer {server.token}", **headers}
     origin = f"http://127.0.0.1:{server.port}"
-    return connect(f"ws://127.0.0.1:{server.port}/ws", additional_headers=given, origin=given.pop("Origin", origin))
+    return connect(
+        f"ws://127.0.0.1:{server.port}/ws", additional_headers=given, max_size=None, origin=given.pop("Origin", origin)
+    )
 
 
 def described(packet):
@@ -111,7 +113,7 @@ def test_numbers_are_those_of_the_command_line(server, message, tmp_path):
     [
         ({"system": "prototype", "set": ["operation.duty_ratio=7"]}, "operation.duty_ratio", "7"),
         ({"system": "prototype", "set": ["pump.nonsense=7"]}, "pump.nonsense", "unknown"),
-        ({"system": "prototype", "until": "-1 s"}, "until", "-1 s"),
+        ({"system": "prototype", "until": "-1 s"}, "", "-1 s"),
         ({"system": 3}, "", "expected"),
         ({"system": "prototype", "text": "x = ="}, "", "TOML"),
     ],
