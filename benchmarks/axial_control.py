@@ -16,10 +16,10 @@ from benchmarks.measure import (
     run_as_command,
     spread,
 )
-from vvdp.simulation.replay import Replay
-from vvdp.simulation.run import Run, simulate
 from vvdp.programs.axial_loop import PROGRAM, AxialCommand, AxialPlace
 from vvdp.programs.chamber_loop import WatchedLoop, WatchedMemory, watched_step
+from vvdp.simulation.replay import Replay
+from vvdp.simulation.run import Run, simulate
 from vvdp.systems.system import System, load_system
 
 SAMPLES = 20_000

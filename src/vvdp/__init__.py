@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any
 from vvdp.base.version import VERSION
 
 __version__ = VERSION
-__all__ = ["Result", "Run", "System", "VvdpError", "load", "open"]
+__all__ = ["Result", "Run", "System", "VvdpError", "load", "loads", "open"]
 
 if TYPE_CHECKING:
     from vvdp.api.run import Run
     from vvdp.api.run import open_directory as open  # noqa: A004 - as `xarray.open_dataset`, after the module's name
-    from vvdp.api.system import System, load
+    from vvdp.api.system import System, load, loads
     from vvdp.base.errors import VvdpError
     from vvdp.results.result import Result
 
@@ -29,6 +29,7 @@ _PLACES = {
     "System": ("vvdp.api.system", "System"),
     "VvdpError": ("vvdp.base.errors", "VvdpError"),
     "load": ("vvdp.api.system", "load"),
+    "loads": ("vvdp.api.system", "loads"),
     "open": ("vvdp.api.run", "open_directory"),
 }
 """Where each public name is defined; it is loaded when first asked for, so that importing vvdp takes no time."""

@@ -20,7 +20,8 @@ RUNGS = [
     {"steady"},
     {"rigs", "design", "cfd", "offline", "comparison", "export", "fitting"},
     {"report"},
-    {"api", "web"},
+    {"web", "workbench"},
+    {"api"},
     {"reproduction"},
     {"cli"},
 ]

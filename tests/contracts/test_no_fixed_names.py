@@ -30,6 +30,7 @@ PACKAGES = (
     "offline",
     "report",
     "web",
+    "workbench",
     "cli",
 )
 BY_NAME = {"reproduction"}

@@ -55,8 +55,12 @@ class Browser:
 
     def open(self, page: Path) -> None:
         """Opens a page of the disk and waits until it is loaded."""
+        self.visit(page.as_uri())
+
+    def visit(self, url: str) -> None:
+        """Opens an address and waits until it is loaded."""
         self.events.clear()
-        self.call("Page.navigate", url=page.as_uri())
+        self.call("Page.navigate", url=url)
         while not self.named("Page.loadEventFired"):
             self.events.append(self._next())
 

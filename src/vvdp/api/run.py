@@ -1,6 +1,6 @@
 """Runs for scripts and notebooks."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
 from functools import cached_property
 from html import escape
@@ -8,14 +8,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vvdp.base.display import key_suffix
+from vvdp.base.errors import RunError
 from vvdp.base.extras import require
 from vvdp.base.files import result_directory
 from vvdp.results.result import Result
 from vvdp.runs.findings import badges
 from vvdp.runs.result import run_result
 from vvdp.runs.run import RecordedRun, open_run
-from vvdp.runs.simulate import save_run
+from vvdp.runs.simulate import recorded_run, save_run
 from vvdp.runs.tables import screen_listings
+from vvdp.simulation.run import simulate
+from vvdp.systems.options import lasting
+from vvdp.systems.system import System
 
 if TYPE_CHECKING:
     import pandas
@@ -78,6 +82,23 @@ class Run(RecordedRun):
 
         result = self.result
         return new_figure(chosen_chart(result, names or tuple(result.charts)[:1]), result.tables)
+
+    def carried_on(self, system: System, *, until: str | float, stop: Callable[[], bool] | None = None) -> "Run":
+        """The run that goes on where this one has ended, to the time `until`, with the values of `system`.
+
+        Time, state, commands and memories of programs go on; means and balances begin anew. Where this run has ended on
+        a sample, states are to the last bit those of a run without a break. `stop` as of `System.run`. Raises RunError
+        where the circuit is another one, or this run was read from a directory.
+        """
+        if self.done is None:
+            raise RunError("a run that was read from a directory cannot be carried on: its memories were not kept")
+        text = until if isinstance(until, str) else f"{until!r} s"
+        longer = system.read_from(lasting(system.table, text))
+        if not longer.stepping.until > self.done.end:
+            raise RunError(f"until {longer.stepping.until:g} s; expected more than {self.done.end:g} s")
+        done = simulate(longer.model, longer.case, longer.stepping, continue_from=self.done, stop=stop)
+        found = recorded_run(longer, done)
+        return Run(**{each.name: getattr(found, each.name) for each in fields(found)})
 
     def save(self, directory: str | Path, *, report: bool = True, force: bool = False) -> Path:
         """Writes the run, with its report, as `vvdp run --out` does; gives the directory.

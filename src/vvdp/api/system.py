@@ -12,7 +12,7 @@ from vvdp.api.run import Run
 from vvdp.base import kinds
 from vvdp.base.errors import ConfigError
 from vvdp.base.kinds import Kind
-from vvdp.base.tables import with_settings
+from vvdp.base.tables import parsed_table, with_settings
 from vvdp.runs.simulate import run_system
 from vvdp.systems import system as systems
 from vvdp.systems.drawn_parts import setting_path
@@ -20,6 +20,9 @@ from vvdp.systems.options import lasting, without_other_position
 
 Value = float | str | list[float] | Mapping[str, Any]
 """A number [SI, pressures absolute], a text with its unit, a list of numbers, or a signal as in a file."""
+
+TYPED = "text"
+"""The name of a system that comes from no file."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -88,6 +91,14 @@ def load(name: str | Path, **tables: Mapping[str, Value]) -> System:
     Raises ConfigError naming every fault at once.
     """
     return _public(systems.load_system(str(name))).with_values(**tables)
+
+
+def loads(text: str, folder: str | Path = ".") -> System:
+    """The system that the text of a system file describes; files that it names are looked for in `folder`.
+
+    Raises ConfigError naming every fault with its line.
+    """
+    return _public(systems.built_system(parsed_table(text, TYPED), TYPED, Path(folder)))
 
 
 def _public(system: systems.System) -> System:

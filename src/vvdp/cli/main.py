@@ -40,6 +40,7 @@ from vvdp.cli import (
     show,
     study,
     valve,
+    workbench,
 )
 from vvdp.cli import map as maps
 from vvdp.cli.mistake import report_mistake
@@ -69,6 +70,7 @@ ORDER = (
     "cfd",
     "fit",
     "reproduce",
+    "workbench",
 )
 """Verbs that compute, in the order of their use; the others follow."""
 
@@ -116,6 +118,7 @@ app.command("new", cls=LightVerb)(new.new)
 app.command("report", cls=Verb)(report.report)
 app.command("check", cls=LightVerb)(check.check)
 app.command("docs", cls=LightVerb)(docs.docs)
+app.command("workbench", cls=Verb)(workbench.workbench)
 
 
 def _version(wanted: bool) -> None:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -92,8 +92,7 @@ def _simulate(loaded: "System", output: Output, ways: Ways) -> None:
     from vvdp.cli.progress import report_reach
     from vvdp.cli.report import RUN, add_report
     from vvdp.cli.screen import print_json, say, typed_command
-    from vvdp.runs.simulate import check_accuracy, run_system, save_run
-    from vvdp.systems.overview import warnings
+    from vvdp.runs.simulate import check_accuracy, json_summary, run_system, save_run
 
     end = loaded.stepping.until
     directory = output.directory(loaded.name)
@@ -112,8 +111,7 @@ def _simulate(loaded: "System", output: Output, ways: Ways) -> None:
     if output.json:
         accuracy = {"check": {move.key: move.change for move in changes}} if changes else {}
         spans = {"ranges": done.meta["ranges"]} if "ranges" in done.meta else {}
-        told = {"warnings": list(warnings(loaded, done.summary))}
-        print_json({"system": loaded.name, **_with_counts(done), **told, **accuracy, **spans, "out": str(directory)})
+        print_json({**json_summary(done), **accuracy, **spans, "out": str(directory)})
     else:
         _print(done, changes)
         typer.echo(f"results: {directory}" + (f"\nreport: {directory / 'report.html'}" if reported else ""))
@@ -138,18 +136,6 @@ def _with_ranges(run: "RecordedRun", wanted: bool | None) -> "RecordedRun":
         say("interrupted; the ranges are left out")
         return run
     return with_ranges(run, found)
-
-
-def _with_counts(run: "RecordedRun") -> dict[str, Any]:
-    """The summary of a run with its counts as whole numbers."""
-    from vvdp.results.result import Number, json_value
-    from vvdp.systems.quantities import quantities
-
-    known = quantities(run.system)
-    return {
-        key: json_value(Number(value, *known[key])) if key in known and isinstance(value, float) else value
-        for key, value in run.summary.items()
-    }
 
 
 def _exit(run: "RecordedRun") -> None:

@@ -75,7 +75,7 @@ def build(network: Network) -> Circuit:
     blocks = functions.all()
     blocks += [block for program in written for block in program.blocks]
     whole = "\n\n\n".join("\n".join(block) for block in blocks if block) + "\n"
-    module = _module(whole, {**_classes_by_name(classes), **text.names})
+    module = _module(whole, tuple({**_classes_by_name(classes), **text.names}.items()))
     model = Model(
         circuit=module.circuit,
         stored=module.stored,
@@ -127,11 +127,15 @@ def _code(text: str, file: str) -> types.CodeType:
     return compile(text, file, "exec")
 
 
-def _module(text: str, names: dict[str, Any]) -> types.ModuleType:
-    """The text as a module of its own, whose lines tracebacks and messages can show."""
+@lru_cache(maxsize=100)
+def _module(text: str, names: tuple[tuple[str, Any], ...]) -> types.ModuleType:
+    """The text as a module of its own, whose lines tracebacks and messages can show.
+
+    The same one for the same text and classes: circuits that differ in values only are checked and linked once.
+    """
     name = f"vvdp_network_{hashlib.sha256(text.encode()).hexdigest()[:12]}"
     module = types.ModuleType(name)
-    module.__dict__.update(names)
+    module.__dict__.update(dict(names))
     file = f"<{name}>"
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
     exec(_code(text, file), module.__dict__)

@@ -15,7 +15,7 @@ import zlib
 from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib import resources
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -89,10 +89,17 @@ def is_live(chart: Chart) -> bool:
 def interactive_data(charts: Iterable[Chart], tables: Mapping[str, Table]) -> str:
     """The data of live charts as JSON that can stand in a page; the same charts give the same text."""
     columns = Columns()
-    described = [_describe_chart(chart, tables, columns) for chart in charts]
+    described = [described_chart(chart, tables, columns) for chart in charts]
     packed = base64.b64encode(zlib.compress(bytes(columns.content), 6)).decode()
     page = {"charts": described, "columns": columns.described, "bytes": packed}
     return json.dumps(page, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+
+
+class Placed(Protocol):
+    """What takes the columns of charts."""
+
+    def place(self, values: Array) -> int:
+        """The place of a column in the list."""
 
 
 class Columns:
@@ -163,7 +170,8 @@ def _pack_blocks(values: Array) -> tuple[dict[str, Any], bytes]:
     return {"form": "blocks", "parts": parts, "block": BLOCK}, scales + halves
 
 
-def _describe_chart(chart: Chart, tables: Mapping[str, Table], columns: Columns) -> dict[str, Any]:
+def described_chart(chart: Chart, tables: Mapping[str, Table], columns: Placed) -> dict[str, Any]:
+    """A chart as `LiveChart` of the page takes it."""
     panels = []
     for panel in chart.panels:
         table = tables[panel.table or chart.table]
@@ -179,7 +187,7 @@ def _describe_chart(chart: Chart, tables: Mapping[str, Table], columns: Columns)
     }
 
 
-def _describe_lines(panel: Lines, table: Table, tables: Mapping[str, Table], columns: Columns) -> dict[str, Any]:
+def _describe_lines(panel: Lines, table: Table, tables: Mapping[str, Table], columns: Placed) -> dict[str, Any]:
     y = line_columns(panel, table, tables)
     x = (tables[panel.lines[0].table] if panel.lines[0].table else table).columns[panel.lines[0].x]
     levels = [
@@ -218,7 +226,7 @@ def _describe_axis(
     return {"label": words, "name": name, "unit": unit.symbol, "low": low, "high": high, "log": is_log}
 
 
-def _describe_line(line: Line, look: tuple[str, Stroke], table: Table, columns: Columns) -> dict[str, Any]:
+def _describe_line(line: Line, look: tuple[str, Stroke], table: Table, columns: Placed) -> dict[str, Any]:
     found = {
         "label": line_label(line, table),
         "unit": column_unit(table.columns[line.y]).symbol,
@@ -230,7 +238,7 @@ def _describe_line(line: Line, look: tuple[str, Stroke], table: Table, columns: 
     return found | {name: columns.place(shown_values(table, key, line.rows)) for name, key in keys.items()}
 
 
-def _describe_field(panel: Field, table: Table, columns: Columns) -> dict[str, Any]:
+def _describe_field(panel: Field, table: Table, columns: Placed) -> dict[str, Any]:
     x, y, z = field_grid(panel, table, panel.z)
     steps = field_steps(panel, table)
     found = {

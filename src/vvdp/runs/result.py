@@ -37,16 +37,8 @@ from vvdp.systems.range_display import result_with_ranges
 
 def run_result(run: RecordedRun) -> Result:
     """Everything that is to be said and drawn of a run."""
-    extras = run.system.extras
-    bench = extras if isinstance(extras, RotaryBench) else None
-    tables = {SERIES: series_table(run)} if bench is None else _bench_tables(run, bench)
-    course = list(run_charts(run, tables[SERIES])) if bench is None else []
-    if bench is not None and run.times.size > 1:
-        course = list(bench_charts(run, bench, tables[SERIES], tables))
-    for place, (chart, table) in enumerate(() if extras is None else extras.charts(run.record)):
-        tables[chart.table or f"own-{place}"] = table
-        course.append(chart)
-    course = [with_faults(chart, run.system.faults) for chart in course]
+    bench = _bench(run)
+    shown, tables = course(run)
     listings = key_listings(run) | {"nodes": node_listing(run), "components": component_listing(run)}
     listings |= {"computation": computation(run)}
     losses = _losses(run, tables) if bench is None else _bench_losses(run, tables)
@@ -61,16 +53,33 @@ def run_result(run: RecordedRun) -> Result:
         numbers=run.numbers,
         listings=listings | of_losses | harmonics,
         tables=tables,
-        charts={chart.name: chart for chart in (*course, *losses)},
+        charts={chart.name: chart for chart in (*shown, *losses)},
         badges=tuple(badges(run)),
         findings=_findings(run, bench),
-        sections=_sections(run, bench, course, losses, tuple(of_losses), tuple(harmonics)),
+        sections=_sections(run, bench, shown, losses, tuple(of_losses), tuple(harmonics)),
         references=tuple(sorted({row.source for row in run.system.rows if row.source})),
         seconds=float(run.meta.get("seconds", 0.0)),
         finished=run.has("finished"),
     )
     ranges = kept_ranges(run)
     return result if ranges is None else result_with_ranges(result, ranges, quantities(run.system), "Computation")
+
+
+def course(run: RecordedRun) -> tuple[list[Chart], dict[str, Table]]:
+    """The charts of the course of a run, without losses and findings, and the tables that they show."""
+    extras, bench = run.system.extras, _bench(run)
+    tables = {SERIES: series_table(run)} if bench is None else _bench_tables(run, bench)
+    charts = list(run_charts(run, tables[SERIES])) if bench is None else []
+    if bench is not None and run.times.size > 1:
+        charts = list(bench_charts(run, bench, tables[SERIES], tables))
+    for place, (chart, table) in enumerate(() if extras is None else extras.charts(run.record)):
+        tables[chart.table or f"own-{place}"] = table
+        charts.append(chart)
+    return [with_faults(chart, run.system.faults) for chart in charts], tables
+
+
+def _bench(run: RecordedRun) -> RotaryBench | None:
+    return run.system.extras if isinstance(run.system.extras, RotaryBench) else None
 
 
 def key_listings(run: RecordedRun) -> dict[str, Listing]:

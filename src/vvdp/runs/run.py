@@ -15,6 +15,7 @@ from vvdp.network.nodes import HydraulicNode, OilVolume
 from vvdp.results.result import Number
 from vvdp.simulation.record import Record
 from vvdp.simulation.results import read_results
+from vvdp.simulation.run import Run
 from vvdp.systems.overview import flow_ports, inside, period
 from vvdp.systems.quantities import summary_numbers
 from vvdp.systems.system import System, saved_system
@@ -49,6 +50,8 @@ class RecordedRun:
     summary: Mapping[str, Any] = field(repr=False)
     meta: Mapping[str, Any] = field(repr=False)
     directory: Path | None = None
+    done: Run | None = field(default=None, repr=False)
+    """The simulation itself, of which the record is what is kept; None of a run that was read back."""
 
     @property
     def network(self) -> Network:

@@ -8,14 +8,16 @@ from pathlib import Path
 from typing import Any
 
 from vvdp.base.files import write_listed, write_whole
+from vvdp.results.result import Number, json_value
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.link import quiet
 from vvdp.simulation.record import record_of
 from vvdp.simulation.results import Results, origin, write_results
 from vvdp.simulation.run import Run, simulate
 from vvdp.systems.accuracy import FINER, Move, moves
+from vvdp.systems.overview import warnings
 from vvdp.systems.own_modules import OwnModule
-from vvdp.systems.quantities import summary_units
+from vvdp.systems.quantities import quantities, summary_units
 from vvdp.systems.resolved import resolved_text
 from vvdp.systems.summary import summary
 from vvdp.systems.system import System
@@ -47,7 +49,7 @@ def recorded_run(system: System, done: Run, command: Sequence[str] = ()) -> Reco
 
     `command` is what was typed.
     """
-    if not done.end > system.stepping.begin:
+    if not done.end > done.stepping.begin:
         raise KeyboardInterrupt  # nothing to keep
     found = summary(system, done)
     balances = {key: found[key] for key in FLAGS if key in found}
@@ -61,7 +63,17 @@ def recorded_run(system: System, done: Run, command: Sequence[str] = ()) -> Reco
     }
     if system.module is not None:
         meta["module"] = system.module.flat
-    return RecordedRun(system, record_of(done), found, meta | balances)
+    return RecordedRun(system, record_of(done), found, meta | balances, done=done)
+
+
+def json_summary(run: RecordedRun) -> dict[str, Any]:
+    """A run as `vvdp run --json` prints it: its summary with counts as whole numbers, and its warnings."""
+    known = quantities(run.system)
+    found = {
+        key: json_value(Number(value, *known[key])) if key in known and isinstance(value, float) else value
+        for key, value in run.summary.items()
+    }
+    return {"system": run.system.name, **found, "warnings": list(warnings(run.system, run.summary))}
 
 
 def check_accuracy(run: RecordedRun, progress: Callable[[float], None] | None = None) -> tuple[Move, ...]:

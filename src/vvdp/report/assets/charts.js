@@ -111,6 +111,20 @@ class LiveChart {
     this.report();
   }
 
+  /** Whether other data has the same panels and lines, so that `update` can show it. */
+  fits(described) {
+    const words = (all) => JSON.stringify(all.panels.map((panel) => [panel.kind, panel.title, panel.link, panel.y?.label, (panel.lines ?? []).map((line) => line.label)]));
+    return words(described) === words(this.described);
+  }
+
+  /** Shows other data in the same panels; what is hidden, zoomed or marked stays so. */
+  update(described, column) {
+    this.described = described;
+    this.plots.forEach((plot, i) => plot.take(described.panels[i], column));
+    this.plots.forEach((plot) => plot.redraw());
+    this.report();
+  }
+
   /** A cursor as it counts for a panel: its own, or one set in a panel with the same x. */
   cursorFor(plot, name) {
     const cursor = this.cursors[name];
@@ -178,4 +192,5 @@ async function startCharts(source) {
   return { live, column, open: (name) => open(charts.find((each) => each.name === name), figures.get(name)) };
 }
 
-const vvdpCharts = startCharts(document.getElementById("chart-data"));
+const chartData = document.getElementById("chart-data");
+const vvdpCharts = chartData && startCharts(chartData);

@@ -121,6 +121,18 @@ class Plot {
     if (this.isField || this.described.equal) this.frame.setScale("y", Object.fromEntries(["min", "max"].map((key, i) => [key, this.#yRange()[i]])));
   }
 
+  /** Other data of the same lines. A view that was zoomed stays, where it still has something to show. */
+  take(described, column) {
+    const shown = this.content.lines.map((line) => line.isOn);
+    const isHome = this.view[0] === this.home[0] && this.view[1] === this.home[1];
+    this.described = described;
+    this.content = this.isField ? new FieldContent(described, column) : new LinesContent(described, column);
+    this.content.lines.forEach((line, i) => { if (shown[i] !== undefined) line.isOn = shown[i]; });
+    this.extent = this.content.extent;
+    this.home = [described.x.low ?? this.extent[0], described.x.high ?? this.extent[1]];
+    if (isHome || !(this.view[0] < this.extent[1] && this.view[1] > this.extent[0])) this.view = this.home;
+  }
+
   redraw() {
     this.show(this.view, this.yView);
   }
@@ -295,19 +307,20 @@ class Plot {
   #fillLegend() {
     this.where = element("span", { class: "live-where" });
     this.values = this.content.lines.map(() => element("span", { class: "live-value" }));
-    const names = this.content.lines.map((line, i) => (this.isField ? element("span", {}, line.label) : this.#switch(line)));
+    const names = this.content.lines.map((line, i) => (this.isField ? element("span", {}, line.label) : this.#switch(line, i)));
     if (this.described.legend) this.legend.append(element("span", { class: "live-heading" }, this.described.legend));
     names.forEach((name, i) => this.legend.append(element("span", { class: "live-entry" }, name, this.values[i])));
     this.legend.append(this.where);
   }
 
-  #switch(line) {
+  #switch(line, place) {
     const kind = { "--": "dashed", ":": "dotted", points: "point" }[line.stroke] ?? "solid";
     const swatch = element("i", { class: `live-swatch live-${kind}`, style: `color:${line.colour}` });
     const button = element("button", { type: "button", "aria-pressed": "true", title: "Show or hide" }, swatch, line.label);
     button.addEventListener("click", () => {
-      line.isOn = !line.isOn;
-      button.setAttribute("aria-pressed", String(line.isOn));
+      const now = this.content.lines[place];
+      now.isOn = !now.isOn;
+      button.setAttribute("aria-pressed", String(now.isOn));
       this.redraw();
       this.chart.report();
     });

@@ -1,0 +1,93 @@
+"""One open page: of what it asks for, only the newest is worked out, in a thread of its own."""
+
+import asyncio
+import threading
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from vvdp.base.errors import ConfigError, Fault, VvdpError
+from vvdp.results.store import finite
+from vvdp.simulation.run import Run
+from vvdp.workbench.offer import Asked, Offer
+from vvdp.workbench.packet import packet
+from vvdp.workbench.work import draft, faults_of, text_drawing, whole
+
+LONGEST_MESSAGE = 1_200_000
+
+
+def asked_by(message: Any) -> Asked:
+    """What a message asks for. Raises ConfigError where it does not have the form."""
+    found = message if isinstance(message, Mapping) else {}
+    settings = found.get("set", [])
+    texts = [found.get("system"), *(settings if isinstance(settings, list) else [None])]
+    texts += [found[key] for key in ("text", "until") if found.get(key) is not None]
+    if not all(isinstance(each, str) for each in texts):
+        raise ConfigError([Fault("request", 0, "", 'expected {"system": NAME, "set": ["table.key=value"]}')])
+    return Asked(str(found["system"]), found.get("text"), tuple(settings), found.get("until"))
+
+
+class Tab:
+    """What a page last asked for, and the last draft, from which the next one goes on."""
+
+    def __init__(self, offer: Offer) -> None:
+        self._offer = offer
+        self._newest: Mapping[str, Any] = {}
+        self._waiting = asyncio.Event()
+        self._superseded = threading.Event()
+        self._last: tuple[str, Run] | None = None
+
+    async def serve(self, socket: WebSocket) -> None:
+        """Answers one page until it is closed."""
+        await socket.accept()
+        worker = asyncio.create_task(self._work(socket))
+        try:
+            while True:
+                message = await socket.receive_json()
+                if isinstance(message, Mapping):
+                    self._superseded.set()
+                    if message.get("kind") != "stop":
+                        self._newest = message
+                        self._waiting.set()
+        except (WebSocketDisconnect, ValueError, KeyError):
+            pass
+        finally:
+            self._superseded.set()
+            worker.cancel()
+
+    async def _work(self, socket: WebSocket) -> None:
+        while True:
+            await self._waiting.wait()
+            self._waiting.clear()
+            self._superseded.clear()
+            message = self._newest
+            answers = self._answers(message)
+            while (answer := await asyncio.to_thread(next, answers, None)) is not None:
+                await socket.send_bytes(answer)
+
+    def _answers(self, message: Mapping[str, Any]) -> Iterator[bytes]:
+        """The packets that answer one message; each begins with its number, so that a page knows which one it was."""
+        kind = message.get("kind")
+        number = message.get("n")
+        try:
+            asked = asked_by(message)
+            if kind == "draw":
+                yield packet({**text_drawing(self._offer, asked), "n": number})
+                return
+            system = self._offer.system(asked)
+            if kind == "draft":
+                yield self._draft(system, number)
+            else:
+                yield from whole(system, asked, self._superseded.is_set, number)
+        except VvdpError as problem:
+            yield packet({"kind": "faults", "n": number, "faults": finite(faults_of(problem))})
+        except KeyboardInterrupt:  # stopped before its first step
+            return
+
+    def _draft(self, system: Any, number: Any) -> bytes:
+        """A draft that goes on from the last one, if that had the same circuit."""
+        before = self._last[1] if self._last is not None and self._last[0] == system.circuit.digest else None
+        done, found = draft(system, before, lambda: False, number)
+        self._last = system.circuit.digest, done
+        return found

@@ -1,0 +1,146 @@
+"""What the server works out for a page: values, diagram, drafts and whole runs."""
+
+import math
+import shlex
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+from vvdp.base import kinds
+from vvdp.base.errors import ConfigError, VvdpError
+from vvdp.base.kinds import Kind
+from vvdp.base.tables import Sourced
+from vvdp.base.units import in_unit
+from vvdp.report.circuit import graph_of
+from vvdp.report.diagram import diagram
+from vvdp.report.drawing import INK
+from vvdp.report.result_page import listing_html
+from vvdp.runs.result import course, run_result
+from vvdp.runs.run import RecordedRun
+from vvdp.runs.simulate import json_summary, recorded_run
+from vvdp.runs.tables import screen_listings
+from vvdp.simulation.record import record_of
+from vvdp.simulation.run import Run, simulate
+from vvdp.systems.summary import run_summary
+from vvdp.systems.system import System
+from vvdp.workbench.offer import Asked, Offer
+from vvdp.workbench.packet import packet
+
+DRAFT = 0.15
+"""Length of a draft, as a share of the duration of the whole run."""
+DRAFT_WINDOW = 1.0 / 3.0
+"""The share of a draft that is recorded finely."""
+PATIENCE = 0.3
+"""A draft ends after so long [s], wherever it has come to."""
+SPAN = 10.0
+"""A slider without a range of its own goes from a value's tenth to so many times it."""
+
+
+def faults_of(problem: VvdpError) -> list[dict[str, Any]]:
+    """What is wrong, as the page shows it beside the line or the value."""
+    if isinstance(problem, ConfigError):
+        return [{"key": each.key, "line": each.line, "message": each.message} for each in problem.faults]
+    return [{"key": "", "line": 0, "message": str(problem)}]
+
+
+def drawing(system: System) -> str:
+    """The circuit diagram as SVG in the colour of the text around it."""
+    made = diagram(graph_of(system.circuit.network, system.title), {})
+    return made[made.index("<svg") :].replace(f'"{INK}"', '"currentColor"')
+
+
+def value_rows(system: System) -> list[dict[str, Any]]:
+    """The values of a system with unit, origin and the ends of a slider."""
+    return [
+        {
+            "key": row.setting,
+            "text": row.display_text,
+            "status": row.status,
+            "source": " ".join(filter(None, (row.source, row.where))),
+            "remark": row.remark,
+            **_slider(row),
+        }
+        for row in system.rows
+    ]
+
+
+def _slider(row: Sourced) -> dict[str, Any]:
+    """Number, unit and ends of a value that a slider can set; nothing of others."""
+    value = row.nominal
+    if not math.isfinite(value) or value == 0.0:
+        return {}
+    unit = _unit(row.kind)
+    low, high = row.range or sorted((value / SPAN, value * SPAN))
+    ends = [_in(each, row.kind, unit) for each in (max(low, row.kind.low), min(high, row.kind.high))]
+    return {"number": _in(value, row.kind, unit), "unit": unit, "low": ends[0], "high": ends[1]}
+
+
+def _unit(kind: Kind) -> str:
+    if kind.name == kinds.PRESSURE_LEVEL.name:
+        return "bara"
+    return "" if kind.unit in ("1", "SI") and kind.display_unit != "%" else kind.display_unit
+
+
+def _in(value: float, kind: Kind, unit: str) -> float:
+    if unit == "bara":
+        return value / 1e5
+    return float(f"{in_unit(value, kind, unit) if unit else value:.12g}")
+
+
+def command_line(asked: Asked) -> str:
+    """The line that gives the same numbers in a terminal."""
+    words = ["vvdp", "run", asked.system]
+    for setting in asked.settings:
+        words += ["--set", setting]
+    return shlex.join(words + ([] if asked.until is None else ["--until", asked.until]))
+
+
+def draft(system: System, before: Run | None, stop: Callable[[], bool], number: Any) -> tuple[Run, bytes]:
+    """A short run that goes on from the last draft, and the packet of its figures."""
+    length, begin = DRAFT * system.stepping.until, 0.0 if before is None else before.end
+    until = begin + length
+    stepping = replace(
+        system.stepping, until=until, average_from=begin + 0.5 * length, window=DRAFT_WINDOW * length, begin=begin
+    )
+    ends = time.perf_counter() + PATIENCE
+    done = simulate(
+        system.model,
+        system.case,
+        stepping,
+        continue_from=before,
+        stop=lambda: stop() or time.perf_counter() > ends,
+    )
+    run = RecordedRun(system, record_of(done), run_summary(system, done), {})
+    charts, tables = course(run)
+    return done, packet({"kind": "draft", "n": number, "rows": int(done.times.size)}, charts, tables)
+
+
+def whole(system: System, asked: Asked, stop: Callable[[], bool], number: Any) -> Iterator[bytes]:
+    """The packets of a whole run: figures and diagram at once, then its numbers, findings and warnings."""
+    done = simulate(system.model, system.case, system.stepping, stop=stop)
+    early = RecordedRun(system, record_of(done), run_summary(system, done), {})
+    charts, tables = course(early)
+    head = {"kind": "figures", "n": number, "svg": drawing(system), "title": system.title, "values": value_rows(system)}
+    yield packet({**head, "finished": done.finished, "rows": int(done.times.size)}, charts, tables)
+    run = recorded_run(system, done)
+    yield packet({"kind": "numbers", "n": number, "line": command_line(asked), **numbers(run)})
+
+
+def numbers(run: RecordedRun) -> dict[str, Any]:
+    """What a whole run comes to, for people and as `vvdp run --json` has it."""
+    result = run_result(run)
+    return {
+        "result": json_summary(run),
+        "labels": {key: each.label for key, each in run.numbers.items()},
+        "listings": "".join(map(listing_html, screen_listings(run))),
+        "badges": [[str(each.grade), each.words] for each in result.badges],
+        "findings": [[str(each.grade), each.title, each.text, each.remedy] for each in result.findings],
+        "finished": run.has("finished"),
+    }
+
+
+def text_drawing(offer: Offer, asked: Asked) -> Mapping[str, Any]:
+    """The diagram and the values of a text, without running it."""
+    system = offer.system(asked)
+    return {"kind": "drawing", "svg": drawing(system), "title": system.title, "values": value_rows(system)}
