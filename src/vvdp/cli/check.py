@@ -28,6 +28,8 @@ OPENS = {
     "notebook": "Run.to_xarray",
     "opt": "design, its pareto and tolerance",
     "scale": "--on dask, --on slurm",
+    "web": "export web",
+    "workbench": "workbench",
 }
 """The verbs and options that each extra opens. `dev` is left out: it is all of them and the tools of development."""
 PROGRAMS = {

@@ -18,7 +18,7 @@ Parquet = Annotated[
 
 @app.callback()
 def export() -> None:
-    """Export results for other programs, a model as C, or a system as a page that runs it."""
+    """Export tables, a model as C, or a page that runs a system."""
 
 
 @app.command("data", cls=Verb)

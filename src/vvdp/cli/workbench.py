@@ -17,9 +17,9 @@ def workbench(
     no_browser: Annotated[bool, typer.Option("--no-browser", help="Print the address; open nothing.")] = False,
     json: AsJson = False,
 ) -> None:
-    """Open the workbench: a page in the browser where curves follow while a value is dragged.
+    """Open a page in the browser to change values and see curves.
 
-    It is served by this machine for this machine only. Ctrl-C ends it.
+    While a value is dragged the curves follow. The page is served by this machine for this machine only. Ctrl-C ends it.
     """
     import webbrowser
 
