@@ -19,7 +19,7 @@ def workbench(
 ) -> None:
     """Open a page in the browser to change values and see curves.
 
-    While a value is dragged the curves follow. The page is served by this machine for this machine only. Ctrl-C ends it.
+    While a value is dragged the curves follow. This machine serves the page, for itself only. Ctrl-C ends it.
     """
     import webbrowser
 
