@@ -86,8 +86,8 @@ class Run(RecordedRun):
     def carried_on(self, system: System, *, until: str | float, stop: Callable[[], bool] | None = None) -> "Run":
         """The run that goes on where this one has ended, to the time `until`, with the values of `system`.
 
-        Time, state, commands and memories of programs go on; means and balances begin anew. Where this run has ended on
-        a sample, states are to the last bit those of a run without a break. `stop` as of `System.run`. Raises RunError
+        Time, state, commands and memories of programs go on; means and balances start again. Where this run ended on a
+        sample, states are to the last bit those of a run without a break. `stop` as of `System.run`. Raises RunError
         where the circuit is another one, or this run was read from a directory.
         """
         if self.done is None:

@@ -140,7 +140,7 @@ def _common(
 
 @cache
 def _verbs() -> Callable[..., Any]:
-    """All verbs as the parser takes them. Typer would make them anew, with all their options, at each call."""
+    """All verbs as the parser takes them. Typer would build them again, with all their options, at each call."""
     return get_command(app)
 
 

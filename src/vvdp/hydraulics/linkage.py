@@ -25,7 +25,7 @@ from vvdp.base.params import Params, refuse, require_positive
 from vvdp.base.select import maximum, select
 from vvdp.hydraulics.friction import smooth_sign
 from vvdp.hydraulics.ports import RodState, ShaftState
-from vvdp.hydraulics.rod import Acceleration
+from vvdp.hydraulics.rod import GRAVITY, Acceleration
 from vvdp.hydraulics.shaft import TorsionalStiffness
 
 AIR_DENSITY = Kind("density of air", "kg/m^3", 0.0, 10.0, "1.2 kg/m^3")
@@ -98,7 +98,7 @@ class RoadLoad(Params):
     slope: Angle = 0.0
     air_density: AirDensity = 1.2
     creep_velocity: Velocity = 0.01
-    gravity: Acceleration = 9.80665
+    gravity: Acceleration = GRAVITY
 
     def check(self) -> None:
         require_positive(self, "creep_velocity")

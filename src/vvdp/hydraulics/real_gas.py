@@ -16,7 +16,7 @@ from vvdp.base.kinds import NUMBER, Kind
 GAS_CONSTANT = 8.314462618
 """Molar gas constant [J/(mol K)]."""
 CRITICAL_TEMPERATURE, CRITICAL_PRESSURE = 126.19, 3.396e6
-"""Of nitrogen [K], [Pa]."""
+"""Of nitrogen [K], [Pa]: 126.192 K and 3.3958 MPa of Span and others, 2000, rounded."""
 ATTRACTION = 0.42748 * GAS_CONSTANT**2 * CRITICAL_TEMPERATURE**2.5 / CRITICAL_PRESSURE
 """a [Pa m^6 K^0.5/mol^2]."""
 OWN_VOLUME = 0.08664 * GAS_CONSTANT * CRITICAL_TEMPERATURE / CRITICAL_PRESSURE

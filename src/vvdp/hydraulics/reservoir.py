@@ -21,9 +21,7 @@ from vvdp.base.modes import side
 from vvdp.base.params import Params, refuse, require_less, require_positive
 from vvdp.base.powers import power
 from vvdp.base.select import clip, select
-
-GRAVITY = 9.80665
-"""Standard acceleration of free fall [m/s^2]."""
+from vvdp.hydraulics.rod import GRAVITY
 
 
 class Reservoir(Params):

@@ -14,6 +14,8 @@ from vvdp.base.select import maximum
 
 IMPACT_DAMPING = Kind("impact damping", "s/m", 0.0, 1e4, "1 s/m")
 ImpactDamping = Annotated[float, IMPACT_DAMPING]
+GRAVITY = 9.80665
+"""Standard acceleration of free fall [m/s^2]."""
 ACCELERATION = Kind("acceleration", "m/s^2", 0.0, 1e4, "9.81 m/s^2")
 Acceleration = Annotated[float, ACCELERATION]
 
@@ -60,7 +62,7 @@ class Weight(Params):
 
     mass: Mass
     slope: Angle
-    gravity: Acceleration = 9.80665
+    gravity: Acceleration = GRAVITY
 
     def check(self) -> None:
         if abs(self.slope) > 0.5 * np.pi:

@@ -84,6 +84,9 @@ class Tab:
             yield packet({"kind": "faults", "n": number, "faults": finite(faults_of(problem))})
         except KeyboardInterrupt:  # stopped before its first step
             return
+        except Exception as problem:  # else the page would wait for ever
+            told = VvdpError(f"a mistake of vvdp: {type(problem).__name__}: {problem}")
+            yield packet({"kind": "faults", "n": number, "faults": finite(faults_of(told))})
 
     def _draft(self, system: Any, number: Any) -> bytes:
         """A draft that goes on from the last one, if that had the same circuit."""

@@ -119,11 +119,10 @@ def draft(system: System, before: Run | None, stop: Callable[[], bool], number: 
 def whole(system: System, asked: Asked, stop: Callable[[], bool], number: Any) -> Iterator[bytes]:
     """The packets of a whole run: figures and diagram at once, then its numbers, findings and warnings."""
     done = simulate(system.model, system.case, system.stepping, stop=stop)
-    early = RecordedRun(system, record_of(done), run_summary(system, done), {})
-    charts, tables = course(early)
+    run = recorded_run(system, done)
+    charts, tables = course(run)
     head = {"kind": "figures", "n": number, "svg": drawing(system), "title": system.title, "values": value_rows(system)}
     yield packet({**head, "finished": done.finished, "rows": int(done.times.size)}, charts, tables)
-    run = recorded_run(system, done)
     yield packet({"kind": "numbers", "n": number, "line": command_line(asked), **numbers(run)})
 
 
