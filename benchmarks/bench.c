@@ -252,11 +252,17 @@ void rates(double t, const double *y, const double *u, const double *p, double *
     RATE(books_totals_load_line_pressure) = load_pressure;
     RATE(books_totals_valve_load_flow) = to_load.flow - leak.flow;
     RATE(books_totals_valve_tank_flow) = back;
+    RATE(books_totals_valve_load_flow_actual) = (to_load.flow - leak.flow) * line.ratio;
+    RATE(books_totals_valve_tank_flow_actual) = back * tank.ratio;
+    RATE(books_totals_valve_inlet_flow_actual) = -(to_load.flow + to_tank.flow) * inlet.ratio;
     RATE(books_totals_tank_pressure) = tank_pressure;
     RATE(books_totals_pump_flow) = pumped;
+    RATE(books_totals_pump_flow_actual) = pumped * inlet.ratio;
     RATE(books_totals_pump_leakage_flow) = pump_leak.flow;
     RATE(books_totals_load_flow) = load.flow;
+    RATE(books_totals_load_flow_actual) = load.flow * tank.ratio;
     RATE(books_totals_relief_valve_flow) = relief.flow;
+    RATE(books_totals_relief_valve_flow_actual) = relief.flow * tank.ratio;
     RATE(books_totals_valve_leakage) = leak.flow;
     RATE(books_totals_valve_load_opening) = load_open;
     RATE(books_totals_valve_cavitating) = most(
