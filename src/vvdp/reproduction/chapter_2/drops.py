@@ -300,8 +300,29 @@ def equation_2_5() -> Reproduction:
     return Reproduction(statements=(found,))
 
 
+def _computed_flows() -> tuple[Statement, ...]:
+    """The largest flows of the computed sections, where the text names them."""
+    found = []
+    for part, study, lpm in (("inlet rail", "rail-flows", 80.0), ("outlet turbine", "turbine-flows", 60.0)):
+        kept, what = kept_or_none(study), f"largest computed flow of the {part}"
+        if kept is None:
+            found.append(missing_statement(what, f"{lpm:g} lpm", f"the study {study}"))
+            continue
+        found.append(
+            number_statement(
+                what,
+                lpm * here.LPM,
+                float(np.max(kept["flow_m3_s"])),
+                FLOW,
+                tolerance=0.5 * here.LPM,
+                because="half of the last printed digit",
+            )
+        )
+    return tuple(found)
+
+
 def section_2_4() -> Reproduction:
-    """The coefficients, and within what they are said to lie."""
+    """The coefficients, within what they are said to lie, and the flows that they rest on."""
     v = here.valve()
     coefficients = (("nozzles", v.nozzle_discharge_coefficient), ("outlet turbine", v.outlet_discharge_coefficient))
     exponents = (("flow", v.centre_flow_exponent, 1.0, 2.0), ("diameter", v.centre_diameter_exponent, 2.0, 4.0))
@@ -329,6 +350,7 @@ def section_2_4() -> Reproduction:
                 )
                 for name, value, low, high in exponents
             ),
+            *_computed_flows(),
         )
     )
 

@@ -9,6 +9,8 @@ from vvdp.base.kinds import BULK_MODULUS, EFFICIENCY, FORCE, FRACTION, MEAN_POWE
 from vvdp.base.units import ATMOSPHERE
 from vvdp.cfd.kept import KeptStudy
 from vvdp.fluid.mixture import mean_bulk_modulus
+from vvdp.geometry.shape import rail_volume
+from vvdp.geometry.shape_tables import given_shape
 from vvdp.reproduction.chapter_2 import valve as here
 from vvdp.reproduction.chapter_2.computed import kept_or_none, kept_table
 from vvdp.reproduction.chapter_2.shapes import rail_designs
@@ -92,9 +94,26 @@ def _drop_change(study: KeptStudy | None, row: int) -> float:
     return float(study["drop_change"][row]) if study else float("nan")
 
 
+def _drawn_volume(design: str, printed: float, *, note: str = "", calibration: str = "") -> Statement:
+    """What a rail as drawn here holds, its nozzles with it, beside the printed volume."""
+    shape = given_shape(here.valve(), f"rail-{design}", ()).shape
+    return number_statement(
+        f"volume of the rail as drawn here, design ({design})",
+        printed,
+        rail_volume(shape, here.valve()),
+        VOLUME,
+        tolerance=0.05e-6,
+        because="half of the last printed digit",
+        note=note,
+        calibration=calibration,
+    )
+
+
 def figure_2_19() -> Reproduction:
     """The prototype's rail and three changes of it: what they hold, and what (d) costs."""
     study = kept_or_none(STUDY)
+    prototype = _drawn_volume("a", RAIL, calibration="the rail's diameter")
+    thin = _drawn_volume("d", THIN, note="its section is 30 % thinner, as printed, and nothing else is changed")
     volume = number_statement(
         "volume of (d), its section thinner by 30 %",
         THIN,
@@ -116,14 +135,21 @@ def figure_2_19() -> Reproduction:
     )
     tables = {"computed": kept_table(study)} if study else {}
     made = solid_drawing(
-        "four designs of the inlet rail", "figure-2.19", lambda: rail_designs(DESIGNS[:4]), volume, drop
+        "four designs of the inlet rail",
+        "figure-2.19",
+        lambda: rail_designs(DESIGNS[:4]),
+        prototype,
+        thin,
+        volume,
+        drop,
     )
     return Reproduction(statements=made.statements, tables=tables, pictures=made.pictures)
 
 
 def figure_2_20() -> Reproduction:
-    """The final rail: its drop beside that of the prototype."""
+    """The final rail: what it holds, and its drop beside that of the prototype."""
     study = kept_or_none(STUDY)
+    volume = _drawn_volume("final", FINAL, note="the three printed changes together")
     drop = number_statement(
         "drop of the final rail over that of the prototype, less 1",
         FINAL_DROP / DROP - 1.0,
@@ -133,7 +159,7 @@ def figure_2_20() -> Reproduction:
         because="half of the last digit of both drops",
         assumption=UNKNOWN_SHAPE,
     )
-    return solid_drawing("optimised rail", "figure-2.20", lambda: rail_designs(DESIGNS[4:]), drop)
+    return solid_drawing("optimised rail", "figure-2.20", lambda: rail_designs(DESIGNS[4:]), volume, drop)
 
 
 def equation_2_10() -> Reproduction:

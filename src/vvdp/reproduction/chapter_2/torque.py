@@ -4,7 +4,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from vvdp.base.display import with_unit
-from vvdp.base.kinds import FREQUENCY, LENGTH, MEAN_POWER, NUMBER, SPEED, TORQUE
+from vvdp.base.kinds import AREA, FREQUENCY, LENGTH, MEAN_POWER, NUMBER, SPEED, TORQUE
 from vvdp.base.units import ATMOSPHERE
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.reproduction.chapter_2.computed import kept_or_none, turbine_over
@@ -231,6 +231,18 @@ def averaged_frequency(exponent: float, load: float) -> float:
     return float(pwm_frequency(means.spool_speed, here.bench.valve))
 
 
+def _computed_area() -> Statement:
+    """The effective area that the computed torques of the outlet turbine at rest have, by least squares."""
+    study, what, printed = kept_or_none("turbine-flows"), "effective area of the outlet turbine, as computed", 61.8e-6
+    if study is None:
+        return missing_statement(what, with_unit(printed, AREA), "the study turbine-flows")
+    rest = study["speed_rad_s"] == 0.0
+    Q, torque = study["flow_m3_s"][rest], study["torque_N_m"][rest]
+    per_area = float(np.sum(torque * Q**2) / np.sum(Q**4)) / (DENSITY * valve().outlet_radius)
+    note = "the channels' arm, by the torque that the momentum has"
+    return number_statement(what, printed, 1.0 / per_area, AREA, share=TURBINE_INDEX, because=TURBINE, calibration=note)
+
+
 def section_2_5() -> Reproduction:
     """Measured frequencies, effective area, clearance, and the power that turns the spool."""
     low, high = (oil_temperature_at(f) for f in MEASURED)
@@ -265,7 +277,7 @@ def section_2_5() -> Reproduction:
         tolerance=0.5,
         because="half of the last printed digit",
     )
-    return Reproduction(statements=(*_frequency_statements(), warmth, clearance, area, turned))
+    return Reproduction(statements=(*_frequency_statements(), warmth, clearance, area, _computed_area(), turned))
 
 
 def _frequency_statements() -> tuple[Statement, ...]:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.kinds import ANGLE_ERROR, ANGULAR_VARIANCE, COUNT, FRACTION, SPEED, SPEED_ERROR, TIME, Kind
+from vvdp.base.kinds import ANGLE_ERROR, ANGULAR_VARIANCE, COUNT, FRACTION, NUMBER, SPEED, SPEED_ERROR, TIME, Kind
 from vvdp.reproduction.chapter_3 import published_filter as published
 from vvdp.reproduction.chapter_3.published_filter import EVEN, IN_STEP, OUT_OF_STEP, WITH_THRESHOLD, Truth
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
@@ -171,7 +171,20 @@ def section_3_5() -> Reproduction:
             source="the error of the angle is large for the first 0.1 s, as the speed is believed to be 50 rad/s",
         ),
     )
-    return Reproduction(statements=(*statements, *_noise_statements(speed)))
+    return Reproduction(statements=(*statements, *_filter_inputs(), *_noise_statements(speed)))
+
+
+def _filter_inputs() -> tuple[Statement, ...]:
+    """With what the filter starts."""
+    inputs = (
+        ("variance of the state at the start, p", 1000.0, published.START_VARIANCE, NUMBER),
+        ("process noise q [rad²/s³]", 0.25, published.DENSITY, NUMBER),
+        ("believed speed at the start", 50.0, published.START_SPEED, RAD_S),
+    )
+    return tuple(
+        number_statement(what, printed, taken, kind, share=1e-9, because="as printed")
+        for what, printed, taken, kind in inputs
+    )
 
 
 def _noise_statements(speed: float) -> tuple[Statement, ...]:

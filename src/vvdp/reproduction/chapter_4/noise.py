@@ -27,7 +27,7 @@ from vvdp.reproduction.chapter_4.gerotor import STROKE
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
 from vvdp.results.chart import Chart, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
-from vvdp.results.verdict import bound_statement, drawing_statement, number_statement
+from vvdp.results.verdict import Statement, bound_statement, drawing_statement, number_statement
 from vvdp.sensing.axial_sensor import Pollution, pollution_at
 
 TURN = 2.0 * np.pi
@@ -328,6 +328,21 @@ def section_4_1() -> Reproduction:
     )
 
 
+def _period_samples() -> tuple[Statement, ...]:
+    """The samples that a period of 10 Hz has, of which a lumped model takes a state each (4.2.2)."""
+    return tuple(
+        number_statement(
+            f"samples of a period of 10 Hz at {1e3 * interval:g} ms, N",
+            printed,
+            1.0 / (10.0 * interval),
+            COUNT,
+            tolerance=0.5,
+            because="a whole number",
+        )
+        for interval, printed in ((2e-3, 50.0), (1e-3, 100.0))
+    )
+
+
 def section_4_2() -> Reproduction:
     """The speed of the spool with 40 lpm, and the stroke."""
     spool = vvdp.load("prototype-constant-load").run(until="0.6 s").number("pwm_frequency_Hz") / 3.0
@@ -352,6 +367,7 @@ def section_4_2() -> Reproduction:
                 because=ROUNDING,
                 source="0.8 in",
             ),
+            *_period_samples(),
             number_statement(
                 "period of 10 Hz as 1/(2π ω), as printed in 4.3.2",
                 1.0 / (TURN * TURN * 10.0),

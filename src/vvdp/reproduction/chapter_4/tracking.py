@@ -23,7 +23,7 @@ from vvdp.reproduction.drawings import circuit_drawing
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
-from vvdp.results.verdict import bound_statement, number_statement
+from vvdp.results.verdict import Statement, bound_statement, number_statement
 
 DRIVE = "dead band, lag and pollution of the drive are in no table of the text"
 POLLUTION = "amplitudes of the pollution's harmonics"
@@ -263,6 +263,33 @@ def _spectrum_chart() -> Chart:
     )
 
 
+BIN = 1000.0 / 1024.0
+"""Distance of the lines of 1024 samples at 1 kHz, of which the printed 9.766 and 19.53 Hz are multiples [Hz]."""
+
+
+def _resolution() -> tuple[Statement, ...]:
+    """What the analysis of the measured record can tell apart."""
+    return (
+        number_statement(
+            "line 10 of 1024 samples at 1 kHz",
+            9.766,
+            10.0 * BIN,
+            FREQUENCY,
+            tolerance=0.5e-3,
+            because="half of the last printed digit",
+            note="the number of samples is not printed",
+        ),
+        bound_statement(
+            "10.5 Hz less 9.766 Hz, over the distance of two lines",
+            (10.5 - 9.766) / BIN,
+            RATIO,
+            low=1.0,
+            source="there is a discrepancy between estimate and true frequency (4.5.2)",
+            note="the next line is 10.74 Hz: this record cannot tell both frequencies apart",
+        ),
+    )
+
+
 def figure_4_14() -> Reproduction:
     """The spectrum of the command with both filters."""
     frequencies, lumped = lines_of(late(experiment(CONSTANT, LUMPED)).command)
@@ -276,6 +303,7 @@ def figure_4_14() -> Reproduction:
     }
     return Reproduction(
         statements=(
+            *_resolution(),
             bound_statement(
                 "line at twice the spool's frequency over that at the frequency",
                 float(lumped[twice] / lumped[once]),

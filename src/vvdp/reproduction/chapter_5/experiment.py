@@ -13,6 +13,7 @@ from vvdp.programs.axial_numbers import Controlled
 from vvdp.reproduction.chapter_5.chamber import (
     BACKSTEPPING,
     MILD,
+    RAMP,
     TURN,
     experiment,
     law_of,
@@ -85,6 +86,7 @@ def figure_5_6() -> Reproduction:
     """Both laws on a filtered trapezoid of the full range in 50 ms."""
     errors = [tracking_error(trapezoid_rows(law)) for law in ("passivity", "backstepping")]
     statements = (
+        number_statement("time of the full range", 50e-3, RAMP, TIME, share=1e-9, because="as printed"),
         bound_statement(
             "error of backstepping over that of the passivity law, rms",
             errors[1] / errors[0],
@@ -110,11 +112,34 @@ def figure_5_6() -> Reproduction:
     return Reproduction(statements=statements, tables={"trapezoid": trapezoid_table()}, charts=(chart,))
 
 
+def _printed_gains() -> tuple[Statement, ...]:
+    """The gains of both laws as the experiments here have them."""
+    gains = {"backstepping": law_of(experiment(BACKSTEPPING)).gains, "passivity": law_of(experiment()).gains}
+    printed = {
+        "backstepping": {"λ_p": 50.0, "K_p": 550.0, "K_v": 45.0, "λ₂": 3e-12, "λ₃": 4e-10},
+        "passivity": {"λ_p": 50.0, "K_p": 55.0, "K_v": 4.0, "λ₃": 4e-10},
+    }
+    names = {"λ_p": "error_rate", "K_p": "position_gain", "K_v": "velocity_gain"}
+    names |= {"λ₂": "pressure_weight", "λ₃": "flow_gain"}
+    return tuple(
+        number_statement(
+            f"{symbol} of the {law} law [SI]",
+            value,
+            float(getattr(gains[law], names[symbol])),
+            share=1e-9,
+            because="as printed",
+        )
+        for law, values in printed.items()
+        for symbol, value in values.items()
+    )
+
+
 def table_5_1() -> Reproduction:
     """The gains of both laws, and what becomes of backstepping with those of the passivity law."""
     mild, tuned = (tracking_error(trapezoid_rows(law)) for law in ("mild", "backstepping"))
     return Reproduction(
         statements=(
+            *_printed_gains(),
             bound_statement(
                 "error of backstepping with the passivity law's gains over that with its own",
                 mild / tuned,
