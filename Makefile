@@ -12,6 +12,9 @@ SMOKE := tests/base tests/fluid tests/network tests/numerics tests/results tests
 	tests/cli/test_run.py tests/cli/test_export.py tests/cli/test_plot.py tests/systems/test_examples.py
 LOWEST := .venv-lowest
 
+# Byte code is kept, whatever the environment says: the tests start hundreds of processes.
+export PYTHONDONTWRITEBYTECODE :=
+
 .PHONY: run setup test test-thorough test-slow test-lowest lint bench docs dist lock sbom audit clean
 
 run: $(VENV)/core
