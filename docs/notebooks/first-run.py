@@ -56,7 +56,7 @@ plt.show()
 
 # %%
 for ratio in (0.3, 0.4, 0.5, 0.6, 0.7):
-    found = system.with_values(operation={"duty_ratio": ratio}).run(until="0.6 s").summary
+    found = system.with_values(operation={"duty_ratio": ratio}).run(until="2 s").summary
     flow, efficiency = 6e4 * found["mean_load_flow_m3_s"], 100 * found["efficiency"]
     print(f"duty ratio {ratio}: {flow:5.2f} lpm to the load, efficiency {efficiency:4.1f} %")
 

@@ -16,3 +16,18 @@ def test_every_shipped_system_is_shown_as_json(vvdp, name):  # noqa: F811
     empty = [entry for entry in shown.values() if entry["value"] == []]
     assert all(entry["low"] is entry["high"] is None for entry in empty)
     assert empty or name != "axial-chamber"
+
+
+def test_a_word_lists_what_has_it_in_its_name(vvdp):  # noqa: F811
+    listed = json.loads(vvdp("list", "orifice", "--json").out)
+    assert [*listed["components"]] == ["orifice"] and [*listed["circuits"]] == ["orifice-load"]
+    assert listed["components"]["orifice"]["ports"] == ["a", "b"]
+    assert not any(listed[key] for key in ("systems", "files", "nodes", "programs", "parts"))
+    shown = vvdp("list", "orifice").out
+    assert "discharge_coefficient" in shown and "gerotor" not in shown
+
+
+def test_a_word_that_nothing_has_names_what_is_alike(vvdp):  # noqa: F811
+    answer = vvdp("list", "orifce")
+    assert answer.code == 2
+    assert answer.err == "list: orifce: nothing has this in its name; did you mean 'orifice'?\n"

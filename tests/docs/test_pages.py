@@ -1,5 +1,6 @@
 """What holds for all pages: commands are commands; README's links lead somewhere, its figures are those of a run."""
 
+import json
 import re
 import shlex
 from pathlib import Path
@@ -51,7 +52,7 @@ def test_every_command_of_every_page_is_one():
     lines = [line for page in PAGES for line in commands(page)]
     assert len(lines) > 60
     assert [problem for line in lines if (problem := usage_problem(line))] == []
-    assert usage_problem("run prototype --untl 1") and usage_problem("rnu prototype") and usage_problem("list this")
+    assert usage_problem("run prototype --untl 1") and usage_problem("rnu prototype") and usage_problem("show this that")
 
 
 def test_links_of_the_readme_lead_somewhere():
@@ -91,3 +92,19 @@ def test_the_script_of_the_readme_runs(tmp_path, monkeypatch, capsys):
     short = vvdp.load("prototype", operation={"duty_ratio": 0.4}).run(until="0.5 s").summary
     assert round(short["load_power_W"], -1) == int(said[2]) and not short["settled"]
     assert (tmp_path / "load.png").stat().st_size > 1000
+
+
+def test_no_documented_output_holds_nan():
+    """A number that is not known stands on a page with its reason, or not at all."""
+    printed = {
+        path.name: [
+            "".join(output.get("text", [])) + "".join(output.get("data", {}).get("text/plain", []))
+            for cell in json.loads(path.read_text("utf-8"))["cells"]
+            for output in cell.get("outputs", [])
+        ]
+        for path in (ROOT / "docs" / "notebooks").glob("*.ipynb")
+    }
+    assert len(printed) >= 5 and all(map(any, printed.values()))
+    assert [name for name, texts in printed.items() if re.search(r"\bnan\b", "".join(texts))] == []
+    blocks = {page.name: re.findall(r"(?:^ {4}.*\n)+", page.read_text("utf-8"), re.MULTILINE) for page in PAGES}
+    assert [name for name, found in blocks.items() if re.search(r"\bnan\b", "".join(found))] == []

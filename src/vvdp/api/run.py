@@ -19,6 +19,7 @@ from vvdp.runs.simulate import recorded_run, save_run
 from vvdp.runs.tables import screen_listings
 from vvdp.simulation.run import simulate
 from vvdp.systems.options import lasting
+from vvdp.systems.overview import warnings
 from vvdp.systems.system import System
 
 if TYPE_CHECKING:
@@ -35,6 +36,14 @@ class Run(RecordedRun):
     def result(self) -> Result:
         """Everything that the report shows: listings, tables, charts, findings."""
         return run_result(self)
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What must be known before the numbers are used, a sentence each, the gravest first.
+
+        It says why a number of `summary` is nan, such as an efficiency while a line still empties.
+        """
+        return tuple(warnings(self.system, self.summary))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -121,14 +130,16 @@ class Run(RecordedRun):
     def __repr__(self) -> str:
         place = f" in {self.directory}" if self.directory else ""
         reached = f"{self.number('duration_s'):.4g} s, {self.times.size} rows"
-        return f"<Run of {self.system.name}{place}: {reached}, {', '.join(each.words for each in badges(self))}>"
+        words = f"<Run of {self.system.name}{place}: {reached}, {', '.join(each.words for each in badges(self))}>"
+        return "\n".join((words, *(f"warning: {each}" for each in self.warnings)))
 
     def _repr_html_(self) -> str:
         from vvdp.report.result_page import listing_html
 
         state = " · ".join(escape(badge.words) for badge in badges(self))
         listings = "".join(map(listing_html, screen_listings(self)))
-        return f"<b>{escape(self.system.title)}</b><p>{state}</p>{listings}"
+        told = "".join(f"<p>warning: {escape(each)}</p>" for each in self.warnings)
+        return f"<b>{escape(self.system.title)}</b><p>{state}</p>{told}{listings}"
 
 
 def open_directory(directory: str | Path, *, trust: str = "") -> Run | Result:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
@@ -18,7 +18,28 @@ if TYPE_CHECKING:
     from vvdp.systems.part_files import PartFile
 
 
+class Listed(NamedTuple):
+    """Rows under a title, the name first in each; a cell is a text, or one with a line for each entry."""
+
+    title: str
+    columns: tuple[str, ...]
+    rows: list[tuple[Any, ...]]
+
+    def having(self, words: Sequence[str]) -> "Listed":
+        """The rows with one of `words` in their names."""
+        return self._replace(rows=[row for row in self.rows if any(word in row[0] for word in words)])
+
+    @property
+    def entries(self) -> dict[str, Any]:
+        """The rows by their first column, for a program."""
+        return {name: dict(zip(self.columns[1:], cells, strict=True)) for name, *cells in self.rows}
+
+
 def systems(
+    words: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[WORD]...", help="List only what has one of these in its name, components included."),
+    ] = None,
     components: Annotated[
         bool, typer.Option("--components", help="List the component library for drawing circuits.")
     ] = False,
@@ -33,23 +54,31 @@ def systems(
     if language:
         _language(json)
         return
-    if components:
-        _library(json)
-        return
-    shipped, circuits, own = list(_shipped_systems()), list(_circuits()), list(_own_systems(Path.cwd()))
+    listed = _system_lists() if words or not components else {}
+    listed |= _library_lists() if words or components else {}
+    chosen = _having(listed, words) if words else listed
     if json:
-        print_json(
-            {
-                "systems": _entries(shipped, ("circuit", "title")),
-                "circuits": _entries(circuits, ("tables", "title")),
-                "files": _entries(own, ("circuit", "title")),
-            }
-        )
+        print_json({key: each.entries for key, each in chosen.items()})
         return
-    _print("Shipped systems", ("system", "circuit", "title"), shipped)
-    _print("Circuits", ("circuit", "tables", "what it is"), circuits)
-    if own:
-        _print("Systems in this folder", ("file", "circuit", "title"), own)
+    for each in chosen.values():
+        if each.rows:
+            _print(each)
+    if any(chosen[key].rows for key in LIBRARY if key in chosen):
+        _print_hints()
+
+
+def _having(listed: Mapping[str, Listed], words: Sequence[str]) -> dict[str, Listed]:
+    """The lists with only what has one of `words` in its name. Raises ConfigError with what is alike if nothing has."""
+    from vvdp.base.errors import ConfigError, Fault
+    from vvdp.base.tables import suggestion
+
+    chosen = {key: each.having(words) for key, each in listed.items()}
+    if not any(each.rows for each in chosen.values()):
+        names = [row[0] for each in listed.values() for row in each.rows]
+        raise ConfigError(
+            [Fault("list", 0, word, f"nothing has this in its name{suggestion(word, names)}") for word in words]
+        )
+    return chosen
 
 
 def _language(json: bool) -> None:
@@ -60,21 +89,25 @@ def _language(json: bool) -> None:
     if json:
         print_json({"functions": names})
     else:
-        _print("Functions of the language", ("function",), [(name,) for name in names])
+        _print(Listed("Functions of the language", ("function",), [(name,) for name in names]))
 
 
-def _print(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+def _print(listed: Listed) -> None:
     from vvdp.cli.screen import console, grid
 
-    table = grid(*columns, title=title)
-    for row in rows:
-        table.add_row(*row)
+    table = grid(*listed.columns, title=listed.title)
+    for row in listed.rows:
+        table.add_row(*(cell if isinstance(cell, str) else "\n".join(cell) for cell in row))
     console().print(table)
 
 
-def _entries(rows: Sequence[Sequence[Any]], keys: Sequence[str]) -> dict[str, Any]:
-    """The rows by their first column, for a program."""
-    return {name: dict(zip(keys, cells, strict=True)) for name, *cells in rows}
+def _system_lists() -> dict[str, Listed]:
+    """Systems and circuits, shipped and in this folder."""
+    return {
+        "systems": Listed("Shipped systems", ("system", "circuit", "title"), list(_shipped_systems())),
+        "circuits": Listed("Circuits", ("circuit", "tables", "title"), list(_circuits())),
+        "files": Listed("Systems in this folder", ("file", "circuit", "title"), list(_own_systems(Path.cwd()))),
+    }
 
 
 def _shipped_systems() -> Iterator[tuple[str, str, str]]:
@@ -122,54 +155,54 @@ def _own_systems(folder: Path) -> Iterator[tuple[str, str, str]]:
             yield path.name, _circuit(content), str(content.get("title", ""))
 
 
-NODE_COLUMNS = ("type", "values")
-COMPONENT_COLUMNS = ("type", "ports", "inputs", "values", "outputs", "symbol")
-PROGRAM_COLUMNS = ("type", "reads", "commands", "values")
+LIBRARY = ("nodes", "components", "programs", "parts")
 UNLIMITED = 1e300
 """A default value from which on it says that there is no limit."""
-PART_COLUMNS = ("type", "ports", "values", "title")
 
 
-def _library(json: bool) -> None:
-    """Prints all that a file may draw a circuit from."""
-    from vvdp.cli.screen import console, print_json
+def _library_lists() -> dict[str, Listed]:
+    """All that a file may draw a circuit from."""
     from vvdp.components.library import COMPONENTS
     from vvdp.network.assembly import Assembly
     from vvdp.programs.library import PROGRAMS
     from vvdp.systems.drawing import NODES
     from vvdp.systems.part_files import shipped_part, shipped_parts
 
-    nodes = [(name, _values(node.table)) for name, node in NODES.items()]
-    parts = [
-        (name, *(_assembly(part) if isinstance(part, Assembly) else _component(part)), part.symbol)
-        for name, part in COMPONENTS.items()
-    ]
-    programs = [(name, *_program(program)) for name, program in PROGRAMS.items()]
-    circuits = [(name, *_part(shipped_part(name))) for name in shipped_parts()]
-    if json:
-        print_json(
-            {
-                "nodes": _entries(nodes, NODE_COLUMNS[1:]),
-                "components": _entries(parts, COMPONENT_COLUMNS[1:]),
-                "programs": _entries(programs, PROGRAM_COLUMNS[1:]),
-                "parts": _entries(circuits, PART_COLUMNS[1:]),
-            }
-        )
-        return
-    _print("Nodes: [nodes] NAME = { type = ... }", NODE_COLUMNS, _lines(nodes))
-    title = "Components: [components.NAME] with its type, the node at each port, inputs and values"
-    _print(title, COMPONENT_COLUMNS, _lines(parts))
-    _print("Programs: [programs.NAME] with its type, values and what it reads", PROGRAM_COLUMNS, _lines(programs))
-    _print("Parts: [parts.NAME] with its type, the node at each port, and values", PART_COLUMNS, _lines(circuits))
+    return {
+        "nodes": Listed(
+            "Nodes: [nodes] NAME = { type = ... }",
+            ("type", "values"),
+            [(name, _values(node.table)) for name, node in NODES.items()],
+        ),
+        "components": Listed(
+            "Components: [components.NAME] with its type, the node at each port, inputs and values",
+            ("type", "ports", "inputs", "values", "outputs", "symbol"),
+            [
+                (name, *(_assembly(part) if isinstance(part, Assembly) else _component(part)), part.symbol)
+                for name, part in COMPONENTS.items()
+            ],
+        ),
+        "programs": Listed(
+            "Programs: [programs.NAME] with its type, values and what it reads",
+            ("type", "reads", "commands", "values"),
+            [(name, *_program(program)) for name, program in PROGRAMS.items()],
+        ),
+        "parts": Listed(
+            "Parts: [parts.NAME] with its type, the node at each port, and values",
+            ("type", "ports", "values", "title"),
+            [(name, *_part(shipped_part(name))) for name in shipped_parts()],
+        ),
+    }
+
+
+def _print_hints() -> None:
+    """How the values of the library are written."""
+    from vvdp.cli.screen import console
+
     out = console()
     out.print("Values are written with their unit, as in the examples; a value in brackets is the default.")
     out.print("Programs of any quantity take the units of their values from what they read; here of a pressure.")
     out.print('An input is a value, a signal over time, or { from = "NAME.OUTPUT" }.')
-
-
-def _lines(rows: Sequence[Sequence[Any]]) -> list[list[str]]:
-    """The cells of each row as text, a list with one line for each entry."""
-    return [[cell if isinstance(cell, str) else "\n".join(cell) for cell in row] for row in rows]
 
 
 def _component(component: "Component") -> Sequence[list[str]]:
