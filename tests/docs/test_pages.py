@@ -52,7 +52,9 @@ def test_every_command_of_every_page_is_one():
     lines = [line for page in PAGES for line in commands(page)]
     assert len(lines) > 60
     assert [problem for line in lines if (problem := usage_problem(line))] == []
-    assert usage_problem("run prototype --untl 1") and usage_problem("rnu prototype") and usage_problem("show this that")
+    assert (
+        usage_problem("run prototype --untl 1") and usage_problem("rnu prototype") and usage_problem("show this that")
+    )
 
 
 def test_links_of_the_readme_lead_somewhere():

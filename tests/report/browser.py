@@ -41,6 +41,11 @@ class Browser:
 
     def call(self, method: str, **values: Any) -> Mapping[str, Any]:
         """The answer to a command of the browser's protocol."""
+        answer = self._answer(method, values)
+        assert "error" not in answer, answer
+        return answer["result"]
+
+    def _answer(self, method: str, values: Mapping[str, Any]) -> Mapping[str, Any]:
         self._count += 1
         message = {"id": self._count, "method": method, "params": values}
         if self._session:
@@ -49,8 +54,7 @@ class Browser:
         while True:
             answer = self._next()
             if answer.get("id") == self._count:
-                assert "error" not in answer, answer
-                return answer["result"]
+                return answer
             self.events.append(answer)
 
     def open(self, page: Path) -> None:
@@ -65,10 +69,17 @@ class Browser:
             self.events.append(self._next())
 
     def ask(self, expression: str) -> Any:
-        """The value of a JavaScript expression; a promise is awaited."""
-        answer = self.call("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)
-        assert "exceptionDetails" not in answer, answer["exceptionDetails"]
-        return answer["result"].get("value")
+        """The value of a JavaScript expression; a promise is awaited.
+
+        The browser may forget that it waits for a promise while much memory is freed; then it is asked again.
+        """
+        values = {"expression": expression, "awaitPromise": True, "returnByValue": True}
+        answer = self._answer("Runtime.evaluate", values)
+        while "Promise was collected" in str(answer.get("error")):
+            answer = self._answer("Runtime.evaluate", values)
+        assert "error" not in answer, answer
+        assert "exceptionDetails" not in answer["result"], answer["result"]["exceptionDetails"]
+        return answer["result"]["result"].get("value")
 
     def mouse(self, kind: str, x: float, y: float, **more: Any) -> None:
         """A movement, press or turn of the mouse at a point of the window."""

@@ -40,6 +40,12 @@ TOO_WIDE = """[...document.body.querySelectorAll('*')].filter((each) => {
     if (one !== document.documentElement && getComputedStyle(one).overflowX !== 'visible' && one !== each) return false;
   return box.width && box.right > document.documentElement.clientWidth + 1;
 }).map((each) => `${each.localName}.${each.getAttribute('class') || ''} ${each.textContent.slice(0, 30)}`)"""
+NARROW = """[...document.querySelectorAll('.live-plot .u-over')].map((each) => each.clientWidth)
+  .filter((width) => width < 180)"""
+SMALL = """[...document.querySelectorAll('figure[id^=figure-circuit] svg text')].filter((each) => {
+  const scale = each.ownerSVGElement.getScreenCTM().a;
+  return parseFloat(getComputedStyle(each).fontSize) * scale < 8.99;
+}).map((each) => each.textContent)"""
 SCROLLS = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
 
 
@@ -80,15 +86,20 @@ def resize(browser, width):
     browser.call("Emulation.setDeviceMetricsOverride", width=width, height=1200, deviceScaleFactor=1, mobile=False)
 
 
-def check_page(browser, page):
-    """Everything that holds for any page."""
-    resize(browser, 1000)
+def opened_charts(browser, page):
+    """Opens a page with all its charts; their names."""
     browser.open(page)
-    names = browser.ask(
+    return browser.ask(
         "document.getElementById('chart-data') ? vvdpCharts.then((all) => {"
         " const names = JSON.parse(document.getElementById('chart-data').textContent).charts.map((each) => each.name);"
         " names.forEach((name) => all.open(name)); return names; }) : []"
     )
+
+
+def check_page(browser, page):
+    """Everything that holds for any page."""
+    resize(browser, 1000)
+    names = opened_charts(browser, page)
     live = "vvdpCharts.then((all) => [...all.live.keys()])"
     assert not names or sorted(browser.ask(live)) == sorted(names)
     figures = browser.ask("[...document.querySelectorAll('figcaption b')].map((each) => each.textContent)")
@@ -102,11 +113,22 @@ def check_page(browser, page):
         assert browser.ask(f"new Promise((done) => setTimeout(() => done({TOO_WIDE}), 50))") == [], width
         assert browser.ask(SCROLLS) == 0, width
     check_paper(browser)
+    check_phone(browser, page)
     said = [each["entry"] for each in browser.named("Log.entryAdded")]
     assert [each for each in said if each["source"] != "rendering"] == []  # that is the driver, on WebGL in software
     assert browser.named("Runtime.exceptionThrown") + browser.named("Runtime.consoleAPICalled") == []
     asked = {each["request"]["url"].split(":")[0] for each in browser.named("Network.requestWillBeSent")}
     assert asked <= {"file", "data"}
+
+
+def check_phone(browser, page):
+    """At 390 px panels stand below each other, each with room for its curves, and the text of diagrams can be read."""
+    resize(browser, 390)
+    opened_charts(browser, page)
+    assert browser.ask(NARROW) == []
+    assert browser.ask(f"new Promise((done) => setTimeout(() => done({TOO_WIDE}), 50))") == []
+    assert browser.ask(SCROLLS) == 0
+    assert browser.ask(SMALL) == []
 
 
 def check_paper(browser):

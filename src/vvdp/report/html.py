@@ -32,12 +32,13 @@ def group(name: str, columns: int) -> str:
 
 
 def inline_svg(svg: str, name: str) -> str:
-    """An SVG file as an element of a page, its identifiers made its own by `name`."""
+    """An SVG file as an element of a page, its identifiers made its own by `name`; `--natural` is its own width."""
     body = svg[svg.index("<svg") :]
     known = set(re.findall(r'\bid="([^"]+)"', body))
     body = re.sub(r'\bid="([^"]+)"', rf'id="{name}-\1"', body)
     body = re.sub(r"url\(#([^)]+)\)", rf"url(#{name}-\1)", body)
     body = re.sub(r'href="#([^"]+)"', lambda m: f'href="#{name}-{m[1]}"' if m[1] in known else m[0], body)
+    body = re.sub(r'viewBox="\S+ \S+ ([\d.]+)', r'style="--natural: \1px" \g<0>', body, count=1)
     return re.sub(r"<metadata>.*?</metadata>\s*", "", body, flags=re.DOTALL)
 
 

@@ -2,6 +2,9 @@
 
 const HINT = "Drag to zoom, Shift and drag to move, wheel to zoom (after a click, or with Ctrl), double click to reset. A click sets cursor A, the next one B.";
 
+/** Height of a panel that stands beside others, at least: on a narrow screen the still is low [px]. */
+const LEAST = 260;
+
 /** A figure of the page with its panels, buttons and two cursors. */
 class LiveChart {
   constructor(described, figure, column) {
@@ -15,7 +18,7 @@ class LiveChart {
     this.before = this.cursors;
     this.readout = element("table", { class: "live-readout", role: "status", hidden: "" });
     this.grid = element("div", { class: described.sideBySide ? "live-grid live-beside" : "live-grid" });
-    if (described.sideBySide) this.grid.style.gridTemplateColumns = this.plots.map((plot) => `minmax(0, ${plot.described.height}fr)`).join(" ");
+    if (described.sideBySide) this.grid.style.setProperty("--beside", this.plots.map((plot) => `minmax(0, ${plot.described.height}fr)`).join(" "));
     this.grid.append(...this.plots.map((plot) => plot.node));
     this.node = element("div", { class: "live" }, this.#buttons(), this.grid, this.readout);
     this.#open();
@@ -30,7 +33,7 @@ class LiveChart {
     const room = (plot) => (plot.isAboveAnother ? 16 : 60);
     const inner = Math.max(height - this.plots.reduce((sum, plot) => sum + room(plot), 0), 110 * this.plots.length);
     for (const plot of this.plots) {
-      const share = this.described.sideBySide ? height : (inner * plot.described.height) / total + room(plot);
+      const share = this.described.sideBySide ? Math.max(height, LEAST) : (inner * plot.described.height) / total + room(plot);
       plot.open(plot.host.clientWidth, Math.max(Math.round(share), 100));
       plot.join();
     }

@@ -156,6 +156,7 @@ class FieldContent {
 
   draw(context, { box, toX, toY }, ratio) {
     const [wide, high] = [Math.round(box.width), Math.round(box.height)];
+    if (wide < 1 || high < 1) return; // too narrow to show anything
     const across = cellsAlong(this.across, wide, (column) => toX(box.left + column + 0.5));
     const up = cellsAlong(this.up, high, (row) => toY(box.top + row + 0.5));
     const steps = this.#steps(across, up);
@@ -169,7 +170,42 @@ class FieldContent {
       }
     }
     context.putImageData(image, Math.round(box.left), Math.round(box.top));
+    this.#label(context, steps, wide, box, ratio);
     this.#cross(context, { box, toX, toY }, ratio);
+  }
+
+  /** The value of each contour beside it, where it crosses a row nearest to the middle, clear of the other labels. */
+  #label(context, steps, wide, box, ratio) {
+    const { steps: levels } = this.described;
+    const high = steps.length / wide;
+    const best = levels.map(() => ({ far: Infinity }));
+    for (let row = Math.round(0.15 * high); row < 0.85 * high; row += 4) {
+      for (let column = Math.round(0.12 * wide); column < 0.88 * wide; column++) {
+        const [a, b] = [steps[row * wide + column - 1], steps[row * wide + column]];
+        if (a === b || a < 0 || b < 0) continue;
+        const far = Math.abs(row - 0.5 * high) + Math.abs(column - 0.5 * wide);
+        for (let level = Math.min(a, b); level < Math.max(a, b); level++) if (far < best[level].far) best[level] = { far, x: column, y: row };
+      }
+    }
+    context.font = FONT.replace("12px", `${11 * ratio}px`);
+    context.textAlign = "center";
+    context.textBaseline = "middle";
+    const placed = [];
+    best.forEach(({ far, x, y }, level) => {
+      if (far === Infinity || placed.some(([left, top]) => Math.abs(left - x) < 34 * ratio && Math.abs(top - y) < 15 * ratio)) return;
+      placed.push([x, y]);
+      context.strokeStyle = "#fff";
+      context.lineWidth = 3 * ratio;
+      context.strokeText(formatNumber(levels[level]), box.left + x, box.top + y);
+      context.fillStyle = INK;
+      context.fillText(formatNumber(levels[level]), box.left + x, box.top + y);
+    });
+  }
+
+  /** The colours with the values from which on they count. */
+  get scale() {
+    const { steps: levels, colours } = this.described;
+    return levels.map((level, i) => ({ colour: colours[Math.min(i, colours.length - 1)], text: formatNumber(level) }));
   }
 
   /** A cross at each marked point of the grid that is in view. */

@@ -311,6 +311,9 @@ class Plot {
     if (this.described.legend) this.legend.append(element("span", { class: "live-heading" }, this.described.legend));
     names.forEach((name, i) => this.legend.append(element("span", { class: "live-entry" }, name, this.values[i])));
     this.legend.append(this.where);
+    if (!this.isField) return;
+    const steps = this.content.scale.map(({ colour, text }) => element("span", {}, element("i", { style: `background:${colour}` }), text));
+    this.legend.append(element("div", { class: "live-levels", title: "a colour counts from its value on" }, ...steps, this.described.z.unit));
   }
 
   #switch(line, place) {
