@@ -61,7 +61,8 @@ class Part:
 
     system: SystemName
     part: Annotated[
-        str, typer.Option("--part", metavar="NAME", help="Export the step of this program, or the circuit.")
+        str,
+        typer.Option("--part", metavar="NAME", help="Program to export, `circuit`, or `machine` (all, with the loop)."),
     ] = "circuit"
 
 
@@ -78,24 +79,22 @@ def write_c_folder(
     force: Force = False,
     json: AsJson = False,
 ) -> None:
-    """Export a circuit, or a sampled program, as C99.
+    """Export a circuit, a sampled program, or a whole system with its simulation loop as C99.
 
     The directory holds the functions with structs and units, test vectors with the expected bits, a Makefile and a
     README. `make test` in it compares every bit.
     """
     from vvdp.base.files import result_directory, write_whole
-    from vvdp.cli.screen import print_json, tell
-    from vvdp.export.c_folder import c_files, c_part, facts
+    from vvdp.cli.screen import print_json, say, tell
+    from vvdp.export.c_folder import exported_folder
     from vvdp.systems.system import load_system
 
-    loaded = load_system(chosen.system, settings or ())
-    made = c_part(loaded, chosen.part)
+    made = exported_folder(load_system(chosen.system, settings or ()), chosen.part, samples, say)
+    found = made.facts
     directory = out if out is not None else default_directory(f"c-{made.name}")
     with result_directory(directory, force=force) as folder:
-        files = c_files(loaded, made, samples)
-        for name, text in files.items():
+        for name, text in made.files.items():
             write_whole(folder / name, text)
-    found = facts(made, files, samples)
     if json:
         print_json({**found, "out": str(directory)})
     else:
