@@ -121,7 +121,7 @@ class Machine:
     def member(self, name):
         """A member as an array that shares its numbers."""
         at = 0
-        for own, each in self.made.kept.items():
+        for own, each in self.made.content.items():
             if own == name:
                 return self.kept[at : at + each.size]
             at += max(1, each.size)

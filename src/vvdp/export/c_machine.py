@@ -80,7 +80,7 @@ class CMachine:
         return loop.workbench(self.tables.plan, self.begun.state.size, self.tables.width.size, self.tables.pattern)
 
     @cached_property
-    def kept(self) -> dict[str, Array]:
+    def content(self) -> dict[str, Array]:
         """What a machine keeps, by the names of its members, as it is at the start."""
         found = dict(zip(("state", "command", "memory"), self.begun, strict=False))
         found |= {"parameters": self.tables.vectors.params}
@@ -90,7 +90,7 @@ class CMachine:
     @property
     def size(self) -> int:
         """Bytes of a machine: what it keeps, room of the loop, and the last marks."""
-        numbers: int = sum(max(1, int(each.size)) for each in (*self.kept.values(), *self.bench))
+        numbers: int = sum(max(1, int(each.size)) for each in (*self.content.values(), *self.bench))
         return 8 * (numbers + LAST_MARKS * (1 + self.begun.state.size))
 
 
@@ -159,7 +159,7 @@ def header_text(machine: CMachine) -> str:
     structs = [struct_text(f"{name}_{word}", value, about) for word, value, about in views if flat(value).size]
     if not flat(shown).size:
         structs.append(f"typedef double {name}_output;\n")
-    sizes = {word: machine.kept[word].size for word in ("state", "command", "memory")}
+    sizes = {word: machine.content[word].size for word in ("state", "command", "memory")}
     said = HEADER.format(
         name=name,
         states=sizes["state"],
@@ -181,7 +181,7 @@ def wrap_lines(words: str) -> str:
 
 def _machine_struct(machine: CMachine) -> str:
     n = machine.begun.state.size
-    lines = [f"    double {name}[{max(1, each.size)}];" for name, each in machine.kept.items()]
+    lines = [f"    double {name}[{max(1, each.size)}];" for name, each in machine.content.items()]
     lines += [f"    double mark_times[{LAST_MARKS}];", f"    double mark_states[{LAST_MARKS * n}];", "    struct {"]
     bench = machine.bench._asdict().items()
     lines += [f"        double {name}[{max(1, each.size)}];" for name, each in bench]
@@ -194,7 +194,7 @@ def facade_text(machine: CMachine) -> str:
     name = machine.name
     includes = ["math.h", "stddef.h", "stdint.h", "string.h"]
     parts = [f'#include "{name}.h"\n', *(f"#include <{each}>" for each in includes), f'\n#include "{name}_core.h"\n']
-    kept = {key: each for key, each in machine.kept.items() if each.size}
+    kept = {key: each for key, each in machine.content.items() if each.size}
     for key in [key for key in kept if key not in ("parameters", "lowest", "highest")]:
         parts.append(f"static const double first_{key}[] = {{\n{numbers_text(kept[key])}\n}};\n")
     rows = "\n".join(parameter_lines(machine))
@@ -246,7 +246,7 @@ def parameter_places(case: Case) -> Iterator[tuple[int, str, int]]:
 def _start(machine: CMachine) -> str:
     name = machine.name
     lines = [f"void {name}_start({name}_machine *machine)", "{", "    memset(machine, 0, sizeof *machine);"]
-    for key, each in machine.kept.items():
+    for key, each in machine.content.items():
         source = "state" if key in ("lowest", "highest") else key
         if each.size:
             lines.append(f"    memcpy(machine->{key}, first_{source}, sizeof machine->{key});")
@@ -264,7 +264,7 @@ def _run(machine: CMachine) -> str:
     handed = [each for argument in _arguments(machine) for each in argument]
     lines += _room_lines(machine, "run", handed)
     lines.append(f"    const int64_t answer = {core.functions['run']}({', '.join(handed)});")
-    lines.append(f"    return {_failed(machine, 'run', '(int)answer')};")
+    lines.append(f"    return {_answer_text(machine, 'run', '(int)answer')};")
     return "\n".join([*map(wrap, lines), "}", ""])
 
 
@@ -284,7 +284,7 @@ def _record_lines(kind: str, name: str, before: str, record: Record, machine: CM
 def _arguments(machine: CMachine) -> Iterator[list[str]]:
     """The arguments of the loop in C, each with its open lengths."""
     stepping, n = machine.system.stepping, str(machine.begun.state.size)
-    rows, sizes = "record->rows", {key: str(machine.kept[key].size) for key in ("command", "memory")}
+    rows, sizes = "record->rows", {key: str(machine.content[key].size) for key in ("command", "memory")}
     shapes: dict[str, list[str]] = {
         "record_times": [rows], "record": [rows, n], "record_command": [rows, sizes["command"]],
         "record_memory": [rows, sizes["memory"]], "mark_times": [f"keeps ? record->marks : {LAST_MARKS}"],
@@ -309,7 +309,7 @@ def _argument(word: str, kind: Kind, shape: list[str]) -> list[str]:
 def _shape(machine: CMachine, name: str) -> list[str]:
     """The lengths of an argument that the machine or a table holds."""
     own = {"y": "state", "params": "parameters", "low": "lowest", "high": "highest"}.get(name, name)
-    array: Any = machine.kept.get(own)
+    array: Any = machine.content.get(own)
     array = getattr(machine.tables, name, None) if array is None else array
     return [str(length) for length in array.shape] if isinstance(array, np.ndarray) else []
 
@@ -317,13 +317,13 @@ def _shape(machine: CMachine, name: str) -> list[str]:
 def _outputs(machine: CMachine) -> str:
     name, core = machine.name, machine.core
     count = flat(example_outputs(machine.system.model, machine.system.case)).size
-    kept = [f"(double *)machine->{key}, {machine.kept[key].size}" for key in ("state", "command", "parameters")]
+    kept = [f"(double *)machine->{key}, {machine.content[key].size}" for key in ("state", "command", "parameters")]
     handed = [f"machine->clock[{places.TIME}]", *kept, f"(double *)outputs, {count}"]
     lines = [f"int {name}_outputs(const {name}_machine *machine, {name}_output *outputs)", "{"]
     lines += _room_lines(machine, "outputs", handed)
     lines += [
         f"    {core.functions['outputs']}({', '.join(handed)});",
-        f"    return {_failed(machine, 'outputs', '0')};",
+        f"    return {_answer_text(machine, 'outputs', '0')};",
     ]
     time = [f"double {name}_time(const {name}_machine *machine)", "{", f"    return machine->clock[{places.TIME}];"]
     return "\n".join([*map(wrap, lines), "}", "", *time, "}", ""])
@@ -343,6 +343,6 @@ def _room_lines(machine: CMachine, entry: str, handed: list[str]) -> list[str]:
     return lines
 
 
-def _failed(machine: CMachine, entry: str, answer: str) -> str:
+def _answer_text(machine: CMachine, entry: str, answer: str) -> str:
     """The answer of an entry, or the number of its failure."""
     return f"failure != 0 ? {FAILED} + (int)failure : {answer}" if machine.core.needs[entry].trouble else answer

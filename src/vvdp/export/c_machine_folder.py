@@ -79,7 +79,7 @@ def facts(machine: CMachine, files: dict[str, str], samples: int) -> dict[str, A
         "functions": len(machine.functions),
         "lines": sum(files[each].count("\n") for each in (f"{machine.name}.c", f"{machine.name}_core.c")),
         "memory_bytes": machine.size,
-        "settings_bytes": 8 * machine.kept["parameters"].size,
+        "settings_bytes": 8 * machine.content["parameters"].size,
         "stack_bytes": 8 * max(reals + wholes for reals, wholes in machine.rooms.values()),
         "flags": list(machine.core.flags),
         "samples": samples,
@@ -280,7 +280,7 @@ ABOUT = {
 
 def readme_text(machine: CMachine, expected: Expected) -> str:
     """What the folder holds, what to call, what it needs, and what was verified."""
-    rows = "".join(f"| `{name}` | {ABOUT[name]} | {each.size} |\n" for name, each in machine.kept.items())
+    rows = "".join(f"| `{name}` | {ABOUT[name]} | {each.size} |\n" for name, each in machine.content.items())
     answers = [f"{number} ({word.lower().replace('_', ' ')})" for number, word in enumerate(STATUS) if number > 1]
     return README.format(
         system=machine.system.name,

@@ -68,10 +68,10 @@ def _functions(model: Model, case: Case) -> dict[str, Callable[..., Any]]:
     if model.conditions is not None:
         parts.append(conditions_part(model.conditions, case))
     found = {part.name: _with_lengths(part, params) for part in parts}
-    sampled, told = list[Sampled](), _told(example_outputs(model, case))
+    sampled, told = list[Sampled](), _told_numbers(example_outputs(model, case))
     for number, (name, program) in enumerate(model.programs.items(), 1):
         seen = needs_outputs(program.measure)
-        reading = _told(example_reading(model, program, case))
+        reading = _told_numbers(example_reading(model, program, case))
         found[f"measure_{number}"] = _with_lengths(measure_part(model, program, case), {**params, "o": told})
         found[f"step_{number}"] = _with_lengths(step_part(model, name, case), {**params, "r": reading}, begin[name])
         sampled.append(Sampled("", "", begin[name], reading.size, outputs_size(model, case) if seen else 0))
@@ -80,7 +80,7 @@ def _functions(model: Model, case: Case) -> dict[str, Callable[..., Any]]:
     return found
 
 
-def _told(value: Any) -> Array:
+def _told_numbers(value: Any) -> Array:
     """The numbers of a value as sensors and programs are handed them: the shape of an array before its numbers."""
     lines, numbers = list[str](), np.zeros(told_size(value))
     write(value, "value", "numbers", Place(), lines, shapes=True)
