@@ -105,7 +105,7 @@ class Machine:
         (folder / f"{made.name}.c").write_text(facade_text(made))
         (folder / f"{made.name}_core.h").write_text(made.core.header)
         (folder / f"{made.name}_core.c").write_text(made.core.source)
-        command = [compiler, *made.core.flags, *flags, "-fPIC", "-shared", "-o", "machine.so"]
+        command = [compiler, *made.flags, *flags, "-fPIC", "-shared", "-o", "machine.so"]
         files = [f"{made.name}.c", f"{made.name}_core.c"]
         subprocess.run([*command, *files, "-lm"], cwd=folder, check=True)
         self.library = ctypes.CDLL(str(folder / "machine.so"))

@@ -329,7 +329,7 @@ def test_the_sources_have_no_warning(fmi, monkeypatch):
     warnings = ("-Wall", "-Wextra", "-pedantic", "-Wshadow", "-Wconversion", "-Werror")
     for compiler in compilers():
         monkeypatch.setenv("CC", compiler)
-        used, binary = compile_binary(source_files(model, fmi, "{x}"), (*model.machine.core.flags, *warnings))
+        used, binary = compile_binary(source_files(model, fmi, "{x}"), (*model.machine.flags, *warnings))
         assert binary
         assert used in compiler
 

@@ -74,6 +74,14 @@ class CMachine:
         """Name in C, and file and line of the Python text, of each function."""
         return [(self.core.functions[f.name], f"{shown_file(f.file)}:{f.line}") for f in self.module.functions]
 
+    @property
+    def flags(self) -> tuple[str, ...]:
+        """What a compiler has to be told: as for the core, and that it copies numbers by the C library.
+
+        GCC 12.2 with -march=x86-64-v4 copies constants that begin with two equal numbers wrongly.
+        """
+        return (*self.core.flags, "-fno-builtin-memcpy")
+
     @cached_property
     def bench(self) -> loop.Workbench:
         """Arrays of the size that the loop works with."""

@@ -64,7 +64,7 @@ def machine_files(machine: CMachine, samples: int, say: Callable[[str], None] = 
         "vectors.h": vectors_text(expected),
         f"test_{name}.c": CHECK.replace("NAME", name),
         "example.c": _example(machine),
-        "Makefile": makefile_text(name, machine.core.flags),
+        "Makefile": makefile_text(name, machine.flags),
         "README.md": readme_text(machine, expected),
     }
 
@@ -81,7 +81,7 @@ def facts(machine: CMachine, files: dict[str, str], samples: int) -> dict[str, A
         "memory_bytes": machine.size,
         "settings_bytes": 8 * machine.content["parameters"].size,
         "stack_bytes": 8 * max(reals + wholes for reals, wholes in machine.rooms.values()),
-        "flags": list(machine.core.flags),
+        "flags": list(machine.flags),
         "samples": samples,
         "hash": machine.hash,
     }
@@ -246,6 +246,7 @@ Only the headers of C99 and its mathematical library (`-lm`) are needed. Keep th
 
 - Without `-ffp-contract=off` a compiler may round a product and a sum once instead of twice.
 - Without `-fno-builtin-...` it may replace functions of the C library.
+- Without `-fno-builtin-memcpy`, GCC 12.2 with `-march=x86-64-v4` copies some constants wrongly.
 - With `-ffast-math` the text does not compile.
 
 ## Evidence

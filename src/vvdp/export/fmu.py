@@ -81,7 +81,7 @@ def fmu(model: FmuModel, fmi: int) -> Fmu:
     """
     if fmi not in (2, 3):
         raise ConfigError([Fault("--fmi", 0, str(fmi), "expected 2 or 3")])
-    name, flags = fmu_name(model), model.machine.core.flags
+    name, flags = fmu_name(model), model.machine.flags
     token = f"{{{_hash_of(model, fmi)}}}"
     sources = source_files(model, fmi, token)
     files = {
@@ -96,7 +96,7 @@ def fmu(model: FmuModel, fmi: int) -> Fmu:
     compiler, binary = compile_binary(sources, flags)
     if binary:
         entries[f"binaries/{platform_folder(fmi)}/{name}{ENDS[sys.platform]}"] = binary
-    return Fmu(model, fmi, _zipped(entries), entries, compiler)
+    return Fmu(model, fmi, _zip_of(entries), entries, compiler)
 
 
 def _hash_of(model: FmuModel, fmi: int) -> str:
@@ -138,7 +138,7 @@ def compile_binary(sources: Mapping[str, str], flags: Sequence[str]) -> tuple[st
         return Path(found).name if found else "ziglang", (folder / "fmu.bin").read_bytes()
 
 
-def _zipped(entries: Mapping[str, bytes]) -> bytes:
+def _zip_of(entries: Mapping[str, bytes]) -> bytes:
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as file:
         for name, content in entries.items():

@@ -91,7 +91,7 @@ def fmu_model(system: System, inputs: Sequence[str] = (), outputs: Sequence[str]
     vectors is a product or a sum, to the last bit. Raises ConfigError where a key is unknown, or no constant signal.
     """
     values = changeable_values(system, _outside_vectors)
-    chosen = _renamed("--input", inputs)
+    chosen = _names_of("--input", inputs)
     for key in chosen:
         _require_signal(system, values, key)
     settables = [_settable(each, chosen) for each in values if not each.why_not]
@@ -100,7 +100,7 @@ def fmu_model(system: System, inputs: Sequence[str] = (), outputs: Sequence[str]
     fixed += [(row.setting, _why_fixed(row)) for row in system.rows if row.setting not in known]
     shown = _outputs(system, {each.name for each in settables})
     if outputs:
-        names = _renamed("--output", outputs)
+        names = _names_of("--output", outputs)
         for key in names:
             if key not in shown:
                 raise ConfigError([Fault("--output", 0, key, f"unknown{nearest(key, tuple(shown))}")])
@@ -126,7 +126,7 @@ def _why_fixed(row: Any) -> str:
     return "it is a course over time" if isinstance(row.value, Signal) else "it is no single number"
 
 
-def _renamed(option: str, words: Sequence[str]) -> dict[str, str]:
+def _names_of(option: str, words: Sequence[str]) -> dict[str, str]:
     """Keys with the names that they have in the FMU."""
     found = {}
     for word in words:
