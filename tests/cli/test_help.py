@@ -8,7 +8,7 @@ import typer.main
 from vvdp.cli.main import app
 
 ROOT = typer.main.get_command(app)
-WRITE_NO_REPORT = {"plot", "export c", "export web"}
+WRITE_NO_REPORT = {"plot", "export c", "export fmu", "export web"}
 """Verbs that write something else than a result directory."""
 
 

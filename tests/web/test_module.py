@@ -4,10 +4,10 @@ import pytest
 from tests.web.node import InNode, differing, left_by
 
 from vvdp.simulation.run import simulate
+from vvdp.systems.changeable import changeable_values
 from vvdp.systems.system import load_system, shipped_systems
 from vvdp.web.module import web_module
 from vvdp.web.page import run_model
-from vvdp.web.values import changeable_values
 
 QUICK = ("accumulator-charging", "buck-converter", "cylinder-stops", "prototype-constant-load")
 

@@ -1,4 +1,4 @@
-"""`vvdp export`: results for other programs, models as C, systems as pages."""
+"""`vvdp export`: results for other programs, models as C and as FMUs, systems as pages."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +18,7 @@ Parquet = Annotated[
 
 @app.callback()
 def export() -> None:
-    """Export tables, a model as C, or a page that runs a system."""
+    """Export tables, a model as C or as an FMU, or a page that runs a system."""
 
 
 @app.command("data", cls=Verb)
@@ -61,7 +61,8 @@ class Part:
 
     system: SystemName
     part: Annotated[
-        str, typer.Option("--part", metavar="NAME", help="Export the step of this program, or the circuit.")
+        str,
+        typer.Option("--part", metavar="NAME", help="Program to export, `circuit`, or `machine` (all, with the loop)."),
     ] = "circuit"
 
 
@@ -78,30 +79,92 @@ def write_c_folder(
     force: Force = False,
     json: AsJson = False,
 ) -> None:
-    """Export a circuit, or a sampled program, as C99.
+    """Export a circuit, a sampled program, or a whole system with its simulation loop as C99.
 
     The directory holds the functions with structs and units, test vectors with the expected bits, a Makefile and a
     README. `make test` in it compares every bit.
     """
     from vvdp.base.files import result_directory, write_whole
-    from vvdp.cli.screen import print_json, tell
-    from vvdp.export.c_folder import c_files, c_part, facts
+    from vvdp.cli.screen import print_json, say, tell
+    from vvdp.export.c_folder import exported_folder
     from vvdp.systems.system import load_system
 
-    loaded = load_system(chosen.system, settings or ())
-    made = c_part(loaded, chosen.part)
+    made = exported_folder(load_system(chosen.system, settings or ()), chosen.part, samples, say)
+    found = made.facts
     directory = out if out is not None else default_directory(f"c-{made.name}")
     with result_directory(directory, force=force) as folder:
-        files = c_files(loaded, made, samples)
-        for name, text in files.items():
+        for name, text in made.files.items():
             write_whole(folder / name, text)
-    found = facts(made, files, samples)
     if json:
         print_json({**found, "out": str(directory)})
     else:
         tell(f"{found['functions']} functions, {found['lines']} lines of C, {samples} samples with expected bits")
         tell(f"memory: {found['memory_bytes']} bytes, settings: {found['settings_bytes']} bytes")
         tell(f"results: {directory}\ntest: make -C {directory} test")
+
+
+@dataclass(frozen=True)
+class Variables:
+    """Options: which FMU of a system is exported."""
+
+    system: SystemName
+    fmi: Annotated[int, typer.Option("--fmi", metavar="N", min=2, max=3, help="Version of FMI: 2 or 3.")] = 3
+    kind: Annotated[str, typer.Option("--kind", metavar="KIND", help="Kind of FMU: `cs` (co-simulation).")] = "cs"
+    input: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--input", metavar="KEY[=NAME]", help="Input of the FMU (repeatable; default: all signals of the file)."
+        ),
+    ] = None
+    output: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--output", metavar="PATH[=NAME]", help="Output of the FMU (repeatable; default: all that can be shown)."
+        ),
+    ] = None
+
+
+@app.command("fmu", cls=Verb)
+@flat()
+def write_fmu(
+    *,
+    chosen: Variables,
+    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="The FMU, FILE.fmu.")],
+    settings: Settings = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    json: AsJson = False,
+) -> None:
+    """Export a system as an FMU for co-simulation, with its simulation loop.
+
+    The file holds the sources in C99 and, if a C compiler or the package ziglang is found, the binary of this machine.
+    """
+    from vvdp.base.errors import unusable
+    from vvdp.base.files import write_whole
+    from vvdp.cli.screen import print_json, tell
+    from vvdp.export.fmu import fmu, require_kind
+    from vvdp.export.fmu_model import fmu_model
+    from vvdp.systems.system import load_system
+
+    require_kind(chosen.kind)
+    if out.exists() and not force:
+        raise unusable(out, "exists already; --force replaces it")
+    made = fmu(
+        fmu_model(load_system(chosen.system, settings or ()), chosen.input or (), chosen.output or ()), chosen.fmi
+    )
+    write_whole(out, made.content)
+    facts = made.facts
+    if json:
+        print_json({**facts, "out": str(out)})
+        return
+    tell(
+        f"FMI {made.fmi}: {len(facts['inputs'])} inputs, {len(facts['outputs'])} outputs, "
+        f"{len(facts['free_parameters'])} free parameters, {len(facts['fixed_parameters'])} fixed values"
+    )
+    if made.compiler:
+        tell(f"{facts['bytes']} bytes, {facts['binary_bytes']} of them the binary by {made.compiler}")
+    else:
+        tell("no C compiler was found: the FMU has sources only; install one, or the package ziglang")
+    tell(f"FMU: {out}")
 
 
 @app.command("web", cls=Verb)

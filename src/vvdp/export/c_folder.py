@@ -1,14 +1,17 @@
 """A folder with a part of a system in C: the functions, structs with units, vectors with expected bits, what checks."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib.metadata import version
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.tables import nearest
+from vvdp.export.c_machine import MACHINE, c_machine
+from vvdp.export.c_machine_folder import facts as machine_facts
+from vvdp.export.c_machine_folder import machine_files
 from vvdp.export.c_parts import (
     IN,
     KEPT,
@@ -29,10 +32,33 @@ from vvdp.generator.c_text import identifier, wrap
 from vvdp.generator.c_writer import write_c
 from vvdp.generator.calls import callables
 from vvdp.generator.llvm_writer import write_llvm
+from vvdp.simulation.link import quiet
 from vvdp.simulation.values import flat
 from vvdp.systems.system import System
 
 CIRCUIT = "circuit"
+
+
+class Exported(NamedTuple):
+    """A folder: the name of what is in it, its files by name, and what the command line prints."""
+
+    name: str
+    files: Mapping[str, str]
+    facts: Mapping[str, Any]
+
+
+def exported_folder(system: System, part: str, samples: int, say: Callable[[str], None] = quiet) -> Exported:
+    """The folder of a part: `circuit`, `machine`, or a program by its name; `say` hears if something is compiled.
+
+    Raises as `c_part`.
+    """
+    if part == MACHINE:
+        machine = c_machine(system)
+        files = machine_files(machine, samples, say)
+        return Exported(machine.name, files, machine_facts(machine, files, samples))
+    made = c_part(system, part)
+    files = c_files(system, made, samples)
+    return Exported(made.name, files, facts(made, files, samples))
 
 
 def c_part(system: System, part: str) -> CPart:
@@ -42,7 +68,7 @@ def c_part(system: System, part: str) -> CPart:
     be exported.
     """
     model, case = system.model, system.case
-    names = (CIRCUIT, *model.programs)
+    names = (CIRCUIT, MACHINE, *model.programs)
     if part not in names:
         raise ConfigError([Fault("--part", 0, part, f"unknown{nearest(part, names)}")])
     is_circuit = part == CIRCUIT

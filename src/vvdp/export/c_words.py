@@ -21,7 +21,7 @@ def vectors_text(
     parts = [
         "/* Arguments and expected results as the bits of IEEE 754 doubles. */\n#include <stdint.h>\n",
         f"enum {{ SAMPLES = {len(drawn)} }};\n",
-        f"static const uint64_t times[SAMPLES] = {{\n{_bits(np.array(times))}\n}};\n",
+        f"static const uint64_t times[SAMPLES] = {{\n{bits_text(np.array(times))}\n}};\n",
     ]
     known = next(block for entry in entries for block in entry.arguments if block.drawn)
     parts.append(_rows(f"drawn_{known.name}", drawn))
@@ -34,11 +34,12 @@ def vectors_text(
 
 
 def _rows(name: str, rows: Sequence[Array]) -> str:
-    lines = ",\n".join(f"    {{\n{_bits(row)}\n    }}" for row in rows)
+    lines = ",\n".join(f"    {{\n{bits_text(row)}\n    }}" for row in rows)
     return f"static const uint64_t {name}[SAMPLES][{rows[0].size}] = {{\n{lines}\n}};\n"
 
 
-def _bits(numbers: Array) -> str:
+def bits_text(numbers: Array) -> str:
+    """Numbers as the bits of floats, in lines of C."""
     words = [f"UINT64_C(0x{int(bits):016x})" for bits in np.asarray(numbers, float).view(np.uint64)]
     return ",\n".join("        " + ", ".join(words[i : i + 4]) for i in range(0, len(words), 4))
 

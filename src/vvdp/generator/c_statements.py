@@ -252,6 +252,7 @@ def _for(text: Text, statement: tree.For) -> None:
     if statement.exhausted and has_break(statement.body):
         left = text.new_name("is_left")
         text.put(f"bool {left} = false;")
+        text.optional.add(left)
     _round(text, f"for (int64_t {name} = {one(text, first)}; {test}; {count}) {{", statement.body, left)
     if not left:
         write_block(text, statement.exhausted)

@@ -22,7 +22,7 @@ from vvdp.generator.c_room import room_of
 from vvdp.generator.c_scopes import expressions_in
 from vvdp.generator.c_statements import result_record, write_block
 from vvdp.generator.c_text import Shared, Text, identifier, length_names, wrap
-from vvdp.generator.kinds import Known, Record, Row, Scalar
+from vvdp.generator.kinds import Kind, Known, Record, Row, Scalar
 from vvdp.generator.library import C_LIBRARY
 from vvdp.generator.llvm_statements import needs_of, statements_in
 from vvdp.generator.llvm_text import Needs
@@ -46,6 +46,7 @@ class CModule:
     functions   by name, the C name of each function
     flags       what the compiler has to be told
     needs       by name, whether a function takes `failure` and `workspace`
+    types       the C names of records
     """
 
     header: str
@@ -53,6 +54,7 @@ class CModule:
     functions: Mapping[str, str]
     flags: tuple[str, ...]
     needs: Mapping[str, Needs]
+    types: Mapping[Kind, str]
 
 
 def write_c(module: Module, prefix: str, supplied: Mapping[str, str] | None = None) -> CModule:
@@ -87,6 +89,7 @@ def write_c(module: Module, prefix: str, supplied: Mapping[str, str] | None = No
         functions=dict(shared.names),
         flags=flags_for(module, supplied),
         needs=dict(shared.needs),
+        types=dict(shared.structs),
     )
 
 

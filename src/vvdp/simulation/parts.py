@@ -64,12 +64,12 @@ def rates_part(model: Model, case: Case) -> Part:
     return _part("rates", lines, {"circuit": model.circuit}, a.classes)
 
 
-def outputs_part(model: Model, case: Case) -> Part:
-    """outputs(t, y, u, p, o), what the circuit shows to sensors."""
+def outputs_part(model: Model, case: Case, *, shapes: bool = True) -> Part:
+    """outputs(t, y, u, p, o), what the circuit shows to sensors; with `shapes` that of an array before its numbers."""
     a = _Arguments(case)
     lines = ["def outputs(t, y, u, p, o):", *a.lines]
     lines.append(f"    {_results(case)} = circuit(t, {a.state}, {a.command}, {a.params})")
-    write(example_outputs(model, case), "outputs", "o", Place(), lines, shapes=True)
+    write(example_outputs(model, case), "outputs", "o", Place(), lines, shapes=shapes)
     return _part("outputs", lines, {"circuit": model.circuit}, a.classes)
 
 

@@ -27,11 +27,10 @@ AT_TRIGGER, AT_MODE, AT_KINK = 1e-12, 1e-7, 1e-6
 """How far behind an event a step may end, as a share of the step: slopes change by far less than rates do."""
 
 
-@dataclass(frozen=True)
-class Prepared:
-    """A case as flat vectors, with the compiled functions and the times at which its programs are called."""
+@dataclass(frozen=True, kw_only=True)
+class Tables:
+    """A case as flat vectors, with the times at which its programs are called and what judges a step."""
 
-    linked: Linked
     vectors: Vectors
     plan: Array  # (1 + programs, columns of `vvdp.simulation.schedule`)
     atol: Array
@@ -40,6 +39,13 @@ class Prepared:
     floor: Array  # below which a state cannot be: 0 Pa absolute, minus infinity where there is no such bound
     width: Array  # of the mark, the triggers and the modes: how far behind an event a step may end, as a share of it
     pattern: Pattern
+
+
+@dataclass(frozen=True, kw_only=True)
+class Prepared(Tables):
+    """A case with the compiled functions."""
+
+    linked: Linked
 
 
 def prepare(
@@ -57,13 +63,17 @@ def prepare(
     """
     check_model(model, case)
     check_times(model, stepping.sample_period)
-    kinds = [(path, kind) for path, _, kind in leaves(case.state)]
     linked = link(model, case, cache, say, checked=checked)
+    return Prepared(linked=linked, **vars(tables(model, case, stepping, linked.digest)))
+
+
+def tables(model: Model, case: Case, stepping: Stepping, digest: str | None = None) -> Tables:
+    """What the loop needs besides compiled functions; `digest` is the hash of the model, by which a part is kept."""
+    kinds = [(path, kind) for path, _, kind in leaves(case.state)]
     scale = np.array([kind.scale if kind else 1.0 for _, kind in kinds])
     bounded = np.array([not (kind and kind.accumulates) for _, kind in kinds])
     active = sum(not path.startswith("books.") for path, _ in kinds)
-    return Prepared(
-        linked=linked,
+    return Tables(
         vectors=vectors(case),
         plan=_plan(model, case, stepping.sample_period),
         atol=stepping.relative_tolerance * scale,
@@ -71,16 +81,16 @@ def prepare(
         scale=scale,
         floor=np.array([0.0 if kind and kind.name == PRESSURE_LEVEL.name else -np.inf for _, kind in kinds]),
         width=_width(model, case),
-        pattern=_jacobian(model, case, linked.digest, (len(kinds), active)),
+        pattern=_jacobian(model, case, digest, (len(kinds), active)),
     )
 
 
-_patterns: dict[str, Pattern] = {}
+_patterns: dict[str | None, Pattern] = {}
 
 
-def _jacobian(model: Model, case: Case, digest: str, shape: tuple[int, int]) -> Pattern:
+def _jacobian(model: Model, case: Case, digest: str | None, shape: tuple[int, int]) -> Pattern:
     """Where the Jacobian of a model has entries; everywhere, where its text cannot be traced. Kept by its hash."""
-    if digest not in _patterns:
+    if digest is None or digest not in _patterns:
         try:
             found = dependencies(trace(model, case))[: shape[0], : shape[1]]
         except Untraceable:
@@ -149,7 +159,7 @@ class Reached(NamedTuple):
         return Reached._make(part.copy() for part in self)
 
 
-def start_run(ready: Prepared, stepping: Stepping) -> Reached:
+def start_run(ready: Tables, stepping: Stepping) -> Reached:
     """Where a run stands before its first step."""
     state, command, memory, _ = (part.copy() for part in ready.vectors)
     programs, clock = ready.plan.shape[0], np.zeros(places.CLOCK)

@@ -1,17 +1,13 @@
 """Objects of a model become a WebAssembly module, with functions of the C library, by the `zig` of the extra `web`."""
 
-import os
-import subprocess
 import tempfile
 from collections.abc import Sequence
 from functools import cache
 from importlib import resources
-from importlib.util import find_spec
 from pathlib import Path
 
-from vvdp.base.errors import RunError
 from vvdp.base.extras import require
-from vvdp.simulation.cache import default_cache
+from vvdp.export.zig import run_zig, zig_path
 
 TRIPLE = "wasm32-unknown-unknown"
 FEATURES = "+bulk-memory,+nontrapping-fptoint,+sign-ext,+mutable-globals"
@@ -37,7 +33,7 @@ def link(objects: Sequence[bytes], entries: Sequence[str]) -> bytes:
         command = ["build-exe", "math.zig", *paths, *MACHINE, "-O", "ReleaseFast", "-fstrip", "-fno-entry"]
         command += ["--import-memory", "--stack", str(MOST_STACK), "--export=__heap_base"]
         command += [f"--export={each}" for each in entries]
-        _run(folder, [*command, "-femit-bin=model.wasm"])
+        run_zig(folder, [*command, "-femit-bin=model.wasm"])
         return (folder / "model.wasm").read_bytes()
 
 
@@ -48,30 +44,16 @@ def _library() -> tuple[bytes, ...]:
         folder = Path(name)
         for file in resources.files("vvdp.web").joinpath("library").iterdir():
             (folder / file.name).write_bytes(file.read_bytes())
-        musl = _zig().parent / "lib" / "libc" / "musl" / "src" / "math"
+        musl = zig_path().parent / "lib" / "libc" / "musl" / "src" / "math"
         sources = [*(folder / f"{each}.c" for each in OWN), *(musl / f"{each}.c" for each in MUSL)]
         flags = ["-target", MACHINE[1], f"-mcpu={MACHINE[3]}", "-nostdlib", "-fno-builtin", "-O2", "-ffp-contract=off"]
         found = []
         for source in sources:
             own = ["-Dfma=in_whole_numbers"] if source == musl / "fma.c" else []
-            _run(folder, ["cc", *flags, *own, "-w", "-I.", f"-I{musl}", "-c", str(source), "-o", "one.o"])
+            run_zig(folder, ["cc", *flags, *own, "-w", "-I.", f"-I{musl}", "-c", str(source), "-o", "one.o"])
             found.append((folder / "one.o").read_bytes())
         return tuple(found)
 
 
 def _source(name: str) -> bytes:
     return resources.files("vvdp.web").joinpath("library", name).read_bytes()
-
-
-def _run(folder: Path, words: Sequence[str]) -> None:
-    kept = str(default_cache() / "zig")
-    known = {**os.environ, "ZIG_GLOBAL_CACHE_DIR": kept, "ZIG_LOCAL_CACHE_DIR": str(folder / "local")}
-    done = subprocess.run([_zig(), *words], cwd=folder, env=known, capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise RunError(f"zig {words[0]} failed: {done.stderr.strip()[-600:]}")
-
-
-def _zig() -> Path:
-    found = find_spec("ziglang")
-    assert found is not None and found.origin is not None
-    return Path(found.origin).parent / ("zig.exe" if os.name == "nt" else "zig")

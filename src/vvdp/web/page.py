@@ -25,13 +25,13 @@ from vvdp.simulation.link import quiet
 from vvdp.simulation.parts import outputs_size
 from vvdp.simulation.prepare import prepare
 from vvdp.simulation.run import simulate
+from vvdp.systems.changeable import Changeable, changeable_values
 from vvdp.systems.overview import warnings
 from vvdp.systems.system import System
 from vvdp.web.call import call
 from vvdp.web.module import WebModule, web_module
 from vvdp.web.numbers import judgement, labels, summary_sums
 from vvdp.web.series import followed_charts, recorded_columns
-from vvdp.web.values import Changeable, changeable_values
 
 LEVEL = "exact"
 """The one level of a page: products and sums are rounded as on the command line, so that the bits are the same."""

@@ -1,4 +1,4 @@
-"""Values of a system that a page may change, and how each reaches the vectors of the compiled model, to the last bit.
+"""Values of a system that may be changed without reading it again, and how each reaches the vectors of a case.
 
 The case is built anew with other values of an entry, and it is looked which numbers of its vectors change, and whether
 they follow the value by one operation that gives the same bits in a browser. A value that does anything else is told
@@ -199,8 +199,10 @@ def _ends(row: Sourced) -> tuple[float, float]:
     number = _as_written(row.nominal, kind)
     if row.range is not None:
         low, high = (_as_written(end, kind) for end in row.range)
-    elif kind.name == PRESSURE_LEVEL.name or number:
+    elif number:
         low, high = sorted((LEAST * number, MOST * number))
+    elif kind.name == PRESSURE_LEVEL.name:
+        low, high = 0.0, kind.scale / display_unit(kind).scale
     else:
         low, high = 0.0, _as_written(min(kind.high, max(kind.scale, 1e-9)), kind)
     least, most = sorted((_as_written(kind.low, kind), _as_written(kind.high, kind)))

@@ -1,0 +1,76 @@
+/* What both versions of FMI share: a machine with its variables by reference. */
+#ifndef FMU_H
+#define FMU_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "fmu_model.h"
+
+typedef enum { FMU_CREATED, FMU_INITIALISING, FMU_RUNNING, FMU_ENDED, FMU_FAILED } fmu_phase;
+typedef enum { FMU_FIXED, FMU_TUNABLE, FMU_INPUT } fmu_role;
+typedef enum { FMU_STATE, FMU_COMMAND, FMU_OUTPUT, FMU_MEMORY, FMU_PARAMETERS } fmu_vector;
+typedef enum { FMU_ADD, FMU_TIMES, FMU_BY, FMU_OVER } fmu_operation;
+
+/* A variable that can be set, within its range. */
+typedef struct {
+    const char *name;
+    double start;
+    double low;
+    double high;
+    fmu_role role;
+} fmu_settable;
+
+/* A number of the machine that follows a variable by an operation with a constant. */
+typedef struct {
+    int variable;
+    fmu_vector vector;
+    int place;
+    fmu_operation operation;
+    double constant;
+} fmu_follower;
+
+/* Where the number of an output is. */
+typedef struct {
+    fmu_vector vector;
+    int place;
+} fmu_output;
+
+extern const fmu_settable fmu_settables[];
+extern const fmu_follower fmu_followers[];
+extern const fmu_output fmu_outputs[];
+
+/* All that changes; it contains no address. */
+typedef struct {
+    char token[FMU_TOKEN_SIZE];
+    fmu_phase phase;
+    double time;
+    double values[FMU_SETTABLES + 1];
+    fmu_machine machine;
+} fmu_kept;
+
+typedef struct {
+    fmu_kept kept;
+    fmu_machine shown; /* the machine whose numbers the outputs show */
+    fmu_model_output outputs;
+    int is_shown;
+    char problem[256];
+} fmu;
+
+/* An instance at its start; NULL without memory. */
+fmu *fmu_new(void);
+void fmu_reset(fmu *f);
+
+/* The functions below answer 1, or 0 with a sentence in `problem`. */
+int fmu_get(fmu *f, const uint32_t *references, size_t count, double *values);
+int fmu_set(fmu *f, const uint32_t *references, size_t count, const double *values);
+int fmu_setup(fmu *f, double start, int has_tolerance, double tolerance);
+int fmu_begin(fmu *f);
+int fmu_step(fmu *f, double time, double size);
+
+/* States as bytes: copies of what is kept. */
+fmu_kept *fmu_copy(const fmu *f);
+int fmu_restore(fmu *f, const fmu_kept *kept);
+int fmu_restore_bytes(fmu *f, const void *bytes, size_t count, fmu_kept **kept);
+
+#endif

@@ -1,0 +1,180 @@
+"""An FMU as one file: description, sources, the binary of this machine, and a page about it."""
+
+import hashlib
+import html
+import io
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import tempfile
+import zipfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from vvdp.base.errors import ConfigError, Fault, RunError
+from vvdp.base.kinds import Kind
+from vvdp.export.fmu_description import build_description, description, fmu_name
+from vvdp.export.fmu_model import FmuModel
+from vvdp.export.fmu_sources import TOKEN_SIZE, source_files
+from vvdp.export.fmu_units import unit_name
+from vvdp.export.zig import has_zig, run_zig
+
+KINDS = ("cs",)
+"""What can be exported: co-simulation."""
+ENDS = {"linux": ".so", "darwin": ".dylib", "win32": ".dll"}
+WHEN = (1980, 1, 1, 0, 0, 0)
+"""The time of each entry: the same text gives the same file."""
+
+
+@dataclass(frozen=True)
+class Fmu:
+    """An FMU: its content, and that of its entries by name."""
+
+    model: FmuModel
+    fmi: int
+    content: bytes
+    entries: Mapping[str, bytes]
+    compiler: str
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """What the command line prints."""
+        model, machine = self.model, self.model.machine
+        binary = [each for name, each in self.entries.items() if name.startswith("binaries/")]
+        return {
+            "verb": "export fmu",
+            "system": model.system.name,
+            "fmi": self.fmi,
+            "kind": KINDS[0],
+            "files": sorted(self.entries),
+            "functions": len(machine.functions),
+            "lines": sum(each.count(b"\n") for name, each in self.entries.items() if name.endswith(".c")),
+            "states": machine.begun.state.size,
+            "memory_bytes": machine.size,
+            "inputs": model.inputs,
+            "outputs": [each.name for each in model.outputs],
+            "free_parameters": [each.name for each in model.settables if each.name not in model.inputs],
+            "fixed_parameters": dict(model.fixed),
+            "compiler": self.compiler,
+            "bytes": len(self.content),
+            "binary_bytes": sum(map(len, binary)),
+            "hash": machine.hash,
+        }
+
+
+def require_kind(kind: str) -> None:
+    """Raises ConfigError for kinds of FMU that are not built."""
+    if kind not in KINDS:
+        why = "only co-simulation (cs) can be exported so far; model exchange cannot"
+        raise ConfigError([Fault("--kind", 0, kind, why if kind in ("me", "both") else "unknown; expected cs")])
+
+
+def fmu(model: FmuModel, fmi: int) -> Fmu:
+    """The FMU of a model for FMI 2 or 3; without a compiler it has sources only, and `compiler` is empty.
+
+    Raises RunError where the compiler refuses.
+    """
+    if fmi not in (2, 3):
+        raise ConfigError([Fault("--fmi", 0, str(fmi), "expected 2 or 3")])
+    name, flags = fmu_name(model), model.machine.flags
+    token = f"{{{_hash_of(model, fmi)}}}"
+    sources = source_files(model, fmi, token)
+    files = {
+        "modelDescription.xml": description(model, fmi, token, list(sources)),
+        "documentation/index.html": page(model, flags),
+        "documentation/licenses/license.txt": LICENCES,
+        **{f"sources/{each}": text for each, text in sources.items()},
+    }
+    if fmi == 3:
+        files["sources/buildDescription.xml"] = build_description(model, list(sources), flags)
+    entries = {each: text.encode() for each, text in files.items()}
+    compiler, binary = compile_binary(sources, flags)
+    if binary:
+        entries[f"binaries/{platform_folder(fmi)}/{name}{ENDS[sys.platform]}"] = binary
+    return Fmu(model, fmi, _zip_of(entries), entries, compiler)
+
+
+def _hash_of(model: FmuModel, fmi: int) -> str:
+    """What tells an FMU from any other: its version, text and variables; numbers of the system included."""
+    texts = source_files(model, fmi, "")
+    names = [each.name for each in model.variables]
+    words = "\n".join([version("vvdp"), *texts.values(), *names])
+    return hashlib.sha256(words.encode()).hexdigest()[: TOKEN_SIZE - 8]
+
+
+def platform_folder(fmi: int) -> str:
+    """The folder of binaries for this machine."""
+    processor = {"amd64": "x86_64", "arm64": "aarch64"}.get(platform.machine().lower(), platform.machine().lower())
+    if fmi == 3:
+        return f"{processor}-{ {'linux': 'linux', 'darwin': 'darwin', 'win32': 'windows'}[sys.platform] }"
+    return {"linux": "linux", "darwin": "darwin", "win32": "win"}[sys.platform] + "64"
+
+
+def compile_binary(sources: Mapping[str, str], flags: Sequence[str]) -> tuple[str, bytes]:
+    """The compiler that was used and the library that it made; both empty where there is no compiler.
+
+    A C compiler of this machine (CC, gcc, cc, clang), or that of the package ziglang.
+    """
+    found = next(filter(None, map(shutil.which, filter(None, (os.environ.get("CC"), "gcc", "cc", "clang")))), None)
+    if found is None and not has_zig():
+        return "", b""
+    with tempfile.TemporaryDirectory(prefix="vvdp-fmu-") as name:
+        folder = Path(name)
+        for each, text in sources.items():
+            (folder / each).write_text(text, "utf-8")
+        files = [each for each in sources if each.endswith(".c")]
+        words = [*flags, "-O2", "-fvisibility=hidden", "-fPIC", "-shared", "-s", "-o", "fmu.bin", *files, "-lm"]
+        if found is None:
+            run_zig(folder, ["cc", "-mcpu=baseline", *words])
+        else:
+            done = subprocess.run([found, *words], cwd=folder, capture_output=True, text=True, check=False)
+            if done.returncode:
+                raise RunError(f"{found} failed: {done.stderr.strip()[-600:]}")
+        return Path(found).name if found else "ziglang", (folder / "fmu.bin").read_bytes()
+
+
+def _zip_of(entries: Mapping[str, bytes]) -> bytes:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as file:
+        for name, content in entries.items():
+            file.writestr(zipfile.ZipInfo(name, WHEN), content, zipfile.ZIP_DEFLATED)
+    return buffer.getvalue()
+
+
+LICENCES = """\
+The sources and the binary were written by vvdp (Apache-2.0). The headers fmi2*.h and fmi3*.h are those of the Modelica
+Association Project FMI under the 2-Clause BSD License, which stands in each of them.
+"""
+
+
+def page(model: FmuModel, flags: Sequence[str]) -> str:
+    """The page of an FMU: its variables, what is fixed and why, and how to compile it."""
+    system = model.system
+    rows = [_row(each.name, each.role, each.kind, f"{each.low:g} to {each.high:g}") for each in model.settables]
+    shown = [_row(each.name, "output", each.kind, each.vector) for each in model.outputs]
+    fixed = [f"<tr><td>{html.escape(key)}</td><td>{html.escape(why)}</td></tr>" for key, why in model.fixed]
+    head = "<tr><th>variable</th><th>role</th><th>unit</th><th>range or vector</th></tr>"
+    return "\n".join(
+        [
+            f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{html.escape(system.name)}</title>',
+            f"</head><body><h1>{html.escape(system.name)}</h1>",
+            f"<p>Written by vvdp {version('vvdp')}. Circuit, programs and simulation loop are those of vvdp;",
+            f"hash of the text: {model.machine.hash}.",
+            f"Conditions are calculated every {system.stepping.sample_period:g} s,",
+            f"the tolerance is {system.stepping.relative_tolerance:g}. Units are SI; pressures are absolute.</p>",
+            f"<p>Compile the sources with: {html.escape(' '.join(flags))}</p>",
+            f"<h2>Variables</h2><table>{head}{''.join([*rows, *shown])}</table>",
+            f"<h2>Fixed values</h2><table><tr><th>value</th><th>reason</th></tr>{''.join(fixed)}</table>",
+            "</body></html>\n",
+        ]
+    )
+
+
+def _row(name: str, role: str, kind: Kind | None, words: str) -> str:
+    cells = (name, role, unit_name(kind) or "1", words)
+    return f"<tr>{''.join(f'<td>{html.escape(cell)}</td>' for cell in cells)}</tr>"

@@ -1,0 +1,50 @@
+"""FMUs in FMPy: no problem is found in the description, and all states have the bits of a run."""
+
+import numpy as np
+import pytest
+from tests.export.test_fmu import PERIOD, made, paths_of, pytestmark, run_of
+
+from vvdp.systems.system import load_system
+
+fmpy = pytest.importorskip("fmpy", reason="NOT TESTED: FMUs in FMPy, since it is not installed")
+validation = pytest.importorskip("fmpy.validation")
+__all__ = ["pytestmark"]
+
+
+@pytest.fixture
+def path(tmp_path):
+    """A function that writes the FMU of a system."""
+
+    def write(name, fmi):
+        file = tmp_path / f"{name}-{fmi}.fmu"
+        file.write_bytes(made(name, fmi).content)
+        return str(file)
+
+    return write
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("name", ["prototype", "displacement-chapter6"])
+def test_nothing_is_wrong_and_no_state_differs(name, fmi, path):
+    """At communication steps of 1 and 5 ms, over 0.2 s."""
+    file = path(name, fmi)
+    assert validation.validate_fmu(file) == []
+    run, paths = run_of(name, 0.2), paths_of(load_system(name))
+    for every in (1, 5):
+        found = fmpy.simulate_fmu(file, stop_time=0.2, output_interval=every * PERIOD)
+        rows = np.stack([found[path] for path in paths], axis=1)
+        assert rows.tobytes() == run.states[::every, : len(paths)].tobytes()
+
+
+def test_a_start_value_is_that_of_a_run_with_set(path):
+    run = run_of("prototype", 0.1, ['load.area="4 mm^2"'])
+    area = next(row.nominal for row in run_rows() if row.setting == "load.area")
+    found = fmpy.simulate_fmu(path("prototype", 3), stop_time=0.1, output_interval=PERIOD,
+                              start_values={"load.area": area})  # fmt: skip
+    assert found["load_line"].tobytes() == run.states[:, 0].tobytes()
+    with pytest.raises(Exception, match="error"):
+        fmpy.simulate_fmu(path("prototype", 3), stop_time=0.1, start_values={"load.area": float("nan")})
+
+
+def run_rows():
+    return load_system("prototype", ['load.area="4 mm^2"']).rows
