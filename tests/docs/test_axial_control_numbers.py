@@ -27,7 +27,8 @@ from vvdp.systems.system import shipped_systems
 
 pytestmark = pytest.mark.heavy
 
-TEXT = (Path(__file__).parents[2] / "docs" / "models" / "axial-control.md").read_text("utf-8")
+MODELS = Path(__file__).parents[2] / "docs" / "models"
+TEXT = (MODELS / "axial-control.md").read_text("utf-8")
 PAGE = " ".join(TEXT.split())
 TRAPEZOID = trapezoid_text()
 SINE = sine_text(TRAPEZOID)
@@ -66,13 +67,20 @@ def test_every_row_is_worked_out():
     assert [row.split(" | ")[0].removeprefix("| ") for row in rows] == [*CASES, *SINES]
 
 
-def test_friction_that_is_in_no_law():
+def test_friction_on_both_pages():
     chamber = shipped_systems()["axial-chamber"]
-    cost, free = (
-        1e6 * found_in(text)["spool_position_error_rms_m"]
-        for text in (chamber, change(chamber, "axial_friction", viscous_friction="0 N*s/m"))
-    )
-    assert f"{cost:.0f} um rms against {free:.0f} um without" in PAGE
+    rubbed = change(chamber, "axial_friction", viscous_friction="20 N*s/m")
+
+    def error(text):
+        return 1e6 * found_in(text)["spool_position_error_rms_m"]
+
+    known, unknown = (f"{error(text):.1f}" for text in (chamber, change(chamber, "passivity", friction="0 N*s/m")))
+    assert f"leave an error of {known} um rms against its moving reference, and {unknown} um with" in PAGE
+    of_law = " ".join((MODELS / "passivity-control.md").read_text("utf-8").split())
+    unknown = error(change(rubbed, "passivity", friction="0 N*s/m"))
+    assert f"within {error(rubbed):.1f} um rms, and within {unknown:.0f} um if the law knows no friction" in of_law
+    assert found_in(rubbed)["storage_rises"] == 0.0
+    assert f"up to {4.0 * (2594.0 + 55.0) / 50.0:.0f} N s/m" in of_law
 
 
 def test_published_feedforward_on_the_page():
