@@ -21,6 +21,7 @@ from tests.systems.axial_texts import (
     trapezoid_text,
 )
 from tests.systems.test_duty_control import SHIPPED, driven_text, errors, found_in, load_pressures
+from tests.systems.test_duty_control import SINE as SINE_DUTY
 from tests.systems.test_published_loop import aerated, sine_text
 
 from vvdp.systems.system import shipped_systems
@@ -93,7 +94,8 @@ def test_published_feedforward_on_the_page():
 
 def test_storage_on_the_page():
     raw = found_in(change(SHIPPED, "raw_feedback", **RAW))
-    assert f"and {raw['storage_rises']:.0f} of 1175 samples with raw feedback" in PAGE
+    samples = 1e3 * (raw["duration_s"] - raw["control_begin_s"] - 1.0)
+    assert f"and {raw['storage_rises']:.0f} of {samples:.0f} samples with raw feedback" in PAGE
     assert f"by up to {1e3 * raw['storage_rise_largest_J']:.2f} mJ" in PAGE
     assert f"at a storage of {1e3 * raw['storage_largest_J']:.2f} mJ" in PAGE
 
@@ -110,6 +112,17 @@ def test_ten_seeds_on_the_page():
     printed = errors(rename(SHIPPED, "passivity", "printed_passivity"), 10)
     worse = float(re.search(r"is (\d+) % worse in the mean", PAGE)[1])
     assert 100.0 * (np.mean(printed[:, 0]) / np.mean(held[:, 0]) - 1.0) == pytest.approx(worse, abs=1.5)
+
+
+def test_changing_duty_ratio_on_the_pages():
+    found = found_in(change(change(SHIPPED, "operation", duty_ratio=SINE_DUTY), "run", until="3 s", average_from="2 s"))
+    error, stated = (1e6 * found[f"spool_estimate_{word}_rms_m"] for word in ("error", "deviation"))
+    covered = 100.0 * found["spool_estimate_coverage"]
+    assert f"is {error:.0f} um rms and its stated deviation {stated:.0f} um, {covered:.0f} % of the errors" in PAGE
+    observer = " ".join((MODELS / "axial-observer.md").read_text("utf-8").split())
+    assert f"is off by {error:.0f} um rms and states {stated:.0f} um." in observer
+    filtered = " ".join((MODELS / "event-filter.md").read_text("utf-8").split())
+    assert f"cannot turn back within {1e3 * (138.0 / 7.034) ** 2 / 2e4:.0f} ms" in filtered
 
 
 def test_witness_on_the_page():
