@@ -15,6 +15,7 @@ from tests.systems.axial_texts import (
     backstepping_text,
     change,
     rename,
+    rows_from,
     run_of,
     sample_text,
     tracking,
@@ -32,7 +33,15 @@ MODELS = Path(__file__).parents[2] / "docs" / "models"
 TEXT = (MODELS / "axial-control.md").read_text("utf-8")
 PAGE = " ".join(TEXT.split())
 TRAPEZOID = trapezoid_text()
+SHORT = trapezoid_text(pause=0.15)
 SINE = sine_text(TRAPEZOID)
+
+
+def printed(text):
+    """The same with the published feedforward."""
+    return rename(text, "passivity", "printed_passivity")
+
+
 RIGHT = MILD | {"pressure_weight": "5e-13 m^3/Pa"}
 CASES = {
     "passivity law": TRAPEZOID,
@@ -41,10 +50,14 @@ CASES = {
     "and $\\lambda_2$ = 5e-13 m^3/Pa": backstepping_text(TRAPEZOID, RIGHT),
     "30 % of air, 10 % believed, 20 N s/m unknown: passive": aerated(TRAPEZOID),
     "the same: backstepping": aerated(backstepping_text(TRAPEZOID, TABLE)),
+    "passive with the published feedforward, pauses of 0.15 s": aerated(printed(SHORT)),
+    "backstepping, pauses of 0.15 s": aerated(backstepping_text(SHORT, TABLE)),
     "sampled every 0.2 ms": sample_text(TRAPEZOID, 0.2),
     "every 2 ms": sample_text(TRAPEZOID, 2.0),
     "every 3 ms": sample_text(TRAPEZOID, 3.0),
     "every 4 ms": sample_text(TRAPEZOID, 4.0),
+    "published feedforward, every 3 ms": sample_text(printed(TRAPEZOID), 3.0),
+    "published feedforward, every 4 ms": sample_text(printed(TRAPEZOID), 4.0),
 }
 SINES = {
     "sine of 1.5 mm, 5 Hz, velocity low-passed at 1 Hz: passive": SINE,
@@ -61,6 +74,19 @@ def row_of(name: str) -> list[float]:
 def test_figures_of_chapter_5(name):
     found = tracking(CASES[name]) if name in CASES else tracking(SINES[name], 1.0)
     assert row_of(name)[1] == pytest.approx(found, rel=0.01)
+
+
+def test_causes_on_the_page():
+    """Of what differs from the specified figures: the trapezoid's period and the feedforward; no valve at its end."""
+    short, long = (tracking(aerated(printed(text))) for text in (SHORT, TRAPEZOID))
+    assert long / short == pytest.approx(np.sqrt(0.4 / 0.5), abs=1e-3)
+    assert "= 0.894 times as large" in PAGE
+    exact = [tracking(aerated(text)) / tracking(aerated(printed(text))) for text in (SHORT, TRAPEZOID)]
+    assert [f"{ratio:.3f}" for ratio in exact] == ["1.058", "1.058"] and "has 1.058 times the error" in PAGE
+    for name in ("published feedforward, every 3 ms", "published feedforward, every 4 ms"):
+        specified, found = row_of(name)
+        assert abs(found / specified - 1.0) < 0.055
+    assert np.max(np.abs(rows_from(sample_text(TRAPEZOID, 3.0), 0.6).shown.drive)) < 0.999
 
 
 def test_every_row_is_worked_out():

@@ -78,8 +78,8 @@ def pollution_at(angle):
 
 def rows_of(times, optical, angle, **seen):
     """Rows for a replay; what is not named is quiet."""
-    columns = {"speed": 0.0, "angle_deviation": 0.0, "slip": 0.0, "pressure": 101325.0, "flow": 0.0, "held": 0.0, "margin": 1.0}
-    columns |= {"duty_ratio": np.nan, "age": 0.0, "deviation": 0.0} | seen
+    columns = {"speed": 0.0, "angle_deviation": 0.0, "slip": 0.0, "pressure": 101325.0, "flow": 0.0, "held": 0.0}
+    columns |= {"margin": 1.0, "duty_ratio": np.nan, "age": 0.0, "deviation": 0.0} | seen
     order = ("speed", "angle_deviation", "slip", "pressure", "flow", "held", "margin", "duty_ratio", "age", "deviation")
     rest = [np.broadcast_to(columns[name], np.shape(times)) for name in order]
     return np.column_stack([times, optical, angle, *rest])

@@ -101,12 +101,13 @@ def turned_variance(number: int, squares: Array, slip: float, basis: NoiseBasis)
     pairs = int(basis.harmonics)
     if number < 2 * pairs:
         k, first = number // 2 + 1, number - number % 2
-        return (squares[first] + squares[first + 1]) * -np.expm1(-0.5 * k * k * slip)
+        turned: float = (squares[first] + squares[first + 1]) * -np.expm1(-0.5 * k * k * slip)
+        return turned
     whole = 0.0
     for i in range(2 * pairs, squares.size):
         whole += squares[i]
-    share = -np.expm1(-0.5 * slip / (basis.bump_width * basis.bump_width))
-    return 2.0 * whole / (squares.size - 2 * pairs) * share
+    changed: float = -2.0 * whole / (squares.size - 2 * pairs) * np.expm1(-0.5 * slip / basis.bump_width**2.0)
+    return changed
 
 
 def from_centre(phase: float, number: int, basis: NoiseBasis) -> float:

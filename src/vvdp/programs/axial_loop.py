@@ -248,9 +248,7 @@ def next_reference(
     return reference_at_rest(target.stop)
 
 
-def next_stage(
-    stage: Stage, time: float, held: float, known: bool, period: float, sequence: AxialSequence
-) -> Stage:
+def next_stage(stage: Stage, time: float, held: float, known: bool, period: float, sequence: AxialSequence) -> Stage:
     """The stage at a sample.
 
     It homes until it has rested at the stop for the home time, then learns until the angle was known for the learn

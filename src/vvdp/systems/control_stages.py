@@ -14,7 +14,7 @@ from vvdp.systems.bound import Bound
 from vvdp.systems.extras import LoadedSystem
 
 PATIENCE = 2.0
-"""Times that homing and learning may take as long as they have to, before control counts as never begun [1]; assumed."""
+"""Multiple of the time for homing and learning after which control counts as never begun [1]; assumed."""
 
 
 def sequences(network: Network) -> dict[str, AxialSequence]:
@@ -52,8 +52,8 @@ def waiting_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[B
                 low=waited,
                 high=waited,
                 most=patience(sequence),
-                otherwise="control never began: the spool was not at its stop for home_time, or its angle was not known "
-                "for learn_time in all",
+                otherwise="control never began: the spool was not at its stop for home_time, or its angle was not "
+                "known for learn_time in all",
             )
 
 

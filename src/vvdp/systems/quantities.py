@@ -118,7 +118,8 @@ def _of_parts(system: System) -> Iterator[tuple[str, tuple[Kind, str]]]:
 
 def _of_drives(system: System) -> Iterator[tuple[str, tuple[Kind, str]]]:
     for name in sequences(system.circuit.network):
-        yield f"uncontrolled_time_{name}_s", (DURATION, f"time in which {name.replace('_', ' ')} did not control its drive")
+        label = f"time in which {name.replace('_', ' ')} did not control its drive"
+        yield f"uncontrolled_time_{name}_s", (DURATION, label)
 
 
 def _of_tanks(system: System) -> Iterator[tuple[str, tuple[Kind, str]]]:
