@@ -216,7 +216,7 @@ def test_known_time_is_added_up():
 
 
 def test_slip_is_no_deviation_of_the_angle():
-    """0.5 rad are 0.25 rad^2, of which two suspected slips are 0.2056 and 0.0344: 0.1 rad are left; the second is new."""
+    """0.5 rad are 0.25 rad^2, of which two suspected slips are 0.2056 and 0.0344: 0.1 rad are left, one is new."""
     estimate = Estimate(1.0, 150.0, 0.5, 3.0, 0.0, 0.0, 0.0, 0.0)
     phase = known_phase(estimate, 0.24, 0.2056)
     assert phase.angle_deviation == pytest.approx(0.1)
