@@ -92,22 +92,44 @@ def test_published_feedforward_leaves_a_rest():
     assert rest != 0
 
 
-l, Kp, Kv = sympy.symbols("lambda_p K_p K_v", positive=True)
+l, Kp, Kv, b = sympy.symbols("lambda_p K_p K_v b", positive=True)
 e, ev, p_ = sympy.symbols("e e_v p")
 
 
 def velocity_error_rate(*disturbance):
-    """M e_v' as the desired pressure makes it, (5.30)."""
-    return (-(K + Kp) * e - Kv * ev + A * p_ + sum(disturbance)) / M
+    """e_v' as the desired pressure makes it, (5.30), with the friction b that the law makes up for."""
+    return (-(K + Kp) * e - Kv * ev - b * (ev - l * e) + A * p_ + sum(disturbance)) / M
+
+
+def test_desired_pressure_leaves_these_errors():
+    """(5.30) from the balance of forces and P_d, with b x_d' in it: what is left of the friction is -b e'."""
+    xd, vd, ad = sympy.symbols("x_d v_d a_d")
+    position, velocity = xd + e, vd + ev - l * e
+    de = velocity - vd
+    desired = P0 + (M * (ad - l * de) + b * vd + K * xd + F0 - Kp * e - Kv * ev) / A
+    acceleration = (A * (desired + p_ - P0) - K * position - F0 - b * velocity) / M
+    assert sympy.simplify(acceleration - ad + l * de - velocity_error_rate()) == 0
+
+
+def test_storage_of_the_loop_falls_by_gains_and_friction():
+    """(5.33): W' - W_P' = -K_v e_v^2 - l (K + K_p) e^2 - b e_v e' + p A e_v; definite for b l < 4 (K + K_p)."""
+    de = ev - l * e
+    found = M * ev * velocity_error_rate() + (K + Kp) * e * de - p_ * A * ev
+    assert sympy.expand(found - (-Kv * ev**2 - l * (K + Kp) * e**2 - b * ev * de)) == 0
+    damping = -sympy.hessian(found, (e, ev)) / 2
+    share = sympy.Symbol("s", positive=True)
+    determinant = sympy.factor(damping.det().subs(b, 4 * (K + Kp) / (l * (1 + share))))
+    assert sympy.ask(sympy.Q.positive(determinant))
+    assert damping[1, 1] == b + Kv
 
 
 def test_rate_of_the_desired_pressure_has_these_factors():
-    """(5.31): A P_d' = M (x_d''' - l e'') + K x_d' - K_p e' - K_v e_v'."""
+    """(5.31): A P_d' = M (x_d''' - l e'') + b x_d'' + K x_d' - K_p e' - K_v e_v'."""
     dev = velocity_error_rate()
     de = ev - l * e
     f = (-M * l * (dev - l * de) - Kp * de - Kv * dev) / A
-    alpha_e = ((M * l + Kv) * (K + Kp) / M - l * (M * l**2 - Kp)) / A
-    alpha_ev = ((M * l + Kv) * Kv / M + M * l**2 - Kp) / A
+    alpha_e = ((M * l + Kv) * (K + Kp - b * l) / M - l * (M * l**2 - Kp)) / A
+    alpha_ev = ((M * l + Kv) * (Kv + b) / M + M * l**2 - Kp) / A
     assert sympy.simplify(f - (alpha_e * e + alpha_ev * ev - (l + Kv / M) * p_)) == 0
 
 

@@ -39,12 +39,14 @@ class ChamberDrive(Params):
 class PositionGains(Params):
     """lambda_p, K_p and K_v: the errors of position and velocity then fade as M s^2 + (M lambda_p + K_v) s + ... does.
 
-    Raises `ParameterError` for an `error_rate` or a `velocity_gain` of zero: nothing would be damped.
+    `friction` b is the viscous friction that the law compensates; 0: none is known. Raises `ParameterError` for an
+    `error_rate` or a `velocity_gain` of zero: nothing would be damped.
     """
 
     error_rate: Rate
     position_gain: Stiffness
     velocity_gain: ViscousFriction
+    friction: ViscousFriction = 0.0
 
     def check(self) -> None:
         if not self.error_rate > 0.0 or not self.velocity_gain > 0.0:
@@ -104,22 +106,21 @@ def desired_pressure(
 ) -> DesiredPressure:
     """The pressure that the drive should have, held between those of tank and supply, and its rate.
 
-    P_d - P_0 = (M (x_d'' - l e') + K x_d + F_0 - K_p e - K_v e_v)/A, l = lambda_p. The rate is its exact derivative,
-    with the acceleration that the measured pressure gives; an unknown load, and its rate, are left out. Where P_d is
-    held, it stands still.
+    P_d - P_0 = (M (x_d'' - l e') + b x_d' + K x_d + F_0 - K_p e - K_v e_v)/A, l = lambda_p. The rate is its exact
+    derivative, with the acceleration that the measured pressure gives; an unknown load, and its rate, are left out.
+    Where P_d is held, it stands still.
 
-    Source  wang2017, eqs. 5.28, 5.29, 5.31
+    Source  wang2017, eqs. 5.28, 5.29, 5.31; friction b ours, docs/models/passivity-control.md
     """
     M, A, K, P0 = drive.moving_mass, drive.area, drive.stiffness, drive.oil.reference_pressure
-    l, Kp, Kv = gains.error_rate, gains.position_gain, gains.velocity_gain
-    acceleration = (A * (reading.pressure - P0) - K * reading.position - drive.preload) / M
+    l, Kp, Kv, b = gains.error_rate, gains.position_gain, gains.velocity_gain, gains.friction
+    acceleration = (A * (reading.pressure - P0) - K * reading.position - drive.preload - b * reading.velocity) / M
     e, de = reading.position - reference.position, reading.velocity - reference.velocity
     dde = acceleration - reference.acceleration
     ev, dev = de + l * e, dde + l * de
-    wanted = (
-        P0 + (M * (reference.acceleration - l * de) + K * reference.position + drive.preload - Kp * e - Kv * ev) / A
-    )
-    known = (M * reference.jerk + K * reference.velocity) / A
+    forces = M * (reference.acceleration - l * de) + K * reference.position + drive.preload + b * reference.velocity
+    wanted = P0 + (forces - Kp * e - Kv * ev) / A
+    known = (M * reference.jerk + K * reference.velocity + b * reference.acceleration) / A
     low, high = drive.valve.tank_pressure, drive.valve.supply_pressure
     is_free = (wanted > low) & (wanted < high)
     return DesiredPressure(
@@ -146,10 +147,10 @@ def desired_rate_sensitivities(gains: PositionGains, drive: ChamberDrive) -> Sen
     Source  wang2017, eq. 5.31, of which the factors are ours, docs/models/passivity-control.md
     """
     M, A, K = drive.moving_mass, drive.area, drive.stiffness
-    l, Kp, Kv = gains.error_rate, gains.position_gain, gains.velocity_gain
+    l, Kp, Kv, b = gains.error_rate, gains.position_gain, gains.velocity_gain, gains.friction
     damping, rest = M * l + Kv, M * l * l - Kp
     return Sensitivities(
-        position=(damping * (K + Kp) / M - l * rest) / A,
-        velocity=(damping * Kv / M + rest) / A,
+        position=(damping * (K + Kp - b * l) / M - l * rest) / A,
+        velocity=(damping * (Kv + b) / M + rest) / A,
         pressure=-(l + Kv / M),
     )

@@ -61,20 +61,22 @@ def loop_balance(
 ) -> StorageBalance:
     """W = M e_v^2/2 + (K + K_p) e^2/2 + V W_V of the closed loop [J], and its rate with no load [W].
 
-    The rate is -K_v e_v^2 - l (K + K_p) e^2 + (p + W_V) (Q - Q_d), with the exact Q_d; below zero for
-    Q = Q_d - lambda_3 p. It holds while the desired pressure is not held at that of tank or supply.
+    The rate is -K_v e_v^2 - l (K + K_p) e^2 - b e_v e' + (p + W_V) (Q - Q_d), with the exact Q_d and a friction b as
+    the law knows it; below zero for Q = Q_d - lambda_3 p where b l < 4 (K + K_p). It holds while the desired pressure
+    is not held at that of tank or supply.
 
     flow  into the chamber [m^3/s]
 
-    Source  wang2017, eqs. 5.32 and 5.33
+    Source  wang2017, eqs. 5.32 and 5.33; friction ours
     """
     desired = desired_pressure(reference, reading, gains, drive)
     e, ev, stiffness = desired.position_error, desired.velocity_error, drive.stiffness + gains.position_gain
     oil = pressure_balance(flow, desired, reading, drive)
     exchanged = (reading.pressure - desired.pressure) * drive.area * ev
+    rubbed = gains.friction * ev * (ev - gains.error_rate * e)
     return StorageBalance(
         storage=0.5 * drive.moving_mass * ev**2 + 0.5 * stiffness * e**2 + oil.storage,
-        supply=oil.supply + exchanged - gains.velocity_gain * ev**2 - gains.error_rate * stiffness * e**2,
+        supply=oil.supply + exchanged - gains.velocity_gain * ev**2 - gains.error_rate * stiffness * e**2 - rubbed,
     )
 
 

@@ -3,6 +3,7 @@
 Source  ours, docs/models/passivity-control.md, where a function names no other.
 """
 
+import math
 from typing import NamedTuple
 
 from vvdp.base.errors import ParameterError
@@ -34,8 +35,8 @@ def passivity_certificate(
 ) -> Certificate:
     """Whether the matrix of the published passivity law is positive definite: both sides in m^3/(s Pa).
 
-    lambda_3 + alpha_P V/beta - kappa > (V/2 beta)^2 (alpha_e^2/(l (K + K_p)) + alpha_ev^2/K_v). With the exact
-    feedforward any lambda_3 above 0 will do.
+    lambda_3 + alpha_P V/beta - kappa > (V/2 beta)^2 (alpha_e^2/(l (K + K_p)) + alpha_ev^2/K_v), without friction;
+    `_coupling` has it with. With the exact feedforward any lambda_3 above 0 will do.
 
     compliance   V/beta [m^3/Pa]
     flow_gain    lambda_3, times the least 1 + W_V/(P - P_d) that occurs [m^3/(s Pa)]
@@ -62,10 +63,19 @@ def backstepping_certificate(compliance: float, gains: BacksteppingGains, drive:
 
 
 def _coupling(weight: float, gains: PositionGains, drive: ChamberDrive) -> float:
-    """What the errors of position and velocity take of the pressure's damping [m^3/(s Pa)]."""
+    """What the errors of position and velocity take of the pressure's damping [m^3/(s Pa)].
+
+    a' N^-1 a (weight/2)^2, a = (alpha_e, alpha_ev), N = [[l (K + K_p), -b l/2], [-b l/2, K_v + b]] the damping of the
+    errors; infinite where N is not positive definite.
+    """
     alpha = desired_rate_sensitivities(gains, drive)
-    of_position = alpha.position**2 / (gains.error_rate * (drive.stiffness + gains.position_gain))
-    return (0.5 * weight) ** 2 * (of_position + alpha.velocity**2 / gains.velocity_gain)
+    of_position = gains.error_rate * (drive.stiffness + gains.position_gain)
+    of_velocity, mixed = gains.velocity_gain + gains.friction, 0.5 * gains.friction * gains.error_rate
+    area = of_position * of_velocity - mixed**2
+    if not area > 0.0:
+        return math.inf
+    taken = of_velocity * alpha.position**2 + of_position * alpha.velocity**2
+    return (0.5 * weight) ** 2 * (taken + 2.0 * mixed * alpha.position * alpha.velocity) / area
 
 
 class SamplingLimits(NamedTuple):

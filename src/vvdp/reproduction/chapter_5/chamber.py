@@ -59,6 +59,7 @@ def experiment(gains: Mapping[str, str] | None = None, changes: Changes = Mappin
         "programs.drive_wanted.first": signal,
         "components.drive_axial_friction.viscous_friction": "0 N*s/m",
         "programs.drive_observer.viscous_friction": "0 N*s/m",
+        f"{LAW}.friction": "0 N*s/m",
         "programs.drive_observer.learn_time": "0 s",
         "programs.drive_reference.filter_rate": "250 1/s",
         "programs.velocity": {"type": "low-pass", "reads": "drive_slide.velocity", "time_constant": "1 us"},
