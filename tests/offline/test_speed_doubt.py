@@ -135,5 +135,17 @@ def test_settings_that_do_not_fit_count_as_far_as_they_understate():
     assert told.matters
     doubt, errors = doubt_of(told, 0.0), told.used_errors
     assert errors.true > 1.5 * errors.stated
-    assert errors.stated**2 + doubt.speed == pytest.approx(errors.true**2, rel=1e-12)
-    assert errors.angle_stated**2 + doubt.angle == pytest.approx(errors.angle_true**2, rel=1e-12)
+    assert told.lasting > 0.7
+    assert doubt.speed == pytest.approx(told.lasting * (errors.true**2 - errors.stated**2), rel=1e-12)
+    assert doubt.angle == pytest.approx(told.lasting * (errors.angle_true**2 - errors.angle_stated**2), rel=1e-12)
+
+
+def test_a_single_step_leaves_no_lasting_doubt():
+    """From 100 to 150 rad/s in one place: the misfit is as large, and lasts for less than a sixteenth of the log."""
+    numbers = np.arange(2000)
+    steps = np.where(numbers < 1000, 1.0, 100.0 / 150.0) * (TURN / 8 / SPEED)
+    jitter = np.random.default_rng(1).normal(0.0, 0.01, 2000)
+    passed = Passed(np.cumsum(steps), numbers.astype(float), numbers * TURN / 8 + jitter, np.zeros(2000), np.ones(2000))
+    told = fit_noise(passed, 8, Noise(0.25, 3.47e-3), 3)
+    assert told.matters and told.used_errors.true > 3.0
+    assert told.lasting < 0.02 and np.sqrt(doubt_of(told, 0.0).speed) < 0.15 * told.used_errors.true

@@ -38,7 +38,7 @@ def doubt_of(told: Explained | None, ripple_order: float) -> Doubt:
     """The doubt of a record about the estimate of a filter that has a ripple of this order, 0 for none.
 
     Ripples that fit the edges alike, and the wheel's own share of the pattern, count by their probabilities; settings
-    that clearly do not fit count by what the mean squared error exceeds the stated variance.
+    that clearly do not fit count by what the mean squared error exceeds the stated variance, as far as it lasts.
     """
     if told is None:
         return NO_DOUBT
@@ -52,8 +52,8 @@ def doubt_of(told: Explained | None, ripple_order: float) -> Doubt:
     e = told.used_errors
     return Doubt(
         ratio,
-        max(e.true * e.true - e.stated * e.stated, 0.0),
-        angle + max(e.angle_true * e.angle_true - e.angle_stated * e.angle_stated, 0.0),
+        told.lasting * max(e.true * e.true - e.stated * e.stated, 0.0),
+        angle + told.lasting * max(e.angle_true * e.angle_true - e.angle_stated * e.angle_stated, 0.0),
     )
 
 
