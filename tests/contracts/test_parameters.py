@@ -18,6 +18,7 @@ POINTS_AND_SPANS = {
     "_heard_parts.gaps": "begin and end of each",
     "add_gaps.gaps": "begin and end of each",
     "_add_standstills.found": "begin and end of each",
+    "silences.standstills": "begin and end of each",
     "measure.start": "x and y",
     "measure.end": "x and y",
     "measure.off": "x and y",

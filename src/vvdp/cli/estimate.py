@@ -209,12 +209,14 @@ def _origin(config: Path | None, options: "list[Option]") -> dict[str, Any]:
 def _flat(found: "Result", wanted: "Estimation") -> dict[str, Any]:
     """The numbers of an estimation as one flat object."""
     from vvdp.offline.result import SOURCES
-    from vvdp.results.result import Grade, json_value
+    from vvdp.offline.wheel_charts import RIPPLES
+    from vvdp.results.result import Grade, json_value, plain_values
 
     return {
         "verb": found.verb,
         "edge_source": SOURCES[type(wanted.source)][0],
         **{key: json_value(each) for key, each in found.numbers.items()},
+        "ripple_orders": plain_values(found.tables[RIPPLES].columns["order"]),
         "finished": found.finished,
         "wall_time_s": found.seconds,
         "warnings": [f"{each.title}: {each.text}" for each in found.findings if each.grade is not Grade.PLAIN],

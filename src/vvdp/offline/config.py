@@ -28,6 +28,7 @@ from vvdp.estimation.pressure_edges import PressureEdges, pressure_edges
 from vvdp.logs.clock import ClockChoice
 from vvdp.sensing.wheel import CodeWheel, equal_wheel, wheel_of_widths
 
+DECELERATION = Kind("angular acceleration", "rad/s^2", 0.0, 1e9, "3000 rad/s^2")
 LOG_TIME = Kind("time on the clock of the log", "s", -1e12, 1e12, "2.5 s")
 MOST_SECTORS = 1024
 DEFAULT_SECTORS = 8
@@ -98,6 +99,7 @@ class Estimation:
     output_rate: float | None = None
     smooth: bool = False
     fit: bool = False  # take acceleration_density and edge_variance from the log
+    largest_deceleration: float | None = None  # of the spool by drive and friction, rad/s^2; None: from its speed
     sectors_assumed: bool = False  # neither sectors nor widths were given
 
     @property
@@ -256,7 +258,10 @@ READERS: Mapping[str, Mapping[str, Reader]] = {
     },
     "threshold": {"level": _level, "hysteresis": _hysteresis, "interpolated": read_flag},
     "filter": {"fit": read_flag, **_quantities(FILTER_KINDS)},
-    "valve": {"sections": partial(read_whole, low=1, high=100)},
+    "valve": {
+        "sections": partial(read_whole, low=1, high=100),
+        **_quantities({"largest_deceleration": DECELERATION}),
+    },
     "pressure": {
         "channel": read_text,
         "unit": _pressure_unit,
@@ -291,6 +296,7 @@ def _estimation(given: _Given) -> Estimation | None:
         output_rate=output.get("rate"),
         smooth=output.get("smooth", False),
         fit=given.values["filter"].get("fit", False),
+        largest_deceleration=given.values["valve"].get("largest_deceleration"),
         sectors_assumed=not {"sectors", "widths"} & given.entries["sensor"].keys(),
     )
 

@@ -58,6 +58,8 @@ def _config_lines(wanted: Estimation, channels: Sequence[ChannelInfo], place: st
     yield ""
     yield "[valve]"
     yield f"sections = {wanted.sections}".ljust(30) + "# PWM periods in a turn of the spool"
+    hardest = _amount(wanted.largest_deceleration, "rad/s^2")
+    yield from _optional("largest_deceleration", hardest, '"3000 rad/s^2"', "of the spool; by default speed over 28 ms")
     yield ""
     yield from _pressure_lines(wanted.pressure)
     yield "[output]"

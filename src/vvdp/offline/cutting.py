@@ -25,6 +25,8 @@ EDGES_AT_ONCE = 20_000
 MOST_ROWS = 2.0**52
 """The times of later rows could not be told apart."""
 NAMED_TIMES = 5
+SLOWED = 1.4
+"""Where the last time between edges is so many usual ones, the wheel slowed down to a stop; assumed."""
 
 
 class Begin(NamedTuple):
@@ -98,10 +100,16 @@ class Cutter:
         if known:
             yield self._follow(known)
         if turned or (cuts.size and known == end):
+            self._look_at_cut(turned=turned)
             yield Follow(no_edges(), min(self._lasting(), float(self._pending.times[0])))
             self._inside, self._steps = False, np.empty(0)
             yield End()
         return turned or known > 0
+
+    def _look_at_cut(self, *, turned: bool) -> None:
+        """Notes where the wheel slowed down towards a silence that ends the piece: it may have turned back there."""
+        if not turned and self._steps.size > 1 and self._steps[-1] > SLOWED * float(np.median(self._steps)):
+            self.tally.slow_passages.append(float(0.5 * (self._history[-1] + self._pending.times[0])))
 
     def _is_piece(self, times: Array) -> bool:
         return times.size >= FEWEST_EDGES and times[-1] > times[0] and abs(times[-1]) * self.tally.rate <= MOST_ROWS

@@ -54,11 +54,13 @@ def summary(sums: Sums, wanted: Estimation) -> dict[str, Any]:
         "settled": sums.rows.speed.count > 0,
         "pwm_frequency_mean_Hz": sums.rows.usual_speed * wanted.sections / TURN,
         "standstill_time_s": sums.rows.standing / sums.tally.rate if sums.tally.rate else 0.0,
+        "lost_sensor_s": float(sum(each.end - each.begin for each in sums.lost_sensors)),
         "angle_deviation_mean_rad": sums.rows.angle_deviation.mean,
         "speed_deviation_mean_rad_s": sums.rows.speed_deviation.mean,
         "speed_deviation_rms_rad_s": float(
             np.hypot(sums.rows.speed_deviation.mean, sums.rows.speed_deviation.deviation)
         ),
+        "speed_doubt_rad_s": float(sums.doubt.speed_deviation(sums.rows.usual_speed)),
         "nis_mean": sums.edges.nis.mean,
         "nis_edges": sums.edges.nis.count,
         "nis_low": low,

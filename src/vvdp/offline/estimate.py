@@ -28,10 +28,12 @@ from vvdp.offline.estimate_result import SMOOTHED, Store
 from vvdp.offline.facts import ripple_words
 from vvdp.offline.findings import explain_no_result, findings
 from vvdp.offline.interrupt import catch_interrupt
+from vvdp.offline.lost_sensor import settle_silences, silences
 from vvdp.offline.noise_fit import Explained, fit_noise, fitted_filter, longest_pieces
 from vvdp.offline.passes import FilteringPass, GatheringPass, pascals
 from vvdp.offline.result import Outcome, estimate_result
 from vvdp.offline.second_pass import SecondPass
+from vvdp.offline.speed_doubt import NO_DOUBT, add_doubt, doubt_of
 from vvdp.offline.sums import RowSums, Sums, edge_sums, row_sums
 from vvdp.results.result import Result
 from vvdp.results.store import write_result
@@ -128,14 +130,35 @@ def estimate(
                     raise KeyboardInterrupt
                 raise unusable(log.path, explain_no_result(run.tally, wanted))
             _report_skipped(run)
-            sums = Sums(run.tally, rows, edge_sums(store.file, run.tally.sectors), _explain(store, wanted))
+            sums = _settle(run, rows)
             if wanted.smooth:
                 _smooth(store, sums, wanted, say, lambda done: progress((1.0 + done) / passes))
+                add_doubt(store.file, sums.doubt, "smoothed_")
             outcome = _outcome(run, sums, wanted, began)
             result = estimate_result(outcome)
             write_whole(folder / CONFIG, outcome.config)
             write_result(folder, result, "", more=_meta(outcome) | dict(more or {}))
             return result
+
+
+def _settle(run: FilteringPass, rows: RowSums) -> Sums:
+    """What the record comes to, all of it known; lost sensors and doubt are written into its rows."""
+    file, wanted, tally = run.store.file, run.wanted, run.tally
+    lost = silences(file, rows.standstills, tally.sectors, wanted.largest_deceleration)
+    settle_silences(file, lost, wanted.sections, tally.sectors)
+    told = _explain(run.store, wanted)
+    doubt = doubt_of(told, wanted.filter.ripple_order)
+    add_doubt(file, doubt)
+    if lost or doubt != NO_DOUBT:
+        rows = row_sums(file, tally.rate)
+    return Sums(
+        tally=tally,
+        rows=rows,
+        edges=edge_sums(file, tally.sectors),
+        explained=told,
+        doubt=doubt,
+        silences=lost,
+    )
 
 
 def _report_skipped(run: FilteringPass) -> None:
@@ -230,7 +253,7 @@ def _fit_settings(log: Log, wanted: Estimation, beginning: Beginning, say: Calla
         log.remark(f"{why} for a fit of the filter's settings; they were left as they were")
         return replace(wanted, fit=False)
     if told.ripple is not None:
-        log.remark(f"{ripple_words(told.ripple)}; taken for ripple")
+        log.remark(f"{ripple_words(told.ripple, told.candidates)}; taken for ripple")
     return replace(wanted, fit=False, filter=fitted_filter(wanted.filter, told))
 
 

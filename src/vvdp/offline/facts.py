@@ -17,9 +17,10 @@ from vvdp.offline.diagnostics import beside_alternation, in_step, suggested_leve
 from vvdp.offline.edges import GAP, JUMPING, MOST_AT_ONCE, CountEdges, WaveEdges
 from vvdp.offline.guess import channels_of_edges
 from vvdp.offline.hypotheses import Sectors
-from vvdp.offline.noise_fit import CLEAR, Explained, fitted_filter
+from vvdp.offline.lost_sensor import WANDERS
+from vvdp.offline.noise_fit import CLEAR, WORTH, Explained, fitted_filter
 from vvdp.offline.sums import Sums, Tally, repeats_after
-from vvdp.offline.turn_pattern import SpeedRipple, is_whole
+from vvdp.offline.turn_pattern import Candidate, SpeedRipple, is_whole
 from vvdp.sensing.wheel import TURN
 
 SLOWEST, FASTEST = TURN * 0.2, TURN * 200.0
@@ -55,11 +56,14 @@ def _amounts(counted: Tally | CountEdges) -> dict[str, Any]:
     return {name: Amount(value) for name, value in vars(counted).items() if isinstance(value, int | float)}
 
 
-def ripple_words(ripple: SpeedRipple) -> str:
-    """What a pattern of the edges is, as far as they tell."""
+def ripple_words(ripple: SpeedRipple, alike: tuple[Candidate, ...] = ()) -> str:
+    """What a pattern of the edges is, as far as they tell, with ripples of other orders that fit `alike`."""
+    others = [each.ripple for each in alike if each.ripple.order != ripple.order]
+    same = ", ".join(f"{percent(each.amplitude)} at {each.order}" for each in sorted(others, key=lambda r: r.order))
+    also = f" (the same edges as {same})" if same else ""
     return (
-        f"a ripple of {percent(ripple.amplitude)} at {ripple.order} per turn, or a wheel with offsets of the same "
-        "pattern: edges alone cannot tell"
+        f"a ripple of {percent(ripple.amplitude)} at {ripple.order} per turn{also}, or a wheel with offsets of the "
+        "same pattern: edges alone cannot tell"
     )
 
 
@@ -156,6 +160,7 @@ def record_facts(found: Mapping[str, Any], sums: Sums, wanted: Estimation) -> di
         **_amounts(tally),
         **_finder_facts(sums),
         **_step_facts(sums, wanted),
+        **_lost_facts(sums),
         "standstills": _list_words([f"from {begin:.4g} to {end:.4g} s" for begin, end in rows.standstills]),
         "interruptions": tally.interruptions,
         "unsettled": not found["settled"],
@@ -165,6 +170,19 @@ def record_facts(found: Mapping[str, Any], sums: Sums, wanted: Estimation) -> di
         "bridge": bridged_time(TURN / tally.sectors / pace, wanted.filter) if anew and pace > 0.0 else np.nan,
         "missed_percent": 100.0 * tally.missed / passed if passed else np.nan,
         "pressure_record": _list_words(complaints, "; ", "{} more"),
+    }
+
+
+def _lost_facts(sums: Sums) -> dict[str, Any]:
+    if not sums.lost_sensors:
+        return {}
+    speed = max(abs(each.before) for each in sums.lost_sensors)
+    return {
+        "lost_sensor": _list_words([f"from {each.begin:.4g} to {each.end:.4g} s" for each in sums.lost_sensors]),
+        "lost_speed": with_unit(speed, SPEED, 3),
+        "needed": f"{speed * speed * sums.tally.sectors / (2.0 * TURN):.3g}",
+        "lost_chance": percent(min(each.lost for each in sums.lost_sensors)),
+        "lost_turns": max(WANDERS / np.sqrt(3.0) * abs(each.travel) / TURN for each in sums.lost_sensors),
     }
 
 
@@ -222,11 +240,23 @@ def settings_facts(told: Explained, wanted: Estimation) -> dict[str, Any]:
         return facts
     fitted = fitted_filter(wanted.filter, told)
     return facts | {
-        "ripple": ripple_words(ripple).capitalize(),
+        "ripple": ripple_words(ripple, told.candidates).capitalize(),
         "ripple_order": ripple.order,
         "ripple_variance": fitted.ripple_variance,
         "ripple_drift": fitted.ripple_drift,
         "swing": with_unit(ripple.amplitude * told.likelihood.speed, SPEED, 3),
+    }
+
+
+def doubt_facts(sums: Sums) -> dict[str, Any]:
+    """A ripple that may be part of what is taken for the wheel's offsets."""
+    told = sums.explained
+    if told is None or told.ripple is not None or not sums.doubt.speed_ratio > WORTH**2:
+        return {}
+    orders = sorted(each.ripple.order for each in told.candidates)
+    return {
+        "hidden_ripple": with_unit(sums.doubt.speed_deviation(sums.rows.usual_speed), SPEED, 3),
+        "hidden_orders": _list_words([str(order) for order in orders], rest="{} more"),
     }
 
 

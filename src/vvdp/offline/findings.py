@@ -8,6 +8,7 @@ from vvdp.offline.config import Estimation
 from vvdp.offline.diagnostics import numbers_in_doubt
 from vvdp.offline.facts import (
     clock_facts,
+    doubt_facts,
     no_result_facts,
     pattern_facts,
     record_facts,
@@ -81,6 +82,12 @@ CLOCK = (
         "Name the channel that holds the edges with --wave, --counts or --edges{others}.", Grade.BAD),
 )
 RECORD = (
+    Rule("lost_sensor", "Sensor lost",
+        "The sensor gave no edges {lost_sensor}. To stand still, the spool would have to stop from {lost_speed} and to "
+        "start again within one sector each, with {needed} rad/s^2. It is taken to have turned on (probability "
+        "{lost_chance} or more). The revolutions in that time follow from the speed; their standard deviation is up to "
+        "{lost_turns:.2g}.",
+        "Check the sensor and its cable. If the spool really stopped, give a largest_deceleration in [valve]."),
     Rule("standstills", "Standstill",
         "The spool stood still {standstills}.",
         "Nothing to do, if so. A sensor that falls silent looks the same."),
@@ -155,8 +162,8 @@ SETTINGS = (
         "states {stated_error}; with these {fitted_error}.",
         'Use --fit, or in the config [filter] acceleration_density = "{q} rad^2/s^3" and edge_variance = "{R} rad^2".'),
     Rule("ripple", "A ripple of the speed, or an uneven wheel",
-        "{ripple}. The filter is told of neither: its speed is the mean over a ripple, and so is the deviation that it "
-        "states; the spool's own goes {swing} up and down.",
+        "{ripple}. The filter is told of neither: its speed is the mean over a ripple. The spool's own goes {swing} up "
+        "and down, which is part of the standard deviation of the speed.",
         "Use --fit, which takes it for a ripple, or in the config [filter] ripple_order = {ripple_order}, "
         'ripple_variance = {ripple_variance:.3g} and ripple_drift = "{ripple_drift:.3g} 1/s"; if it is the wheel, its '
         "widths."),
@@ -164,6 +171,13 @@ SETTINGS = (
         "What repeats with every turn is taken for the wheel's. It may be a ripple as well: at {sections} per turn it "
         "takes more than {nyquist} edges in a turn to see it whole, and the wheel has {wheel_edges}.",
         "Take the speed for its mean over a ripple, or a wheel with more sectors."),
+)
+DOUBT = (
+    Rule("hidden_ripple", "The wheel's offsets may hide a ripple",
+        "The edges of the wheel lie elsewhere. A ripple of the speed with {hidden_orders} periods per turn may cause a "
+        "part of it: at every mean speed it makes the same offsets. So {hidden_ripple} is part of the standard "
+        "deviation of the speed.",
+        "Give the measured widths in [sensor] widths, if they are known."),
 )
 PATTERN = (
     Rule("period", "Perhaps a wrong number of sectors",
@@ -230,5 +244,6 @@ def findings(found: Mapping[str, Any], sums: Sums, wanted: Estimation, log: Log)
         settings = [*tell(SETTINGS, settings_facts(best, wanted))] if best is not None and sure else []
         wheel_first = best is not None and best.wheel_gain > best.settings_gain
         told += pattern + settings if wheel_first else settings + pattern
+        told += tell(DOUBT, doubt_facts(sums)) if sure else ()
     told += tell(GRANTED, {"remarks": list(log.remarks)})
     return (*first, *sorted(told, key=lambda finding: finding.grade is not Grade.BAD))

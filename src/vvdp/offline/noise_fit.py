@@ -16,7 +16,15 @@ from vvdp.base.arrays import Array
 from vvdp.estimation.event_settings import EventFilter
 from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.offline.estimate_result import portions
-from vvdp.offline.turn_pattern import SpeedRipple, is_likely, is_whole, ripple_in, ripple_patterns
+from vvdp.offline.turn_pattern import (
+    Candidate,
+    SpeedRipple,
+    candidates,
+    is_likely,
+    is_whole,
+    ripple_in,
+    ripple_patterns,
+)
 from vvdp.sensing.wheel import TURN
 from vvdp.simulation.link import quiet
 from vvdp.simulation.replay import Replay
@@ -214,7 +222,7 @@ class Likelihood:
         found: Array = self.passed.sampling_variances[~self._first]
         return found
 
-    @property
+    @cached_property
     def sampling_variance(self) -> float:
         """The part of an edge's variance that is from sampling [rad^2]."""
         return float(np.median(self.passed.sampling_variances))
@@ -324,10 +332,13 @@ def fit(likelihood: Likelihood) -> Fit:
 
 
 class Errors(NamedTuple):
-    """Of the speed just after an edge [rad/s]: the deviation that the filter states, and the one that it has."""
+    """Just after an edge, the deviation that the filter states, and the one that it has: of the speed [rad/s] and of
+    the angle [rad]."""
 
     stated: float
     true: float
+    angle_stated: float
+    angle_true: float
 
 
 def speed_errors(likelihood: Likelihood, taken: Noise, true: Noise) -> Errors:
@@ -339,7 +350,7 @@ def speed_errors(likelihood: Likelihood, taken: Noise, true: Noise) -> Errors:
     """
     steps, sampled = likelihood.steps.tolist(), likelihood.steps_sampled.tolist()
     stated, real = (_after_two(steps[0], sampled[0] + n.edge_variance, n.acceleration_density) for n in (taken, true))
-    sums, late = [0.0, 0.0], len(steps) // 4
+    sums, late = np.zeros(4), len(steps) // 4
     for k, (h, R) in enumerate(zip(steps, sampled, strict=True)):
         stated = predict(stated, h, taken.acceleration_density)
         b = predict(real, h, true.acceleration_density)
@@ -356,9 +367,8 @@ def speed_errors(likelihood: Likelihood, taken: Noise, true: Noise) -> Errors:
         )
         stated = update(stated, 0.0, R_taken)
         if k >= late:
-            sums[0] += stated.speed_variance
-            sums[1] += real.speed_variance
-    return Errors(*(float(np.sqrt(total / (len(steps) - late))) for total in sums))
+            sums += (stated.speed_variance, real.speed_variance, stated.angle_variance, real.angle_variance)
+    return Errors(*np.sqrt(sums / (len(steps) - late)).tolist())
 
 
 def _after_two(h: float, R: float, q: float) -> AngleSpeed:
@@ -381,10 +391,14 @@ class Explained:
     """By how much each edge of that wheel lies further on, less what the ripple makes of it [rad]."""
     ripple: SpeedRipple | None
     """Of the speed, locked to the turn; edges cannot tell it from a wheel with these offsets. None: none stands out."""
+    candidates: tuple[Candidate, ...]
+    """Ripples that the edges may show, if a pattern repeats with the turn: those that fit alike."""
     settings_gain: float
     """By which ln L is higher with the fitted settings than with those in use, on the same wheel."""
     used_errors: Errors
     fitted_errors: Errors
+    lasting: float
+    """Share of the squared innovations that lasts through the log [1]: fourth largest over mean of sixteen parts."""
     nis: float
     """Mean of the squared innovations over what the settings in use expect, on that wheel."""
     outliers: float
@@ -501,24 +515,36 @@ def fit_noise(
         wheel=pattern.wheel,
         offsets=pattern.own_offsets,
         ripple=pattern.ripple,
+        candidates=pattern.candidates,
         settings_gain=fitted.log_likelihood - own.logarithm(used),
         used_errors=speed_errors(own, used, fitted.noise),
         fitted_errors=speed_errors(own, Noise(density, fitted.noise.edge_variance), fitted.noise),
+        lasting=_lasting_share(nu),
         nis=float(np.mean(nu * nu / S)),
         outliers=float(np.mean(mu * mu > FAR * FAR * S_fitted)),
         likelihood=likelihood,
     )
 
 
+def _lasting_share(innovations: Array) -> float:
+    """A step, which the filter's manoeuvres follow, makes large ones in one of sixteen parts, a speed that wanders in
+    all."""
+    squares = [float(np.mean(part * part)) for part in np.array_split(innovations, 16) if part.size]
+    whole = float(np.mean(squares))
+    return min(sorted(squares)[-min(4, len(squares))] / whole, 1.0) if whole > 0.0 else 1.0
+
+
 class Pattern(NamedTuple):
     """What repeats with every turn: the fit without it, if it is real, where the edges seem to lie, of that the ripple
-    and the offsets [rad] that are the wheel's own; `learnt` numbers say all that."""
+    and the offsets [rad] that are the wheel's own; `learnt` numbers say all that. The `candidates` are ripples that fit
+    alike."""
 
     wheel: Fit | None
     offsets: Array
     ripple: SpeedRipple | None
     own_offsets: Array
     learnt: int
+    candidates: tuple[Candidate, ...] = ()
 
 
 def _find_pattern(likelihood: Likelihood, plain: Fit, sections: int) -> Pattern:
@@ -530,14 +556,39 @@ def _find_pattern(likelihood: Likelihood, plain: Fit, sections: int) -> Pattern:
     placed, offsets = _fit_by_turns(likelihood, plain, lambda noise: likelihood.offsets(noise, sectors))
     if placed.log_likelihood - plain.log_likelihood - _price(likelihood, sectors - 1) > CLEAR:
         ripple = ripple_in(offsets, angles, sections)
+        alike = _candidates(likelihood, placed, offsets, sections if ripple is None else ripple.order)
+        if ripple is not None and ripple.order not in [each.ripple.order for each in alike]:
+            ripple = alike[0].ripple if alike else ripple  # it explains the edges clearly better
         left = offsets if ripple is None else offsets - ripple.offsets(angles)
-        return Pattern(placed, offsets, ripple, left - np.mean(left), sectors - 1)
+        return Pattern(
+            wheel=placed,
+            offsets=offsets,
+            ripple=ripple,
+            own_offsets=left - np.mean(left),
+            learnt=sectors - 1,
+            candidates=alike,
+        )
     if is_whole(sections, sectors) and is_likely(likelihood.ripple(plain.noise, sections)):
         placed, offsets = _fit_by_turns(
             likelihood, plain, lambda noise: likelihood.ripple(noise, sections).offsets(angles)
         )
-        return Pattern(placed, offsets, likelihood.ripple(placed.noise, sections), nothing, 2)
+        alike = _candidates(likelihood, placed, offsets, sections)
+        return Pattern(
+            wheel=placed,
+            offsets=offsets,
+            ripple=likelihood.ripple(placed.noise, sections),
+            own_offsets=nothing,
+            learnt=2,
+            candidates=alike,
+        )
     return Pattern(None, nothing, None, nothing, 0)
+
+
+def _candidates(likelihood: Likelihood, placed: Fit, offsets: Array, first: int) -> tuple[Candidate, ...]:
+    """The ripples that may have made these offsets [rad]: those that fit as well as that of the order `first`."""
+    seen = placed.noise.edge_variance + likelihood.sampling_variance
+    scatter = seen * offsets.size / likelihood.passed.times.size
+    return candidates(offsets, likelihood.wheel_angles(offsets.size), first, scatter)
 
 
 def _careful_density(likelihood: Likelihood, fitted: Fit, used: Noise) -> float:

@@ -37,7 +37,7 @@ from vvdp.offline.charts import (
 )
 from vvdp.offline.config import Counts, Estimation, Stamps, Wave, source_channels
 from vvdp.offline.sums import Sums
-from vvdp.offline.wheel_charts import TABLE, wheel_figure, wheel_table
+from vvdp.offline.wheel_charts import RIPPLES, TABLE, ripple_table, wheel_figure, wheel_table
 from vvdp.results.result import Badge, Finding, Grade, Listing, Number, Result, Row, Section, numbers_of
 
 SOURCES: Mapping[type, tuple[str, str]] = {
@@ -72,7 +72,9 @@ QUANTITIES: Mapping[str, tuple[Kind, str]] = {
     "angle_deviation_mean_rad": (ANGLE, "standard deviation of the angle, stated by the filter"),
     "speed_deviation_mean_rad_s": (SPEED, "standard deviation of the speed, stated by the filter"),
     "speed_deviation_rms_rad_s": (SPEED, "standard deviation of the speed, root mean square"),
+    "speed_doubt_rad_s": (SPEED, "standard deviation of the speed, doubt in it"),
     "standstill_time_s": (DURATION, "time at a standstill"),
+    "lost_sensor_s": (DURATION, "time without a sensor"),
     "nis_mean": (RATIO, "squared innovations over their expected variance, mean"),
     "nis_edges": (COUNT, "edges in that mean"),
     "nis_low": (RATIO, "by chance it would lie above"),
@@ -107,7 +109,7 @@ LISTED: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "speed-numbers": ("Speed", (
         "spool_speed_mean_rad_s", "spool_speed_std_rad_s", "spool_speed_min_rad_s", "spool_speed_max_rad_s",
         "pwm_frequency_mean_Hz", "angle_deviation_mean_rad", "speed_deviation_mean_rad_s", "speed_deviation_rms_rad_s",
-        "standstill_time_s",
+        "speed_doubt_rad_s", "standstill_time_s", "lost_sensor_s",
     )),
     "edge-numbers": ("Edges", (
         "sectors", "polarity", "direction", "edges", "missed_edges", "double_edges", "pieces",
@@ -150,6 +152,7 @@ def estimate_result(outcome: Outcome) -> Result:
     listings = dict(_listings(numbers, outcome.wave_unit))
     polarity_known = isinstance(outcome.wanted.source, Wave) or _has_falling(outcome.wanted)
     wheel = wheel_table(outcome.sums, polarity_known=polarity_known)
+    tables = {TABLE: wheel, RIPPLES: ripple_table(outcome.sums.explained)}
     figures = tuple(_figures(outcome))
     if np.isfinite(wheel["offset_rad"]).any():
         figures += (wheel_figure(wheel, outcome.wanted.wheel),)
@@ -160,7 +163,7 @@ def estimate_result(outcome: Outcome) -> Result:
         conditions=_conditions(outcome),
         numbers=numbers,
         listings=listings,
-        tables={TABLE: wheel} | {name: table for each in figures for name, table in each.tables.items()},
+        tables=tables | {name: table for each in figures for name, table in each.tables.items()},
         charts={each.chart.name: each.chart for each in figures},
         badges=tuple(_badges(outcome)),
         findings=(*outcome.findings, Finding(text=_in_words(outcome, numbers["pwm_frequency_mean_Hz"]))),

@@ -10,8 +10,10 @@ from vvdp.offline.alignment import Alignment
 from vvdp.offline.edges import Chosen, CountEdges, StampEdges, WaveEdges
 from vvdp.offline.estimate_result import portions
 from vvdp.offline.hypotheses import Verdict
+from vvdp.offline.lost_sensor import Silence
 from vvdp.offline.noise_fit import Explained
 from vvdp.offline.record_check import Finding as Fault
+from vvdp.offline.speed_doubt import NO_DOUBT, Doubt
 from vvdp.sensing.wheel import TURN
 
 PATTERN = 4096
@@ -246,6 +248,15 @@ class Sums:
     edges: EdgeSums
     explained: Explained | None
     """What its longest pieces are best explained by; None where they are too short."""
+    doubt: Doubt = NO_DOUBT
+    """What the deviations of its rows have beside those of the filter."""
+    silences: tuple[Silence, ...] = ()
+    """Those in which the sensor may have been lost."""
+
+    @property
+    def lost_sensors(self) -> list[Silence]:
+        """Silences in which it was, as far as can be told."""
+        return [each for each in self.silences if each.is_lost]
 
 
 def repeats_after(sums: Sums, hidden_variance: float) -> tuple[int, float, float] | None:

@@ -23,6 +23,10 @@ EXPECTED = 0.035
 """Amplitude of the ripple that a spool is expected to have at its sections [1]."""
 CHANCE = 0.05
 """A ripple stands out where the wheel's other offsets would make as much of it with less than this chance."""
+ECCENTRIC = 8
+"""From so many edges on, one wave over the turn is told apart from a ripple."""
+ALIKE = 6.0
+"""Ripples fit alike where their squares, over those of an offset's own error, differ by no more: chi square at 5 %."""
 
 
 class SpeedRipple(NamedTuple):
@@ -56,6 +60,20 @@ class SpeedRipple(NamedTuple):
         linear ripple leaves out."""
         return self.error**2 + self.amplitude**4 / 4.0
 
+    @property
+    def share(self) -> float:
+        """The part of the pattern that is expected to be the motion's [1]; the rest is the wheel's.
+
+        Both parts have the variance t^2 = EXPECTED^2/2 beforehand and are seen with the error e: t^2/(t^2 + e^2).
+        """
+        prior = 0.5 * EXPECTED**2
+        return prior / (prior + self.error**2)
+
+    @property
+    def expected_square(self) -> float:
+        """Mean square of the amplitude that the motion has by that [1]: its mean squared, and the variances left."""
+        return (self.share * self.amplitude) ** 2 + 2.0 * self.share * self.error**2
+
     def motion(self, course: Beliefs) -> Beliefs:
         """Beliefs about the spool from those about its mean course: theta = phi - d(theta), omega = phi'/(1 + d')."""
         angle = course.angle - self.offsets(course.angle - self.offsets(course.angle))
@@ -69,6 +87,13 @@ class SpeedRipple(NamedTuple):
             covariance=stretch**2 * course.covariance,
             speed_variance=stretch**2 * course.speed_variance + self.variance * speed**2,
         )
+
+
+class Candidate(NamedTuple):
+    """A ripple that the edges may show, and the probability that it is the one [1]."""
+
+    ripple: SpeedRipple
+    chance: float
 
 
 def is_whole(order: int, edges: int) -> bool:
@@ -115,11 +140,47 @@ def ripple_in(offsets: Array, angles: Array, sections: int) -> SpeedRipple | Non
     return None
 
 
-def _fit_ripple(offsets: Array, angles: Array, order: int) -> tuple[SpeedRipple, float]:
-    """The likeliest ripple of an order, and the sum of the squares of what it leaves [rad^2]."""
-    waves = np.column_stack([ripple_patterns(angles, order), np.ones(angles.size)])
+def candidates(offsets: Array, angles: Array, first: int, scatter: float) -> tuple[Candidate, ...]:
+    """All ripples that explain the offsets [rad] of edges at `angles` [rad] as well as any, if one of the order `first`
+    does; the likeliest first.
+
+    Of n even edges the orders k n + first and k n - first make the same pattern. The probability of an order falls with
+    its square and with the amplitude that it takes, exp(-a^2/(2 EXPECTED^2)); none above `LARGEST` is possible.
+
+    scatter  variance of an offset by the noise of the edges [rad^2]
+    """
+    beside = ripple_patterns(angles, 1) if offsets.size >= ECCENTRIC else np.empty((offsets.size, 0))
+    fits = {order: _fit_ripple(offsets, angles, order, beside)
+            for order in (first, *range(2, 2 * offsets.size)) if _is_told(angles, order, beside)}  # fmt: skip
+    possible = {order: fit for order, fit in fits.items() if fit[0].share * fit[0].amplitude <= LARGEST}
+    if first not in possible:
+        return ()
+    least = min(left for _, left in possible.values())
+    error = max(least / (offsets.size - 3 - beside.shape[1]), scatter, 1e-12 * float(np.mean(offsets**2)), 1e-300)
+    weights = {
+        order: float(np.exp(-0.5 * ((ripple.share * ripple.amplitude / EXPECTED) ** 2 + (left - least) / error)))
+        / order**2
+        for order, (ripple, left) in possible.items()
+        if left - least <= ALIKE * error
+    }
+    total = sum(weights.values())
+    found = [Candidate(possible[order][0], weight / total) for order, weight in weights.items()]
+    return tuple(sorted(found, key=lambda each: -each.chance))
+
+
+def _is_told(angles: Array, order: int, beside: Array) -> bool:
+    """Whether edges at these angles show both parts of a ripple, beside the mean that all of them share, and beside
+    other patterns."""
+    waves = np.column_stack([order * ripple_patterns(angles, order), beside, np.ones(angles.size)])
+    return bool(np.linalg.matrix_rank(waves, tol=0.05 * np.sqrt(angles.size)) == waves.shape[1])
+
+
+def _fit_ripple(offsets: Array, angles: Array, order: int, beside: Array | None = None) -> tuple[SpeedRipple, float]:
+    """The likeliest ripple of an order beside other patterns, and the sum of the squares of what is left [rad^2]."""
+    own = ripple_patterns(angles, order)
+    waves = np.column_stack([own, np.ones(angles.size)] if beside is None else [own, beside, np.ones(angles.size)])
     inverse = np.linalg.inv(waves.T @ waves)
     found = inverse @ waves.T @ offsets
     left = float(np.sum((offsets - waves @ found) ** 2))
-    error = float(np.sqrt(left / (offsets.size - 3) * np.mean(np.diag(inverse)[:2])))
+    error = float(np.sqrt(left / (offsets.size - waves.shape[1]) * np.mean(np.diag(inverse)[:2])))
     return SpeedRipple(order, float(found[0]), float(found[1]), error), left

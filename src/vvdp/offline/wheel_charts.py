@@ -4,14 +4,15 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.display import number
-from vvdp.base.kinds import ANGLE, COUNT, EFFICIENCY, RATIO
+from vvdp.base.kinds import ANGLE, COUNT, EFFICIENCY, FRACTION, RATIO
 from vvdp.offline.charts import PALE, Figure, data_table
+from vvdp.offline.noise_fit import Explained
 from vvdp.offline.sums import Sums
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
 from vvdp.sensing.wheel import TURN, CodeWheel
 
-TABLE, DRAWING = "wheel-edges", "wheel-drawing"
+TABLE, DRAWING, RIPPLES = "wheel-edges", "wheel-drawing", "ripples"
 MOST_EXAGGERATED = 10.0
 """Offsets of edges are drawn so many times as large, at most."""
 INNER, OUTER = 0.58, 1.0
@@ -47,6 +48,18 @@ def wheel_table(sums: Sums, *, polarity_known: bool) -> Table:
         "high_rad": Column(reach, ANGLE, "two standard errors more"),
     }
     return Table(title="Edges of the wheel", columns=columns, shown=tuple(columns)[:6])
+
+
+def ripple_table(told: Explained | None) -> Table:
+    """The ripples of the speed that fit the edges alike, in the order of their orders; empty if none was found."""
+    found = told.candidates if told is not None and told.ripple is not None else ()
+    by_order = sorted(found, key=lambda each: each.ripple.order)
+    columns = {
+        "order": Column(np.array([float(each.ripple.order) for each in by_order]), COUNT, "ripples per turn"),
+        "amplitude": Column(np.array([each.ripple.amplitude for each in by_order]), RATIO, "amplitude over the speed"),
+        "probability": Column(np.array([each.chance for each in by_order]), FRACTION, "probability"),
+    }
+    return Table(title="Ripples that fit the edges", columns=columns)
 
 
 def wheel_figure(table: Table, wheel: CodeWheel) -> Figure:

@@ -1,0 +1,92 @@
+"""Doubt about the speed: what edges cannot tell apart, and what the settings of the filter leave out.
+
+Derived in docs/logs.md, "What edges cannot tell".
+
+Source  ours, docs/logs.md
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from vvdp.base.arrays import Array
+from vvdp.offline.estimate_result import AT_ONCE
+from vvdp.offline.noise_fit import Explained
+from vvdp.offline.turn_pattern import Candidate, SpeedRipple
+
+NOTHING_TOLD = SpeedRipple(0, 0.0, 0.0, 0.0)
+"""What a filter is told that estimates no ripple."""
+
+
+class Doubt(NamedTuple):
+    """Variances that are added to those of the filter: of the speed a part that grows with its square [1] and one that
+    does not [rad^2/s^2], of the angle [rad^2]."""
+
+    speed_ratio: float
+    speed: float
+    angle: float
+
+    def speed_deviation(self, speed: Any) -> Any:
+        """Standard deviation at a speed [rad/s]."""
+        return np.sqrt(self.speed_ratio * speed * speed + self.speed)
+
+
+NO_DOUBT = Doubt(0.0, 0.0, 0.0)
+
+
+def doubt_of(told: Explained | None, ripple_order: float) -> Doubt:
+    """The doubt of a record about the estimate of a filter that has a ripple of this order, 0 for none.
+
+    Ripples that fit the edges alike, and the wheel's own share of the pattern, count by their probabilities; settings
+    that clearly do not fit count by what the mean squared error exceeds the stated variance, as far as it lasts.
+    """
+    if told is None:
+        return NO_DOUBT
+    known = NOTHING_TOLD
+    if ripple_order > 0.0:
+        same = told.ripple is not None and told.ripple.order == ripple_order
+        known = told.ripple if same and told.ripple is not None else SpeedRipple(int(ripple_order), 0.0, 0.0, 0.0)
+    ratio, angle = ripple_doubt(told.candidates, known)
+    if not told.matters:
+        return Doubt(ratio, 0.0, angle)
+    e = told.used_errors
+    return Doubt(
+        ratio,
+        told.lasting * max(e.true * e.true - e.stated * e.stated, 0.0),
+        angle + told.lasting * max(e.angle_true * e.angle_true - e.angle_stated * e.angle_stated, 0.0),
+    )
+
+
+def ripple_doubt(candidates: tuple[Candidate, ...], known: SpeedRipple) -> tuple[float, float]:
+    """Variance of the speed over its square [1], and of the angle [rad^2], of a filter that estimates the ripple
+    `known` while the true one is any of the `candidates`.
+
+    Waves of different orders are orthogonal over a turn, so their mean squares add up: (a_0^2 + E a_N^2)/2 for each
+    order but the one that is estimated.
+    """
+    ratio, angle = 0.0, 0.0
+    for each in candidates:
+        if each.ripple.order == known.order:
+            continue
+        square, order = each.ripple.expected_square, each.ripple.order
+        ratio += 0.5 * each.chance * (known.amplitude**2 + square)
+        estimated = (known.amplitude / known.order) ** 2 if known.order else 0.0
+        angle += 0.5 * each.chance * (estimated + square / order**2)
+    return ratio, angle
+
+
+def add_doubt(file: Any, doubt: Doubt, prefix: str = "") -> None:
+    """Adds a doubt to the deviations of an open result.h5; `prefix` names the columns, "smoothed_" those of the
+    smoother."""
+    if doubt == NO_DOUBT:
+        return
+    speeds, angles = file[f"{prefix}speed_deviation"], file[f"{prefix}angle_deviation"]
+    for begin in range(0, speeds.shape[0], AT_ONCE):
+        rows = slice(begin, begin + AT_ONCE)
+        speed = _standing_as_zero(file["standstill"][rows], file[f"{prefix}speed"][rows])
+        speeds[rows] = np.hypot(speeds[rows], np.where(speed == 0.0, 0.0, doubt.speed_deviation(speed)))
+        angles[rows] = np.hypot(angles[rows], np.sqrt(doubt.angle))
+
+
+def _standing_as_zero(standstill: Array, speed: Array) -> Array:
+    return np.where(standstill > 0.5, 0.0, speed)
