@@ -19,6 +19,7 @@ import numpy as np
 from scipy.optimize import curve_fit
 
 import vvdp
+from benchmarks.hard_circuits import HARD
 from vvdp.comparison.estimators import READING, contenders
 from vvdp.comparison.scenarios import Record, Scenario, scenarios
 from vvdp.comparison.trials import compiled_encoder, compiled_step, simulate_record
@@ -164,6 +165,7 @@ CASES: Mapping[str, Callable[[], Answer]] = {
     "digital-flow-control-unit": digital_flow_control_unit,
     "rotary-valve-2012": rotary_valve_2012,
     "self-spinning-frequency": self_spinning_frequency,
+    **HARD,
 }
 """Those whose answer is numbers. That of `event-filter` is a file for each record."""
 

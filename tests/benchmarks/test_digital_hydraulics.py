@@ -13,13 +13,15 @@ from types import ModuleType
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from tests.benchmarks.hard_references import REFERENCES
 
 from benchmarks import digital_hydraulics as own
+from benchmarks import hard_circuits
 
 ROOT = Path(__file__).parents[2]
 SET = own.SET
 CASES = sorted(path.parent.name for path in SET.glob("*/case.toml"))
-QUICK = ("volume-blowdown", "hose-swing", "rotary-valve-2012", "digital-flow-control-unit")
+QUICK = ("volume-blowdown", "hose-swing", "rotary-valve-2012", "digital-flow-control-unit", *hard_circuits.HARD)
 
 
 def _checker() -> ModuleType:
@@ -134,6 +136,20 @@ def test_codes_of_the_flow_control_unit_by_counting():
     opens, shuts = np.clip(t / g["opening_time"], 0.0, 1.0), np.clip(1.0 - t / g["closing_time"], 0.0, 1.0)
     pulse = float(np.trapezoid(unit * (16.0 * opens + 15.0 * shuts - 16.0), t))
     assert wanted["pulse_15_16"] == pytest.approx(pulse, rel=1e-4)
+
+
+@pytest.mark.parametrize("case", REFERENCES)
+def test_hard_circuits_by_closed_form_or_another_integration(case):
+    found, wanted = REFERENCES[case](given(case)), expected(case)
+    assert {*found} == {*wanted} and {*REFERENCES} == {*hard_circuits.HARD}
+    for quantity, value in wanted.items():
+        assert float(found[quantity]) == pytest.approx(value, rel=2e-6, abs=1e-9), quantity
+
+
+def test_a_circuit_whose_balances_do_not_close_has_no_answer(monkeypatch):
+    monkeypatch.setattr(hard_circuits, "CLOSES", 1e-12)
+    with pytest.raises(ValueError, match="gas-corner"):
+        hard_circuits.ran("gas-corner")
 
 
 @pytest.mark.parametrize("case", QUICK)

@@ -204,7 +204,7 @@ def met_argument(argument: Argument, met: Meeting) -> Any:
 def given(component: Component, result: Any) -> dict[str, Any]:
     """What a component gives into the node at each of its ports."""
     if component.is_passage:
-        first, second = component.hydraulic_ports
+        first, second = component.ends
         result_of = {first: -result.flow, second: result.flow}
         return {port: result_of.get(port, getattr(result, port, 0.0)) for port in component.ports}
     return {port: getattr(result, port, 0.0) for port in component.ports}

@@ -7,7 +7,8 @@ import pytest
 from scipy.optimize import brentq
 
 from vvdp.base.errors import ConfigError
-from vvdp.hydraulics.counterbalance_valve import CounterbalanceValve, opening_share, pilot_aid, two_way_flow
+from vvdp.hydraulics.balanced_valve import opening_share
+from vvdp.hydraulics.counterbalance_valve import CounterbalanceValve, pilot_aid, two_way_flow
 from vvdp.hydraulics.four_way_valve import FourWayValve, ValveSpool, four_edges, four_way_flow, spool_motion
 from vvdp.runs.simulate import run_system
 from vvdp.systems.system import load_system

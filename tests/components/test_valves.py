@@ -52,16 +52,17 @@ from vvdp.components.switching_valves import (
     two_way_valve,
 )
 from vvdp.fluid.mixture import fluid_state
-from vvdp.hydraulics.check_valve import CheckState, CheckValve
+from vvdp.hydraulics.check_valve import CheckValve
 from vvdp.hydraulics.compensated_throttle import CompensatedThrottle
 from vvdp.hydraulics.directional_valve import DirectionalState, DirectionalValve
 from vvdp.hydraulics.flow_control_valve import FlowControlValve
 from vvdp.hydraulics.flow_source import FlowSource
+from vvdp.hydraulics.opening import OpeningState
 from vvdp.hydraulics.pilot_check_valve import PilotCheckValve
 from vvdp.hydraulics.ports import Medium
-from vvdp.hydraulics.proportional_valve import OpeningState, ProportionalValve
+from vvdp.hydraulics.proportional_valve import ProportionalValve
 from vvdp.hydraulics.reducing_valve import ReducingValve
-from vvdp.hydraulics.relief_valve import ReliefState, ReliefValve, ShockValve
+from vvdp.hydraulics.relief_valve import ReliefValve, ShockValve
 from vvdp.hydraulics.seat_valve import SeatValve
 from vvdp.hydraulics.switching_valve import SpoolState
 from vvdp.programs.unloading import (
@@ -100,15 +101,15 @@ def relief(override, time=0.0):
 
 def test_check_valve(at):
     a, b = at(10e5), at(7.5e5)
-    open_at_once = check_valve(a, b, CheckState(0.0), check(0.0))
+    open_at_once = check_valve(a, b, OpeningState(0.0), check(0.0))
     assert open_at_once.flow == pytest.approx(6e-4 / a.volume_ratio, rel=1e-13)
     assert open_at_once.loss == pytest.approx(open_at_once.flow * (a.enthalpy - b.enthalpy), rel=1e-13)
     assert open_at_once.rates == (0.0,)
-    assert check_valve(b, a, CheckState(0.7), check(0.0)).flow == 0.0
-    lags = check_valve(a, b, CheckState(0.25), check(2e-3))
+    assert check_valve(b, a, OpeningState(0.7), check(0.0)).flow == 0.0
+    lags = check_valve(a, b, OpeningState(0.25), check(2e-3))
     assert lags.flow == pytest.approx(1.5e-4 / a.volume_ratio, rel=1e-13)
     assert lags.rates.opening == pytest.approx(375.0, rel=1e-12)  # (1 - 0.25)/2 ms
-    back = check_valve(b, a, CheckState(0.25), check(2e-3))
+    back = check_valve(b, a, OpeningState(0.25), check(2e-3))
     assert back.flow == pytest.approx(-1.5e-4 / a.volume_ratio, rel=1e-13)  # oil of the side it comes from
     assert check_start(check(2e-3)) == (0.0,)
     assert CHECK_VALVE.is_passage
@@ -124,11 +125,11 @@ def test_pilot_check_valve_lets_oil_back_when_it_is_told_to(at):
         pilot_ratio=3.0,
     )
     a, b = at(1e5), at(3.5e5)
-    held = pilot_check_valve(a, b, at(1e5), CheckState(0.0), values)
-    assert held.a == held.b == 0.0
+    held = pilot_check_valve(a, b, at(1e5), OpeningState(0.0), values)
+    assert held.flow == 0.0
     # half lift: 3 (P_x - 1 bar) - 2.5 bar = 1.5 bar
-    through = pilot_check_valve(a, b, at(1e5 + 4e5 / 3.0), CheckState(0.0), values)
-    assert through.a == -through.b == pytest.approx(3e-4 / b.volume_ratio, rel=1e-9)
+    through = pilot_check_valve(a, b, at(1e5 + 4e5 / 3.0), OpeningState(0.0), values)
+    assert -through.flow == pytest.approx(3e-4 / b.volume_ratio, rel=1e-9)
     assert through.loss > 0.0
     assert "pilot" not in through._fields
 
@@ -148,25 +149,25 @@ def test_lag_of_the_opening_takes_power_only(at, inlet, opening):
 def test_relief_valve_in_its_three_limits(at):
     tank = at(1e5)
     over = at(62.5e5)
-    dynamic = relief_valve(over, tank, 1.0, 1.0, ReliefState(0.3), relief(5e5, 2e-3))
+    dynamic = relief_valve(over, tank, 1.0, 1.0, OpeningState(0.3), relief(5e5, 2e-3))
     # 0.3 Q_r root(61.5/64), next to the transition; (0.5 - 0.3)/2 ms
     assert dynamic.flow == pytest.approx(0.3 * 6e-4 * np.sqrt(61.5 / 64.0) / over.volume_ratio, rel=1e-5)
     assert dynamic.rates.opening == pytest.approx(100.0, rel=1e-12)
-    static = relief_valve(over, tank, 1.0, 1.0, ReliefState(0.0), relief(5e5))
+    static = relief_valve(over, tank, 1.0, 1.0, OpeningState(0.0), relief(5e5))
     assert static.flow == pytest.approx(dynamic.flow / 0.6, rel=1e-13)
-    ideal = relief_valve(at(60e5), tank, 4e-4, 1.0, ReliefState(0.0), relief(0.0))
+    ideal = relief_valve(at(60e5), tank, 4e-4, 1.0, OpeningState(0.0), relief(0.0))
     assert ideal.flow == pytest.approx(4e-4 / at(60e5).volume_ratio, rel=1e-13)
     for inlet, outlet, surplus in ((at(60e5), tank, -4e-4), (at(59e5), tank, 4e-4), (at(60e5), at(61e5), 4e-4)):
-        shut = relief_valve(inlet, outlet, surplus, 0.0, ReliefState(0.0), relief(0.0))
-        assert shut.flow == 0.0 and shut.mode < 1.0
+        shut = relief_valve(inlet, outlet, surplus, 0.0, OpeningState(0.0), relief(0.0))
+        assert shut.flow == 0.0 and shut.side < 1.0
 
 
 @pytest.mark.parametrize("time", [0.0, 2e-3])
 def test_a_shock_valve_is_a_relief_valve_with_an_override(at, time):
     values = ShockValve(cracking_pressure=60e5, override_pressure=5e5, rated_flow=6e-4, opening_time=time)
     for a, b in ((62.5e5, 1e5), (30e5, 1e5), (62.5e5, 70e5)):
-        expected = relief_valve(at(a), at(b), 1.0, 1.0, ReliefState(0.3), relief(5e5, time))
-        assert shock_valve(at(a), at(b), 1.0, ReliefState(0.3), values) == expected
+        expected = relief_valve(at(a), at(b), 1.0, 1.0, OpeningState(0.3), relief(5e5, time))
+        assert shock_valve(at(a), at(b), 1.0, OpeningState(0.3), values) == expected
     with pytest.raises(ParameterError, match="override_pressure"):
         ShockValve(cracking_pressure=60e5, override_pressure=0.0, rated_flow=6e-4, opening_time=0.0)
 

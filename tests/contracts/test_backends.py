@@ -343,6 +343,7 @@ def components():
     from vvdp.base.signal import Signal
     from vvdp.fluid import modulus
     from vvdp.hydraulics import (
+        balanced_valve,
         characteristic,
         check_valve,
         compensated_throttle,
@@ -407,6 +408,13 @@ def components():
         modulus.PolytropicAir(**polytropic),
         modulus.YuAir(**polytropic, dissolving_rate=1e-8),
         modulus.DissolvingAir(**polytropic, critical_pressure=1e7),
+        balanced_valve.BalancedValve(
+            cracking_pressure=1e6, override_pressure=1e7, rated_flow=1e-3, rated_drop=1e6, opening_time=5e-3
+        ),
+        balanced_valve.CartridgeValve(
+            cracking_pressure=1e6, override_pressure=1e7, rated_flow=1e-3, rated_drop=1e6, opening_time=0.0,
+            ring_ratio=0.6,
+        ),
         counterbalance_valve.SequenceValve(
             cracking_pressure=1e7, override_pressure=1e7, rated_flow=1e-3, rated_drop=1e6, opening_time=5e-3,
             reverse_cracking_pressure=5e4, reverse_override_pressure=5e6,

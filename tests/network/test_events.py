@@ -61,9 +61,9 @@ def test_an_ideal_relief_valve_takes_what_the_chamber_cannot(method, tolerance):
 def test_its_mode_is_recorded():
     circuit = limited(UsualOil())
     run = simulate(circuit.model, circuit.case, Stepping(until=0.04, window_interval=1e-4))
-    opened = run.times[1:][np.diff(run.command.modes.relief_mode) > 0.5]
-    shut = run.times[1:][np.diff(run.command.modes.relief_mode) < -0.5]
+    opened = run.times[1:][np.diff(run.command.modes.relief_side) > 0.5]
+    shut = run.times[1:][np.diff(run.command.modes.relief_side) < -0.5]
     assert opened.size == shut.size == 1
     assert shut[0] == pytest.approx(0.5 * np.pi / OMEGA, abs=1.1e-4)
     flow = run.outputs.relief_flow
-    assert np.all(flow[run.command.modes.relief_mode == 0.0] == 0.0)
+    assert np.all(flow[run.command.modes.relief_side == 0.0] == 0.0)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from vvdp.base.tables import Table
 from vvdp.simulation.run import Run, simulate
@@ -218,6 +219,76 @@ def test_a_ring_with_a_cooler(ran):
     assert abs(done.found["heat_residual"]) < 1e-8
     over = done.run.outputs.low_temperature[-1] - 293.15
     assert over == pytest.approx(done.found["power_pump_W"] / 100.0, rel=1e-3)
+
+
+LPM, BAR = 1e-3 / 60.0, 1e5
+
+
+def tank_volumes(flow, pressure):
+    """Tank volumes of a flow [m^3/s] at a gauge pressure, of the oil without air."""
+    return flow * np.exp(pressure / 1.4e9)
+
+
+def test_brake_valve(ran):
+    """y Q_r root(P/P_r) = Q with 94.2 bar between outlet and inlet; the shaft takes the torque of its drop."""
+    done = ran("A motor behind a brake valve")
+    check_closed(done)
+    assert not done.broken
+    drop = 30.0 * 2.0 * np.pi / 20e-6
+    # Actual flows: what the pump gives at the inlet, and thinner by the drop at the outlet.
+    feed = brentq(lambda P: (P / BAR - 20.0) / 40.0 * np.sqrt((P + drop) / BAR / 80.0) - 1.0, 20 * BAR, 60 * BAR)
+    assert feed == pytest.approx(49.8 * BAR, abs=0.02 * BAR)
+    found = done.found
+    assert found["speed_mean_swing_rad_s"] == pytest.approx(1000.0 * np.pi / 30.0, rel=1e-3)
+    assert found["pressure_mean_feed_Pa"] == pytest.approx(feed, rel=5e-3)
+    assert found["pressure_mean_braked_Pa"] - found["pressure_mean_feed_Pa"] == pytest.approx(drop, rel=5e-4)
+
+
+def test_sections_share_a_pump(ran):
+    done = ran("Sections that share a pump")
+    check_closed(done)
+    found, K = done.found, 4e-7 * np.sqrt(BAR) / LPM
+
+    def section(line, share, load):
+        """Flow [l/min] at a pump pressure [bar]: throttle and compensator in series."""
+
+        def surplus(between):
+            opening = min(0.5 * (between - 102.0), 1.0)
+            return 120.0 * opening * np.sqrt((between - load) / 5.0) - share * K * np.sqrt(line - between)
+
+        return share * K * np.sqrt(line - brentq(surplus, 102.0, line))
+
+    line = brentq(lambda P: section(P, 0.5, 60.0) + section(P, 1.0, 100.0) - 30.0, 105.0, 130.0)
+    small, large = found["flow_mean_small_throttle_m3_s"], found["flow_mean_large_throttle_m3_s"]
+    assert small / (small + large) == pytest.approx(section(line, 0.5, 60.0) / 30.0, rel=5e-4)
+    assert found["pressure_mean_line_Pa"] == pytest.approx(line * BAR, rel=1e-3)
+    for load in (60.0, 120.0):
+        alone = ran("Sections that share a pump", f"nodes.light.pressure={load:g} bar").found
+        drop = brentq(
+            lambda d, at=load: 60.0 * 0.5 * (9.0 - d) * np.sqrt((200.0 - at - d) / 5.0) - K * np.sqrt(d), 7.0, 9.0
+        )
+        expected = tank_volumes(K * LPM * np.sqrt(drop), (load + drop) * BAR)
+        assert alone["flow_mean_throttle_m3_s"] == pytest.approx(expected, rel=2e-3)
+
+
+def test_priority_and_logic_valve(ran):
+    done = ran("Priority and a logic valve")
+    check_closed(done)
+    found = done.found
+    gauge = {name: found[f"pressure_mean_{name}_Pa"] / BAR for name in ("line", "first", "rest", "second")}
+    # The spool stands where the drop over the throttle says; both its edges follow from that.
+    y = 0.5 * (gauge["first"] - 80.0 - 7.0)
+    rest = 80.0 * LPM * y * np.sqrt((gauge["line"] - gauge["rest"]) / 5.0)
+    first = 2.5e-7 * np.sqrt((gauge["first"] - 80.0) * BAR)
+    line, ahead = gauge["line"] * BAR, gauge["first"] * BAR
+    assert found["flow_mean_logic_m3_s"] == pytest.approx(tank_volumes(rest, line), rel=1e-3)
+    assert found["flow_mean_throttle_m3_s"] == pytest.approx(tank_volumes(first, ahead), rel=1e-3)
+    assert first + rest == pytest.approx(40.0 * LPM, rel=5e-3)
+    assert first == pytest.approx(12.7 * LPM, rel=2e-3)
+    behind = brentq(lambda P: 80.0 * (P - 18.0) / 4.0 * np.sqrt(P / 5.0) - rest / LPM, 18.0, 22.0)
+    assert gauge["rest"] == pytest.approx(behind, rel=3e-3)
+    held = brentq(lambda P: 40.0 * (P - 30.5) / 4.5 * np.sqrt(P / 5.0) - 5.0, 30.5, 35.0)
+    assert gauge["second"] == pytest.approx(held, rel=1e-4)
 
 
 def test_without_a_heat_balance_nothing_is_written_of_heat():

@@ -94,6 +94,8 @@ DISCHARGE_COEFFICIENT = Kind("discharge coefficient", "1", 0.3, 1.0, "0.61")
 AIR_FRACTION = Kind("volume fraction of free air", "1", 0.0, 0.5, "1 %")
 POLYTROPIC = Kind("polytropic exponent", "1", 1.0, 1.7, "1.4")
 FRACTION = Kind("fraction", "1", 0.0, 1.0, "0.5", scale=1e-2)
+OPENING = Kind("opening", "1", 0.0, 1e6, "0.5", scale=1e-2)
+"""Of a valve, 1 at its rated point, beyond which a relief valve opens further."""
 SIGNED_FRACTION = Kind("signed fraction", "1", -1.0, 1.0, "0.5", scale=1e-2)
 DUTY_RATIO = Kind("duty ratio", "1", -1.0, 2.0, "0.5")
 COUNT = Kind("count", "1", 0.0, 1e6, "3")
@@ -188,6 +190,7 @@ DischargeCoefficient = Annotated[float, DISCHARGE_COEFFICIENT]
 AirFraction = Annotated[float, AIR_FRACTION]
 Polytropic = Annotated[float, POLYTROPIC]
 Fraction = Annotated[float, FRACTION]
+Opening = Annotated[float, OPENING]
 SignedFraction = Annotated[float, SIGNED_FRACTION]
 DutyRatio = Annotated[float, DUTY_RATIO]
 Count = Annotated[float, COUNT]

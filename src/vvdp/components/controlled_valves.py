@@ -14,7 +14,8 @@ from vvdp.hydraulics.compensated_throttle import (
     metering_share,
 )
 from vvdp.hydraulics.flow import passage
-from vvdp.hydraulics.proportional_valve import OpeningState, ProportionalValve, opening_rate, proportional_flow
+from vvdp.hydraulics.opening import OpeningPassage, OpeningState
+from vvdp.hydraulics.proportional_valve import ProportionalValve, opening_rate, proportional_flow
 from vvdp.hydraulics.seat_valve import SeatValve, seat_flow, seat_rate
 from vvdp.hydraulics.series import first_share, series_flow
 from vvdp.network.component import Component
@@ -45,15 +46,6 @@ class ValvePassage(NamedTuple):
     flow: Flow
     loss: Power
     rates: OpeningState
-
-
-class MeteringPassage(NamedTuple):
-    """What goes through a metering valve, the rate of its opening, and whether it is in its dead band."""
-
-    flow: Flow
-    loss: Power
-    rates: OpeningState
-    side: Kink
 
 
 class SeriesLosses(NamedTuple):
@@ -96,12 +88,12 @@ def proportional_valve(
 
 def metering_valve(
     a: FluidState, b: FluidState, command: Fraction, state: OpeningState, values: MeteringValve
-) -> MeteringPassage:
+) -> OpeningPassage:
     """Proportional valve with dead band and rangeability; the position of its spool follows `command` [1]."""
     share = flow_share(state.opening, values)
     flow, loss = passage(proportional_flow(a.pressure - b.pressure, share, values), a, b)
     rates = OpeningState(opening_rate(command, state.opening, values))
-    return MeteringPassage(flow, loss, rates, dead_band_side(state.opening, values))
+    return OpeningPassage(flow, loss, rates, dead_band_side(state.opening, values))
 
 
 def unloading_valve(

@@ -12,6 +12,15 @@ from vvdp.base.kinds import (
     ThermalExpansion,
 )
 from vvdp.components.accumulators import GAS_ACCUMULATOR, PISTON_ACCUMULATOR, SPRING_ACCUMULATOR
+from vvdp.components.balanced_valves import (
+    BRAKE_VALVE,
+    CARTRIDGE_VALVE,
+    COUNTERBALANCE_VALVE,
+    DOWNSTREAM_COMPENSATOR,
+    PRIORITY_VALVE,
+    SEQUENCE_VALVE,
+    UPSTREAM_COMPENSATOR,
+)
 from vvdp.components.controlled_valves import (
     COMPENSATED_THROTTLE,
     DUMP_VALVE,
@@ -43,13 +52,12 @@ from vvdp.components.rods import CYLINDER, END_STOP, LOAD_FORCE, PLUNGER, ROD_BR
 from vvdp.components.rotary_valve import ROTARY_VALVE
 from vvdp.components.self_acting_valves import (
     CHECK_VALVE,
-    COUNTERBALANCE_VALVE,
     FLOW_CONTROL_VALVE,
     LOAD_RELIEF_VALVE,
     PILOT_CHECK_VALVE,
+    PILOT_CLOSED_CHECK_VALVE,
     REDUCING_VALVE,
     RELIEF_VALVE,
-    SEQUENCE_VALVE,
     SHOCK_VALVE,
     SHUTTLE_VALVE,
 )
@@ -90,7 +98,9 @@ def _by_name(*components: Component | Assembly) -> Mapping[str, Component | Asse
 
 COMPONENTS = _by_name(
     ARM,
+    BRAKE_VALVE,
     CALIBRATED_GEROTOR_DRIVE,
+    CARTRIDGE_VALVE,
     CHECK_VALVE,
     COLUMN,
     COMPENSATED_THROTTLE,
@@ -103,6 +113,7 @@ COMPONENTS = _by_name(
     DIRECTED_RETURN,
     DIRECTED_SOURCE,
     DIRECTIONAL_VALVE,
+    DOWNSTREAM_COMPENSATOR,
     DRIVE_COUPLING,
     DRUM,
     DUMP_VALVE,
@@ -127,9 +138,11 @@ COMPONENTS = _by_name(
     MOTOR,
     ORIFICE,
     PILOT_CHECK_VALVE,
+    PILOT_CLOSED_CHECK_VALVE,
     PIPE,
     PISTON_ACCUMULATOR,
     PLUNGER,
+    PRIORITY_VALVE,
     PROPORTIONAL_VALVE,
     PULSED_SWITCHING_VALVE,
     PULSED_TWO_WAY_VALVE,
@@ -159,6 +172,7 @@ COMPONENTS = _by_name(
     TWO_WAY_VALVE,
     UNIT_VALVE,
     UNLOADING_VALVE,
+    UPSTREAM_COMPENSATOR,
     VARIABLE_MOTOR,
     VARIABLE_PUMP,
     WEIGHT,

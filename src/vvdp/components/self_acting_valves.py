@@ -3,31 +3,20 @@
 from typing import NamedTuple
 
 from vvdp.base.kinds import Flow, Fraction, Kink, Mode, Power
-from vvdp.base.select import clip, select
+from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.check_valve import (
-    CheckState,
     CheckValve,
     check_opening,
     check_opening_rate,
     check_side,
     poppet_flow,
 )
-from vvdp.hydraulics.counterbalance_valve import (
-    CounterbalanceValve,
-    SequenceValve,
-    lift_rate,
-    lift_side,
-    opening_share,
-    pilot_aid,
-    reverse_side,
-    two_way_flow,
-)
 from vvdp.hydraulics.flow import passage
 from vvdp.hydraulics.flow_control_valve import FlowControlValve, controlled_flow, controlled_side
-from vvdp.hydraulics.pilot_check_valve import PilotCheckValve, lifting_drop
+from vvdp.hydraulics.opening import OpeningPassage, OpeningState
+from vvdp.hydraulics.pilot_check_valve import PilotCheckValve, closing_drop, lifting_drop
 from vvdp.hydraulics.ports import Surplus
-from vvdp.hydraulics.proportional_valve import OpeningState
 from vvdp.hydraulics.reducing_valve import (
     ReducingValve,
     reducing_flow,
@@ -37,7 +26,6 @@ from vvdp.hydraulics.reducing_valve import (
 )
 from vvdp.hydraulics.relief_valve import (
     LoadReliefValve,
-    ReliefState,
     ReliefValve,
     ShockValve,
     opened_relief_flow,
@@ -52,71 +40,12 @@ from vvdp.hydraulics.shuttle_valve import ShuttleValve, ball_position, ball_side
 from vvdp.network.component import Component
 
 
-class CheckPassage(NamedTuple):
-    """What goes through a check valve, the rate of its poppet, and where that stands."""
-
-    flow: Flow
-    loss: Power
-    rates: CheckState
-    side: Kink
-
-
-class PilotCheckFlows(NamedTuple):
-    """Flows of a pilot-operated check valve into its nodes, its loss, the rate of its poppet, and where that stands."""
-
-    a: Flow
-    b: Flow
-    loss: Power
-    rates: CheckState
-    side: Kink
-
-
-class ReliefPassage(NamedTuple):
-    """What goes over a relief valve, the rate of its opening, and whether it is open."""
-
-    flow: Flow
-    loss: Power
-    rates: ReliefState
-    mode: Mode
-
-
-class LoadReliefFlows(NamedTuple):
-    """Flows of a relief valve that follows a load into its nodes, its loss, the rate of its opening, and its mode."""
-
-    a: Flow
-    b: Flow
-    loss: Power
-    rates: ReliefState
-    mode: Mode
-
-
-class ReducingPassage(NamedTuple):
-    """What goes through a reducing valve, the rate of its opening, and where that stands."""
-
-    flow: Flow
-    loss: Power
-    rates: OpeningState
-    side: Kink
-
-
 class FlowControlPassage(NamedTuple):
     """What goes through a flow control valve, and on which side of the drops that it balances."""
 
     flow: Flow
     loss: Power
     side: Kink
-
-
-class SequenceFlows(NamedTuple):
-    """Flows of a sequence or counterbalance valve into its nodes, its loss, the rate of its opening, and where its
-    poppet and its check valve stand."""
-
-    a: Flow
-    b: Flow
-    loss: Power
-    rates: OpeningState
-    side: Kink
-    reverse: Kink
 
 
 class ShuttleFlows(NamedTuple):
@@ -129,80 +58,88 @@ class ShuttleFlows(NamedTuple):
     side: Kink
 
 
-def check_valve(a: FluidState, b: FluidState, state: CheckState, values: CheckValve) -> CheckPassage:
+def check_valve(a: FluidState, b: FluidState, state: OpeningState, values: CheckValve) -> OpeningPassage:
     """Check valve that opens from a to b; its poppet follows with its opening time, without one at once."""
-    drop = a.pressure - b.pressure
-    y = select(values.opening_time > 0.0, state.opening, check_opening(drop, values))
-    flow, loss = passage(poppet_flow(drop, y, values), a, b)
-    rates = CheckState(check_opening_rate(drop, state.opening, values))
-    return CheckPassage(flow, loss, rates, check_side(drop, values))
+    return _over_poppet(a, b, a.pressure - b.pressure, state, values)
 
 
-def check_start(values: CheckValve) -> CheckState:
+def check_start(values: CheckValve) -> OpeningState:
     """On its seat."""
-    return CheckState(values.reverse_opening)
+    return OpeningState(values.reverse_opening)
 
 
 def pilot_check_valve(
-    a: FluidState, b: FluidState, pilot: FluidState, state: CheckState, values: PilotCheckValve
-) -> PilotCheckFlows:
+    a: FluidState, b: FluidState, pilot: FluidState, state: OpeningState, values: PilotCheckValve
+) -> OpeningPassage:
     """Check valve that opens from a to b, and either way when the pilot's pressure exceeds that at a by enough.
 
     No oil flows at the pilot port.
     """
-    drop = a.pressure - b.pressure
-    lifting = lifting_drop(drop, pilot.pressure - a.pressure, values)
+    lifting = lifting_drop(a.pressure - b.pressure, pilot.pressure - a.pressure, values)
+    return _over_poppet(a, b, lifting, state, values)
+
+
+def pilot_closed_check_valve(
+    a: FluidState, b: FluidState, pilot: FluidState, state: OpeningState, values: PilotCheckValve
+) -> OpeningPassage:
+    """Check valve that opens from a to b unless the pilot's pressure exceeds that at b by enough to hold it shut.
+
+    No oil flows at the pilot port.
+    """
+    lifting = closing_drop(a.pressure - b.pressure, pilot.pressure - b.pressure, values)
+    return _over_poppet(a, b, lifting, state, values)
+
+
+def _over_poppet(
+    a: FluidState, b: FluidState, lifting: float, state: OpeningState, values: CheckValve
+) -> OpeningPassage:
+    """A check valve from a to b whose poppet a pressure lifts."""
     y = select(values.opening_time > 0.0, state.opening, check_opening(lifting, values))
-    flow, loss = passage(poppet_flow(drop, y, values), a, b)
-    rates = CheckState(check_opening_rate(lifting, state.opening, values))
-    return PilotCheckFlows(-flow, flow, loss, rates, check_side(lifting, values))
-
-
-def pilot_check_start(values: PilotCheckValve) -> CheckState:
-    """On its seat."""
-    return CheckState(values.reverse_opening)
+    flow, loss = passage(poppet_flow(a.pressure - b.pressure, y, values), a, b)
+    rates = OpeningState(check_opening_rate(lifting, state.opening, values))
+    return OpeningPassage(flow, loss, rates, check_side(lifting, values))
 
 
 def relief_valve(
-    a: FluidState, b: FluidState, surplus: Surplus, mode: Mode, state: ReliefState, values: ReliefValve
-) -> ReliefPassage:
+    a: FluidState, b: FluidState, surplus: Surplus, side: Mode, state: OpeningState, values: ReliefValve
+) -> OpeningPassage:
     """Relief valve that limits the pressure at a; see `relief_flow` for its three limits.
 
     An ideal one gives nothing to a side that is under a higher pressure.
     """
-    flow, loss = passage(relief_flow(a.pressure, b.pressure, state.opening, surplus, mode, values), a, b)
-    rates = ReliefState(relief_opening_rate(a.pressure, state.opening, mode, values))
-    return ReliefPassage(flow, loss, rates, relief_mode(a.pressure, b.pressure, surplus, mode, values))
+    flow, loss = passage(relief_flow(a.pressure, b.pressure, state.opening, surplus, side, values), a, b)
+    rates = OpeningState(relief_opening_rate(a.pressure, state.opening, side, values))
+    return OpeningPassage(flow, loss, rates, relief_mode(a.pressure, b.pressure, surplus, side, values))
 
 
-def shock_valve(a: FluidState, b: FluidState, mode: Mode, state: ReliefState, values: ShockValve) -> ReliefPassage:
+def shock_valve(a: FluidState, b: FluidState, side: Mode, state: OpeningState, values: ShockValve) -> OpeningPassage:
     """Relief valve with an override that limits the pressure at a, also where others do at the same volume.
 
     `relief_valve` needs the flows of everything else at its volume, so that two of them, each from one side of a
     motor to the other, would wait for each other.
     """
-    flow, loss = passage(throttled_relief_flow(a.pressure, b.pressure, state.opening, mode, values), a, b)
-    rates = ReliefState(relief_opening_rate(a.pressure, state.opening, mode, values))
-    return ReliefPassage(flow, loss, rates, relief_mode(a.pressure, b.pressure, 0.0, mode, values))
+    flow, loss = passage(throttled_relief_flow(a.pressure, b.pressure, state.opening, side, values), a, b)
+    rates = OpeningState(relief_opening_rate(a.pressure, state.opening, side, values))
+    return OpeningPassage(flow, loss, rates, relief_mode(a.pressure, b.pressure, 0.0, side, values))
 
 
 def load_relief_valve(
-    a: FluidState, b: FluidState, pilot: FluidState, mode: Mode, state: ReliefState, values: LoadReliefValve
-) -> LoadReliefFlows:
+    a: FluidState, b: FluidState, pilot: FluidState, side: Mode, state: OpeningState, values: LoadReliefValve
+) -> OpeningPassage:
     """Relief valve that limits the pressure at a to a margin above that at the pilot, where no oil flows."""
     felt = a.pressure + setting_fall(pilot.pressure, values)
-    y = select(values.opening_time > 0.0, state.opening, relief_opening(felt, mode, values))
+    y = select(values.opening_time > 0.0, state.opening, relief_opening(felt, side, values))
     flow, loss = passage(opened_relief_flow(a.pressure - b.pressure, b.pressure, y, values), a, b)
-    rates = ReliefState(relief_opening_rate(felt, state.opening, mode, values))
-    return LoadReliefFlows(-flow, flow, loss, rates, relief_mode(felt, b.pressure, 0.0, mode, values))
+    rates = OpeningState(relief_opening_rate(felt, state.opening, side, values))
+    return OpeningPassage(flow, loss, rates, relief_mode(felt, b.pressure, 0.0, side, values))
 
 
-def reducing_valve(a: FluidState, b: FluidState, state: OpeningState, values: ReducingValve) -> ReducingPassage:
+def reducing_valve(a: FluidState, b: FluidState, state: OpeningState, values: ReducingValve) -> OpeningPassage:
     """Reducing valve from a to b, which shuts as the pressure at b rises; it opens no way from b to a tank."""
     y = select(values.opening_time > 0.0, state.opening, reducing_opening(b.pressure, values))
     flow, loss = passage(reducing_flow(a.pressure - b.pressure, y, values), a, b)
     rates = OpeningState(reducing_opening_rate(b.pressure, state.opening, values))
-    return ReducingPassage(flow, loss, rates, reducing_side(b.pressure, values))
+    return OpeningPassage(flow, loss, rates, reducing_side(b.pressure, values))
 
 
 def reducing_start(values: ReducingValve) -> OpeningState:
@@ -217,44 +154,6 @@ def flow_control_valve(
     drop = a.pressure - b.pressure
     flow, loss = passage(controlled_flow(drop, opening, values), a, b)
     return FlowControlPassage(flow, loss, controlled_side(drop, values))
-
-
-def sequence_valve(
-    a: FluidState, b: FluidState, drain: FluidState, state: OpeningState, values: SequenceValve
-) -> SequenceFlows:
-    """Valve that opens from a to b when the pressure at a is far enough above that at its drain, where no oil flows.
-
-    Its check valve lets oil pass from b to a.
-    """
-    return _sequence_flows(a, b, a.pressure - drain.pressure, state, values)
-
-
-def counterbalance_valve(
-    a: FluidState, b: FluidState, pilot: FluidState, state: OpeningState, values: CounterbalanceValve
-) -> SequenceFlows:
-    """Overcentre valve: it holds the load at a until that pressure and the pilot's, where no oil flows, open it to b.
-
-    Its check valve lets oil pass from b to a.
-    """
-    aid = pilot_aid(pilot.pressure - b.pressure, values)
-    return _sequence_flows(a, b, a.pressure - b.pressure + aid, state, values)
-
-
-def _sequence_flows(
-    a: FluidState, b: FluidState, lifting: float, state: OpeningState, values: SequenceValve
-) -> SequenceFlows:
-    """A valve from a to b that a pressure above that behind its spring opens."""
-    y = select(values.opening_time > 0.0, state.opening, clip(opening_share(lifting, values), 0.0, 1.0))
-    drop = a.pressure - b.pressure
-    flow, loss = passage(two_way_flow(drop, y, values), a, b)
-    return SequenceFlows(
-        a=-flow,
-        b=flow,
-        loss=loss,
-        rates=OpeningState(lift_rate(lifting, state.opening, values)),
-        side=lift_side(lifting, values),
-        reverse=reverse_side(drop, values),
-    )
 
 
 def shuttle_valve(a: FluidState, b: FluidState, outlet: FluidState, values: ShuttleValve) -> ShuttleFlows:
@@ -273,12 +172,11 @@ def shuttle_valve(a: FluidState, b: FluidState, outlet: FluidState, values: Shut
 
 
 CHECK_VALVE = Component(check_valve, symbol="check_valve", start=check_start)
-PILOT_CHECK_VALVE = Component(pilot_check_valve, symbol="pilot_check_valve", start=pilot_check_start)
+PILOT_CHECK_VALVE = Component(pilot_check_valve, symbol="pilot_check_valve", start=check_start)
+PILOT_CLOSED_CHECK_VALVE = Component(pilot_closed_check_valve, symbol="pilot_closed_check_valve", start=check_start)
 RELIEF_VALVE = Component(relief_valve, symbol="relief_valve")
 LOAD_RELIEF_VALVE = Component(load_relief_valve, symbol="relief_valve")
 SHOCK_VALVE = Component(shock_valve, symbol="relief_valve")
 REDUCING_VALVE = Component(reducing_valve, symbol="reducing_valve", start=reducing_start)
 FLOW_CONTROL_VALVE = Component(flow_control_valve, symbol="flow_control_valve")
-SEQUENCE_VALVE = Component(sequence_valve, symbol="sequence_valve")
-COUNTERBALANCE_VALVE = Component(counterbalance_valve, symbol="counterbalance_valve")
 SHUTTLE_VALVE = Component(shuttle_valve, symbol="shuttle_valve")

@@ -3,13 +3,12 @@
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
-from typing import NamedTuple
-
 from vvdp.base.kinds import Flow, Fraction, PressureDifference, Time
 from vvdp.base.modes import between
 from vvdp.base.params import Params, field_text, refuse, require_positive
 from vvdp.base.select import clip, select
 from vvdp.hydraulics.flow import rated_root
+from vvdp.hydraulics.opening import lagged_rate
 
 
 class CheckPoppet(Params):
@@ -38,12 +37,6 @@ class CheckValve(CheckPoppet):
     def check(self) -> None:
         super().check()
         require_positive(self, "rated_flow")
-
-
-class CheckState(NamedTuple):
-    """How far the poppet of a check valve has left its seat."""
-
-    opening: Fraction
 
 
 def check_opening(pressure_drop: float, check: CheckPoppet) -> float:
@@ -97,10 +90,7 @@ def check_opening_rate(pressure_drop: float, opening: float, check: CheckPoppet)
     pressure_drop  in the direction of the valve [Pa]
     opening        y [1]
     """
-    tau = check.opening_time
-    lag = (check_opening(pressure_drop, check) - opening) / select(tau > 0.0, tau, 1.0)
-    rate: float = select(tau > 0.0, lag, 0.0)
-    return rate
+    return lagged_rate(check_opening(pressure_drop, check), opening, check.opening_time)
 
 
 def check_opening_rate_compiled(pressure_drop: float, opening: float, check: CheckPoppet) -> float:

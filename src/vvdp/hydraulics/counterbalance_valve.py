@@ -1,33 +1,28 @@
-"""Poppets that the pressure at their inlet opens against another one: sequence and counterbalance valves.
+"""Sequence, counterbalance and brake valves: a poppet that a pressure opens, and a check valve beside it.
 
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
-from vvdp.base.kinds import Flow, PressureDifference, Ratio, Time
+from vvdp.base.kinds import PressureDifference, Ratio
 from vvdp.base.modes import between
-from vvdp.base.params import Params, require_positive
-from vvdp.base.select import clip, select
+from vvdp.base.params import require_positive
+from vvdp.base.select import clip
+from vvdp.hydraulics.balanced_valve import BalancedValve
 from vvdp.hydraulics.flow import rated_root
 
 
-class SequenceValve(Params):
-    """Opens `cracking_pressure` above the pressure behind its spring, fully `override_pressure` higher.
+class SequenceValve(BalancedValve):
+    """A valve that opens one way, and the other way a check valve.
 
-    Fully open it passes `rated_flow` at `rated_drop`. `opening_time` > 0: the poppet follows with that time constant;
-    0: at once. Backwards a check valve leaves its seat at `reverse_cracking_pressure` and is fully open
-    `reverse_override_pressure` above it, where it passes the same flow.
+    That leaves its seat at `reverse_cracking_pressure` and is fully open `reverse_override_pressure` above it, where it
+    passes the same flow.
     """
 
-    cracking_pressure: PressureDifference
-    override_pressure: PressureDifference
-    rated_flow: Flow
-    rated_drop: PressureDifference
-    opening_time: Time = 0.0
     reverse_cracking_pressure: PressureDifference
     reverse_override_pressure: PressureDifference
 
     def check(self) -> None:
-        require_positive(self, "cracking_pressure", "override_pressure", "rated_flow", "rated_drop")
+        super().check()
         require_positive(self, "reverse_override_pressure")
 
 
@@ -46,26 +41,6 @@ def pilot_aid(pilot_difference: float, valve: CounterbalanceValve) -> float:
     pilot_difference  P_x - P_b, pilot less outlet [Pa]
     """
     return valve.pilot_ratio * pilot_difference
-
-
-def opening_share(lifting: float, valve: SequenceValve) -> float:
-    """Static opening of a valve before it is held between 0 and 1 [1]: (lifting - cracking)/override.
-
-    lifting  pressure that opens it, above that behind its spring [Pa]
-    """
-    return (lifting - valve.cracking_pressure) / valve.override_pressure
-
-
-def lift_rate(lifting: float, opening: float, valve: SequenceValve) -> float:
-    """Rate of the opening [1/s]: (y_static - y)/tau, and 0 without an opening time.
-
-    lifting  pressure that opens it, above that behind its spring [Pa]
-    opening  y [1]
-    """
-    tau = valve.opening_time
-    lag = (clip(opening_share(lifting, valve), 0.0, 1.0) - opening) / select(tau > 0.0, tau, 1.0)
-    rate: float = select(tau > 0.0, lag, 0.0)
-    return rate
 
 
 def reverse_share(pressure_drop: float, valve: SequenceValve) -> float:
@@ -94,14 +69,6 @@ def two_way_flow(pressure_drop: float, opening: float, valve: SequenceValve) -> 
     reverse_drop = valve.reverse_cracking_pressure + valve.reverse_override_pressure
     flow: float = valve.rated_flow * (over_poppet + check * rated_root(pressure_drop, reverse_drop))
     return flow
-
-
-def lift_side(lifting: float, valve: SequenceValve) -> float:
-    """Whether a valve without opening time is shut, in between or fully open [1]; see `base.modes.between`.
-
-    lifting  pressure that opens it, above that behind its spring [Pa]
-    """
-    return between(opening_share(lifting, valve))
 
 
 def reverse_side(pressure_drop: float, valve: SequenceValve) -> float:

@@ -1,4 +1,4 @@
-"""Pilot-operated check valve: a pilot piston can push its poppet open against its direction.
+"""Pilot-operated check valve: a pilot piston can push its poppet open against its direction, or hold it shut.
 
 Source  ours, docs/models/components.md, where a function names no other.
 """
@@ -24,6 +24,18 @@ def lifting_drop(pressure_drop: float, pilot_difference: float, valve: PilotChec
     """
     push: float = maximum(pilot_difference, 0.0)
     return pressure_drop + valve.pilot_ratio * push
+
+
+def closing_drop(pressure_drop: float, pilot_difference: float, valve: PilotCheckValve) -> float:
+    """Drop that lifts the poppet like the drop of a plain check valve, whose pilot closes it [Pa].
+
+    dp - R max(P_x - P_b, 0): the back of the pilot piston is at the outlet; the piston pushes and does not pull.
+
+    pressure_drop     dp, inlet less outlet [Pa]
+    pilot_difference  P_x - P_b, pilot less outlet [Pa]
+    """
+    push: float = maximum(pilot_difference, 0.0)
+    return pressure_drop - valve.pilot_ratio * push
 
 
 def pilot_check_opening(pressure_drop: float, pilot_difference: float, valve: PilotCheckValve) -> float:

@@ -1,8 +1,6 @@
 """Proportional throttle valve: its opening follows a command with a lag."""
 
-from typing import NamedTuple
-
-from vvdp.base.kinds import Conductance, FlowCoefficient, Fraction, PressureDifference, Time
+from vvdp.base.kinds import Conductance, FlowCoefficient, PressureDifference, Time
 from vvdp.base.params import Params, require_positive
 from vvdp.base.select import clip
 from vvdp.hydraulics.flow import signed_root
@@ -21,12 +19,6 @@ class ProportionalValve(Params):
 
     def check(self) -> None:
         require_positive(self, "transition_pressure", "lag")
-
-
-class OpeningState(NamedTuple):
-    """How far a controlled valve with one edge is open."""
-
-    opening: Fraction
 
 
 def opening_rate(command: float, opening: float, valve: ProportionalValve) -> float:

@@ -6,8 +6,9 @@ Source  ours, docs/models/components.md, where a function names no other.
 from vvdp.base.kinds import Flow, Pressure, PressureDifference, Time
 from vvdp.base.modes import between
 from vvdp.base.params import Params, require_less, require_positive
-from vvdp.base.select import clip, select
+from vvdp.base.select import clip
 from vvdp.hydraulics.flow import rated_root
+from vvdp.hydraulics.opening import lagged_rate
 
 
 class ReducingValve(Params):
@@ -51,10 +52,7 @@ def reducing_opening_rate(outlet_pressure: float, opening: float, valve: Reducin
     outlet_pressure  P, absolute [Pa]
     opening          y [1]
     """
-    tau = valve.opening_time
-    lag = (reducing_opening(outlet_pressure, valve) - opening) / select(tau > 0.0, tau, 1.0)
-    rate: float = select(tau > 0.0, lag, 0.0)
-    return rate
+    return lagged_rate(reducing_opening(outlet_pressure, valve), opening, valve.opening_time)
 
 
 def reducing_flow(pressure_drop: float, opening: float, valve: ReducingValve) -> float:

@@ -3,14 +3,13 @@
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
-from typing import NamedTuple
-
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Flow, Pressure, PressureDifference, Ratio, Time
+from vvdp.base.kinds import Flow, Pressure, PressureDifference, Time
 from vvdp.base.modes import side
 from vvdp.base.params import Params, refuse, require_less, require_positive
 from vvdp.base.select import maximum, minimum, select
 from vvdp.hydraulics.flow import rated_root
+from vvdp.hydraulics.opening import lagged_rate
 
 
 class ReliefValve(Params):
@@ -53,12 +52,6 @@ class LoadReliefValve(ShockValve):
 
     margin: PressureDifference
     least_pressure: Pressure
-
-
-class ReliefState(NamedTuple):
-    """Opening of a relief valve, 1 at its rated point."""
-
-    opening: Ratio
 
 
 def relief_flow(
@@ -165,10 +158,7 @@ def relief_opening_rate(pressure: float, opening: float, mode: float, relief: Re
     opening   y [1]
     mode      1 while it is open, 0 while it is shut
     """
-    tau = relief.opening_time
-    lag = (relief_opening(pressure, mode, relief) - opening) / select(tau > 0.0, tau, 1.0)
-    rate: float = select(tau > 0.0, lag, 0.0)
-    return rate
+    return lagged_rate(relief_opening(pressure, mode, relief), opening, relief.opening_time)
 
 
 def relief_opening_rate_compiled(pressure: float, opening: float, mode: float, relief: ReliefValve) -> float:

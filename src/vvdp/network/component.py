@@ -195,8 +195,13 @@ class Component:
 
     @property
     def is_passage(self) -> bool:
-        """Whether what leaves its first port enters its second."""
-        return "flow" in names(self.result) and len(self.hydraulic_ports) == 2
+        """Whether what leaves its first port enters its second, and nothing flows at others."""
+        return "flow" in names(self.result) and len(self.hydraulic_ports) >= 2
+
+    @property
+    def ends(self) -> tuple[str, ...]:
+        """The two ports of a passage between which its oil flows; none of another component."""
+        return self.hydraulic_ports[:2] if self.is_passage else ()
 
     @cached_property
     def losses(self) -> Mapping[str, Kind | None]:
@@ -207,8 +212,10 @@ class Component:
 
     @cached_property
     def modes(self) -> Mapping[str, Kind]:
-        """Names and kinds of its modes and kinks."""
-        return {name: kind for name, kind in field_kinds(self.result).items() if kind in (MODE, KINK)}
+        """Names and kinds of its modes and kinks; a kink that the law is told as it holds is a mode."""
+        told = {a.name for a in self.arguments if a.role is Role.MODE}
+        kinds = {name: kind for name, kind in field_kinds(self.result).items() if kind in (MODE, KINK)}
+        return {name: MODE if name in told else kind for name, kind in kinds.items() if kind}
 
     @cached_property
     def outputs(self) -> Mapping[str, Kind]:
@@ -243,7 +250,7 @@ def check_component(component: Component) -> None:
             f"{name} has no port; annotate at least one argument as FluidState, or a shaft or rod, or give it a state"
         )
     hydraulic = component.hydraulic_ports
-    if "flow" in fields and len(hydraulic) != 2:
+    if "flow" in fields and (len(hydraulic) < 2 or (component.result is Passage and len(hydraulic) > 2)):
         returned = "a Passage" if component.result is Passage else "a field 'flow'"
         raise NetworkError(
             f"{name} returns {returned} and has {len(hydraulic)} hydraulic ports; expected two, or a field each"

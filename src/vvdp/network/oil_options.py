@@ -43,7 +43,7 @@ def part_flows(part: Part) -> dict[str, str]:
     """What a part gives to the nodes at its ports [tank volumes]."""
     component, found = part.component, dict[str, str]()
     for number, port in enumerate(component.hydraulic_ports):
-        if component.is_passage:
+        if port in component.ends:
             flow = f"{part.name}.flow" if number else f"-{part.name}.flow"
         elif port in names(component.result):
             flow = f"{part.name}.{port}"

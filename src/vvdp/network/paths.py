@@ -304,7 +304,7 @@ def moving_parts(network: Network) -> tuple[str, ...]:
 
 
 def flows_of(part: Part) -> dict[str, str]:
-    """Names and texts of the flows of a part: one through it, into its second port, or one into each of more ports."""
+    """Names and texts of the flows of a part: one through it, into its second port, or one into each port."""
     component = part.component
     ports = component.hydraulic_ports
     if component.is_passage:
@@ -325,8 +325,8 @@ def tank_exchanges(places: Places, oil: str = "") -> dict[str, str]:
             continue
         for met in places.ports_at(node):
             component, name = met.part.component, f"{met.part.name}_{met.port}_flow"
-            if component.is_passage and met.port in component.hydraulic_ports:
-                found[name] = f"{'-' if met.port == component.hydraulic_ports[0] else ''}{met.part.name}.flow"
+            if met.port in component.ends:
+                found[name] = f"{'-' if met.port == component.ends[0] else ''}{met.part.name}.flow"
             elif met.port in names(component.result):
                 found[name] = f"{met.part.name}.{met.port}"
     return found
@@ -340,7 +340,7 @@ def averaged_flows(part: Part) -> dict[str, str]:
 
 def actual_flows(part: Part) -> dict[str, str]:
     """Names and texts of the flows of a part at the pressure of the port that they enter, whose means are kept."""
-    entered = part.component.hydraulic_ports[-1:]
+    entered = part.component.ends[1:] or part.component.hydraulic_ports[-1:]
     return {
         f"{name}_actual": f"{text} * {part.nodes[port]}.volume_ratio"
         for name, text in flows_of(part).items()

@@ -45,13 +45,19 @@ def _short_circuits(network: Network) -> Iterator[str]:
 
 
 def _surplus(network: Network) -> Iterator[str]:
-    """Ideal valves at a prescribed pressure: they take what is left over in a volume."""
+    """Ideal valves at a prescribed pressure, or two at one volume: each takes all that is left over in a volume."""
+    first = dict[str, str]()
     for part in filter(_is_ideal, network.parts.values()):
         node = part.nodes[part.component.hydraulic_ports[0]]
         if not isinstance(network.nodes[node], OilVolume):
             yield (
                 f"{part.name} is ideal (override_pressure 0): it takes what is left over in a volume, and {node!r} "
                 "has a prescribed pressure; give it an override_pressure, or join it to a volume"
+            )
+        elif (other := first.setdefault(node, part.name)) != part.name:
+            yield (
+                f"{part.name} is ideal (override_pressure 0), as {other} at the same volume {node!r}: which of them "
+                "takes what is left over there is told by neither; give one an override_pressure"
             )
 
 

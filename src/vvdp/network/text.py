@@ -194,8 +194,8 @@ class Text:
             component = met.part.component
             if only is not None and met.part.name not in only:
                 continue
-            if component.is_passage and met.port in component.hydraulic_ports:
-                sign = "-" if met.port == component.hydraulic_ports[0] else "+"
+            if met.port in component.ends:
+                sign = "-" if met.port == component.ends[0] else "+"
                 terms.append((sign, f"{met.part.name}.flow"))
             elif met.port in names(component.result):
                 terms.append(("+", f"{met.part.name}.{met.port}"))

@@ -172,7 +172,7 @@ class Trial:
         component = self.component
         given = {port: getattr(result, port, 0.0) for port in component.ports}
         if component.is_passage:
-            first, second = component.hydraulic_ports
+            first, second = component.ends
             given |= {first: -result.flow, second: result.flow}
         flows, powers = [], []
         for port, amount in given.items():

@@ -105,6 +105,54 @@ def counterbalance_valve() -> Symbol:
     return Symbol((-34, -48, 84, 48), drawn, terminals)
 
 
+def brake_valve() -> Symbol:
+    """A brake valve: opened by a pilot alone, with a check valve beside it."""
+    pilot = pipe((-34, 0), (-20, 0), pilot=True)
+    terminals = through(48) | {"pilot": Terminal(-34, 0, Side.LEFT)}
+    return Symbol((-34, -48, 84, 48), _pressure_valve(-8) + pilot + _bypass(70), terminals)
+
+
+def compensator(upstream: bool) -> Symbol:
+    """A pressure compensator whose pilot acts with its spring; before a throttle it is open without pressure."""
+    y = -28 if upstream else 28
+    own = pipe((0, y), (-32, y), (-32, 0), (-20, 0), pilot=True)
+    load = pipe((46, 0), (58, 0), (58, -36), pilot=True)
+    terminals = through(36) | {"pilot": Terminal(58, -36, Side.TOP)}
+    return Symbol((-32, -36, 58, 36), _pressure_valve(0 if upstream else -8) + own + load, terminals)
+
+
+def priority_valve() -> Symbol:
+    """A priority valve: inlet below; its spring and pilot open the way to the priority port, its pressure the other."""
+    boxes = box(-40, -20, 0, 20) + box(0, -20, 40, 20)
+    rest = arrow((28, 20), (12, -20)) + blocked_port(28, -20, up=False)
+    other = arrow((-12, 20), (-12, -20)) + blocked_port(-28, -20, up=False)
+    lines = pipe((28, 20), (28, 34)) + pipe((12, -20), (12, -34)) + pipe((28, -20), (28, -34))
+    own = pipe((12, -28), (-52, -28), (-52, 0), (-40, 0), pilot=True)
+    load = pipe((66, 0), (76, 0), (76, -34), pilot=True)
+    terminals = {
+        "inlet": Terminal(28, 34, Side.BOTTOM),
+        "priority": Terminal(12, -34, Side.TOP),
+        "excess": Terminal(28, -34, Side.TOP),
+        "pilot": Terminal(76, -34, Side.TOP),
+    }
+    return Symbol((-52, -34, 76, 34), boxes + rest + other + lines + spring(40, 66, 0) + own + load, terminals)
+
+
+def cartridge_valve() -> Symbol:
+    """A cartridge valve: its poppet between a, below, and b, at the side; spring and pilot at its back."""
+    poppet = pipe((-12, -8), (-12, 8), (-5, 16), (5, 16), (12, 8), (12, -8), (-12, -8))
+    sleeve = pipe((-12, -30), (-20, -30), (-20, 20), (-7, 20)) + pipe((7, 20), (20, 20), (20, 14))
+    upper = pipe((12, -30), (20, -30), (20, 2)) + pipe((-12, -30), (12, -30))
+    coil = pipe((0, -8), (-6, -12), (6, -16), (-6, -20), (6, -24), (0, -30))
+    lines = pipe((0, 16), (0, 34)) + pipe((20, 8), (34, 8)) + pipe((0, -30), (0, -42), pilot=True)
+    terminals = {
+        "inlet": Terminal(0, 34, Side.BOTTOM),
+        "outlet": Terminal(34, 8, Side.RIGHT),
+        "pilot": Terminal(0, -42, Side.TOP),
+    }
+    return Symbol((-20, -42, 34, 34), poppet + sleeve + upper + coil + lines, terminals)
+
+
 def _bypass(x: float) -> str:
     """A check valve from top to bottom beside a valve, in lines that join those of the valve."""
     ball = f'<circle cx="{x:g}" cy="-4" r="8"/>'
@@ -146,6 +194,13 @@ def pilot_check_valve() -> Symbol:
     """A check valve that a pilot pressure opens."""
     terminals = through(28) | {"pilot": Terminal(-34, 12, Side.LEFT)}
     return Symbol((-34, -28, 15, 28), _check() + pipe((-34, 12), (-8, 12), pilot=True), terminals)
+
+
+def pilot_closed_check_valve() -> Symbol:
+    """A check valve that a pilot pressure holds shut."""
+    terminals = through(28) | {"pilot": Terminal(-34, -16, Side.LEFT)}
+    behind = pipe((-34, -16), (-8, -16), (-8, -3), pilot=True)
+    return Symbol((-34, -28, 15, 28), _check() + behind, terminals)
 
 
 def _solenoid(x: float, wide: float = 22.0, proportional: bool = False) -> str:

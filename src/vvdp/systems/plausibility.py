@@ -1,4 +1,5 @@
-"""Results that no machine could show: pressures and speeds beyond all components, relief valves that stay shut."""
+"""Results that no machine could show: pressures and speeds beyond all components, relief valves that stay shut,
+throttles that are laminar at any drop."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -14,6 +15,10 @@ from vvdp.systems.extras import LoadedSystem
 ABOVE_SETTING = 1.2
 """Pressure above the outside, over that at which a relief valve passes its rated flow, from which one that stays shut
 is a mistake."""
+
+
+LARGEST_TRANSITION = 20e5
+"""Drop up to which a throttle may be laminar [Pa]: an orifice of 1 mm turns turbulent at some bar."""
 
 
 def plausible_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
@@ -46,6 +51,15 @@ def plausible_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator
                 "the limit",
             )
     for part in system.circuit.network.parts.values():
+        for transition in (value.transition_pressure for value in part.values if hasattr(value, "transition_pressure")):
+            yield Bound(
+                label=f"transition pressure of {part.name.replace('_', ' ')}",
+                kind=PRESSURE_DIFFERENCE,
+                low=transition,
+                high=transition,
+                most=LARGEST_TRANSITION,
+                otherwise="its flow would be laminar up to so large a drop: is a unit wrong?",
+            )
         for relief in (value for value in part.values if isinstance(value, ReliefValve)):
             yield from _stays_shut(system, found, part, relief)
 
