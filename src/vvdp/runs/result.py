@@ -39,19 +39,15 @@ def run_result(run: RecordedRun) -> Result:
     """Everything that is to be said and drawn of a run."""
     bench = _bench(run)
     shown, tables = course(run)
-    listings = key_listings(run) | {"nodes": node_listing(run), "components": component_listing(run)}
-    listings |= {"computation": computation(run)}
     losses = _losses(run, tables) if bench is None else _bench_losses(run, tables)
-    of_losses = (
-        {"losses": loss_listing(run)} | circuit_loss_listings(run) if bench is None else bench_loss_listings(run)
-    )
+    of_losses = loss_listings(run)
     harmonics = {"harmonics": harmonic_listing(tables[SPECTRUM])} if SPECTRUM in tables else {}
     result = Result(
         verb="run",
         title=run.system.title,
         system=run.system.name,
         numbers=run.numbers,
-        listings=listings | of_losses | harmonics,
+        listings=number_listings(run) | of_losses | harmonics,
         tables=tables,
         charts={chart.name: chart for chart in (*shown, *losses)},
         badges=tuple(badges(run)),
@@ -80,6 +76,19 @@ def course(run: RecordedRun) -> tuple[list[Chart], dict[str, Table]]:
 
 def _bench(run: RecordedRun) -> RotaryBench | None:
     return run.system.extras if isinstance(run.system.extras, RotaryBench) else None
+
+
+def number_listings(run: RecordedRun) -> dict[str, Listing]:
+    """The numbers of a summary but for losses: the system's own, nodes, components, and how it was computed."""
+    found = {"nodes": node_listing(run), "components": component_listing(run), "computation": computation(run)}
+    return key_listings(run) | found
+
+
+def loss_listings(run: RecordedRun) -> dict[str, Listing]:
+    """The losses of a summary by component, by part or by cause."""
+    if _bench(run) is not None:
+        return bench_loss_listings(run)
+    return {"losses": loss_listing(run)} | circuit_loss_listings(run)
 
 
 def key_listings(run: RecordedRun) -> dict[str, Listing]:

@@ -46,6 +46,10 @@ const vvdp = (() => {
 
   /* Key numbers as computed and as set, side by side. */
   function showNumbers(found) {
+    document.body.classList.toggle("is-set", Boolean(found));
+    showCells(found);
+    showTexts(found);
+    if (model.report) return;
     const hidden = new Set(["wall_time_s", "finished"]);
     const rows = Object.entries(model.labels).filter(([key]) => !hidden.has(key)).map(([key, unit]) => {
       const before = model.summary[key], now = found ? found[key] : undefined;
@@ -57,9 +61,50 @@ const vvdp = (() => {
     place("key-numbers").replaceChildren(node("table", {}, node("thead", {}, head), node("tbody", {}, ...rows)));
   }
 
+  /* What powers of sources add up to, into the circuit and out of it. */
+  function withSums(found) {
+    const powers = Object.entries(found).flatMap(([key, x]) => (key.startsWith("power_") ? [x] : []));
+    const sum = (sign) => powers.reduce((whole, x) => whole + Math.max(sign * x, 0), 0);
+    return { ...found, put_in: sum(1), given_out: sum(-1) };
+  }
+
+  /* The listings of a report: below what was computed, what was set. */
+  function showCells(found) {
+    const now = found && withSums(found);
+    for (const [name, cells] of Object.entries(model.cells ?? {})) {
+      const rows = document.querySelectorAll(`[data-listing="${name}"] tbody tr:not(.group)`);
+      for (const [row, at, key, before, unit] of cells) {
+        const cell = rows[row].cells[1 + at];
+        cell.querySelector(".now")?.remove();
+        if (now?.[key] === undefined) continue;
+        const words = shown(now[key], unit);
+        cell.append(node("span", { class: words === shown(before, unit) ? "now" : "now moved" }, words));
+      }
+    }
+  }
+
+  /* The values in the diagrams of a report. */
+  function showTexts(found) {
+    for (const [name, texts] of Object.entries(model.texts ?? {})) {
+      const lines = document.querySelectorAll(`#figure-${name} svg tspan`);
+      for (const line of lines) {
+        if (line.dataset.before !== undefined) line.textContent = line.dataset.before;
+        line.classList.remove("moved");
+      }
+      for (const [at, before, words, key, unit] of found ? texts : []) {
+        if (found[key] === undefined) continue;
+        const now = `${words} ${shown(found[key], unit)} ${unit.symbol}`, line = lines[at];
+        line.dataset.before ??= line.textContent;
+        if (now === before) continue;
+        line.textContent = line.textContent.replace(before, now);
+        line.classList.add("moved");
+      }
+    }
+  }
+
   function showNotes(now) {
     const lines = (title, words) => words.map((each) => node("div", { class: "notice" }, node("strong", {}, title), node("p", {}, each)));
-    const computed = lines("As computed", model.warnings), own = now ? lines("As you set it", now) : [];
+    const computed = model.report ? [] : lines("As computed", model.warnings), own = now ? lines("As you set it", now) : [];
     place("notes").replaceChildren(...computed, ...own);
   }
 
@@ -178,6 +223,7 @@ const vvdp = (() => {
   place("reset").addEventListener("click", reset);
   place("until").addEventListener("change", soon);
   place("until").value = model.stepping.until;
+  for (const name of [...Object.keys(model.charts), ...Object.keys(model.texts ?? {})]) place(`figure-${name}`).classList.add("follows");
   showNumbers(null);
   showNotes(null);
 
