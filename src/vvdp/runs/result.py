@@ -64,7 +64,9 @@ def run_result(run: RecordedRun) -> Result:
 def course(run: RecordedRun) -> tuple[list[Chart], dict[str, Table]]:
     """The charts of the course of a run, without losses and findings, and the tables that they show."""
     extras, bench = run.system.extras, _bench(run)
-    tables = {SERIES: series_table(run)} if bench is None else _bench_tables(run, bench)
+    tables = {SERIES: recorded_series(run)}
+    if bench is not None:
+        tables |= _bench_tables(run, bench, tables[SERIES])
     charts = list(run_charts(run, tables[SERIES])) if bench is None else []
     if bench is not None and run.times.size > 1:
         charts = list(bench_charts(run, bench, tables[SERIES], tables))
@@ -72,6 +74,12 @@ def course(run: RecordedRun) -> tuple[list[Chart], dict[str, Table]]:
         tables[chart.table or f"own-{place}"] = table
         charts.append(chart)
     return [with_faults(chart, run.system.faults) for chart in charts], tables
+
+
+def recorded_series(run: RecordedRun) -> Table:
+    """What is looked at over time, in the order of the record's rows."""
+    bench = _bench(run)
+    return series_table(run) if bench is None else bench_series(run, bench)
 
 
 def _bench(run: RecordedRun) -> RotaryBench | None:
@@ -107,11 +115,9 @@ def _findings(run: RecordedRun, bench: RotaryBench | None) -> tuple[Finding, ...
     return (*found, *bench_warnings(run, bench), *limits, *good, Finding(text=bench_in_words(run)))
 
 
-def _bench_tables(run: RecordedRun, bench: RotaryBench) -> dict[str, Table]:
-    tables = {SERIES: bench_series(run, bench)}
-    cycle = cycle_table(run, bench, tables[SERIES])
-    spectrum = spectrum_table(run, tables[SERIES], bench)
-    return tables | {name: each for name, each in ((CYCLE, cycle), (SPECTRUM, spectrum)) if each is not None}
+def _bench_tables(run: RecordedRun, bench: RotaryBench, series: Table) -> dict[str, Table]:
+    cycle, spectrum = cycle_table(run, bench, series), spectrum_table(run, series, bench)
+    return {name: each for name, each in ((CYCLE, cycle), (SPECTRUM, spectrum)) if each is not None}
 
 
 def _losses(run: RecordedRun, tables: dict[str, Table]) -> list[Chart]:

@@ -6,9 +6,8 @@ A listing is made once more from a summary of other numbers, no two alike: what 
 import random
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from math import isfinite
 from typing import Any
-
-import numpy as np
 
 from vvdp.base.display import display_unit
 from vvdp.base.kinds import Kind
@@ -40,7 +39,7 @@ def followed_cells(run: RecordedRun, result: Result) -> dict[str, list[list[Any]
     tagged = number_listings(other) | loss_listings(other)
     found = {
         name: [
-            [place, at, known[cell], value if np.isfinite(value) else None, unit_of(row.kind)]
+            [place, at, known[cell], value if isinstance(value, float) and isfinite(value) else None, unit_of(row.kind)]
             for place, (row, other) in enumerate(zip(listing.rows, tagged[name].rows, strict=True))
             for at, (value, cell) in enumerate(zip(row.values, other.values, strict=True))
             if row.kind is not None and isinstance(cell, float) and cell in known
@@ -66,11 +65,12 @@ def _powers(tags: Mapping[str, float]) -> dict[float, str]:
 
 def followed_texts(run: RecordedRun) -> dict[str, list[list[Any]]]:
     """The values in each diagram, by figure: place among its lines of text, the text, words before, key and unit."""
-    found = {figure: list(_texts(run, part)) for figure, part in _diagrams(run)}
+    found = {figure: list(_texts(run, part)) for figure, part in diagrams(run)}
     return {name: texts for name, texts in found.items() if texts}
 
 
-def _diagrams(run: RecordedRun) -> Iterator[tuple[str, str]]:
+def diagrams(run: RecordedRun) -> Iterator[tuple[str, str]]:
+    """The figure of each circuit diagram, with the part that it shows; no part for the whole circuit."""
     yield DIAGRAM, ""
     yield from ((figure_of(part), part) for part in run.network.circuits)
 

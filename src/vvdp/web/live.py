@@ -3,14 +3,13 @@
 from collections.abc import Callable
 
 from vvdp.base.errors import VvdpError
-from vvdp.report.interactive import live_head
 from vvdp.report.references import bibliography
 from vvdp.report.result_page import Additions, Page, listing_html
 from vvdp.report.tables import Cells, parameter_table
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.link import quiet
 from vvdp.web.followed import followed_cells, followed_texts
-from vvdp.web.page import ALLOWED, asset, scripts_html, shown_model, slider_html
+from vvdp.web.page import asset, page_head, scripts_html, shown_model, slider_html
 from vvdp.web.values import Changeable
 
 
@@ -36,9 +35,8 @@ def live_page(run: RecordedRun, page: Page, command: str, say: Callable[[str], N
         name: f'<div data-listing="{name}">{listing_html(page.result.listings[name])}</div>' for name in model["cells"]
     }
     ready = {"parameters": parameter_table(run.system, bibliography(), _cells(values))}
-    script = asset("page.js")
     added = Additions(
-        head=live_head([script], ALLOWED),
+        head=page_head(),
         style=asset("page.css"),
         begin=f'<h2 id="run">Run in this page</h2>\n{asset("controls.html")}',
         end=scripts_html(model),

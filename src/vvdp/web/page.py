@@ -16,7 +16,6 @@ from vvdp.report.interactive import is_live, live_body, live_head
 from vvdp.report.page import opening
 from vvdp.report.report import circuit_svg
 from vvdp.results.result import Result
-from vvdp.runs.charts import SERIES
 from vvdp.runs.result import run_result
 from vvdp.runs.run import RecordedRun
 from vvdp.runs.simulate import recorded_run
@@ -29,16 +28,16 @@ from vvdp.systems.overview import warnings
 from vvdp.systems.system import System
 from vvdp.web.call import call
 from vvdp.web.module import WebModule, web_module
+from vvdp.web.motion import motion
 from vvdp.web.numbers import judgement, labels, summary_sums
-from vvdp.web.series import followed_charts, recorded_columns
+from vvdp.web.series import followed_charts, recorded_columns, table_courses
 from vvdp.web.values import Changeable, changeable_values
 
 LEVEL = "exact"
 """The one level of a page: products and sums are rounded as on the command line, so that the bits are the same."""
 MOST_BYTES = 1_000_000
-SCRIPTS = ("loop.js", "numbers.js", "values.js", "worker.js", "page.js")
-ALLOWED = " 'wasm-unsafe-eval'; worker-src blob:"
-"""What the policy of a page admits beside its own scripts."""
+WORKING, OWN = ("loop.js", "numbers.js", "values.js", "worker.js"), ("motion.js", "page.js")
+"""Scripts of the worker that carries runs out, and of the page."""
 PAGES = 64
 """Memory that a module has from the start, in pages of 64 KiB: its tables and its stack."""
 
@@ -91,13 +90,18 @@ def shown_model(
     return model, values, module
 
 
+def page_head() -> str:
+    """The head of a page with its policy, which admits the scripts of `scripts_html`."""
+    return live_head(["\n".join(map(asset, OWN))], " 'wasm-unsafe-eval'; worker-src blob:")
+
+
 def scripts_html(model: Mapping[str, Any]) -> str:
     """The end of a page: its model, the scripts of its worker, and its own."""
     data = json.dumps(model, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-    working = "\n".join(asset(name) for name in SCRIPTS[:-1])
+    working, own = ("\n".join(map(asset, names)) for names in (WORKING, OWN))
     return (
         f'<script type="application/json" id="model">{data}</script>\n'
-        f'<script type="text/plain" id="worker">{working}</script>\n<script>{asset(SCRIPTS[-1])}</script>'
+        f'<script type="text/plain" id="worker">{working}</script>\n<script>{own}</script>'
     )
 
 
@@ -124,12 +128,15 @@ def run_model(system: System, module: WebModule, values: Sequence[Changeable]) -
 
 def _shown_numbers(run: RecordedRun, result: Result) -> dict[str, Any]:
     """What the scripts of a page need to show and judge a run."""
-    system, known = run.system, recorded_columns(run, result.tables[SERIES])
+    system, known = run.system, recorded_columns(run, table_courses)
+    moving, figures = motion(run)
     return {
         "sums": summary_sums(system),
         "judgement": judgement(system, run.summary),
         "labels": {key: each for key, each in labels(system).items() if key in run.summary},
         "series": {key: list(each) for key, each in known.items()},
+        "moving": {key: list(each) for key, each in moving.items()},
+        "figures": figures,
         "charts": followed_charts(result, known),
         "summary": {key: _json(value) for key, value in run.summary.items()},
         "warnings": list(warnings(system, run.summary)),
@@ -143,7 +150,7 @@ def _json(value: Any) -> Any:
 
 
 def _lines(run: RecordedRun, result: Result, model: Mapping[str, Any], values: tuple[Changeable, ...]) -> Iterator[str]:
-    yield opening(text(result.title), asset("page.css"), live_head([asset("page.js")], ALLOWED))
+    yield opening(text(result.title), asset("page.css"), page_head())
     yield f"<h1>{text(result.title)}</h1>"
     yield f'<p class="facts">System <b>{text(run.system.name)}</b> &middot; {text(time.strftime("%Y-%m-%d"))}</p>'
     yield asset("controls.html")

@@ -163,6 +163,7 @@ const vvdp = (() => {
       if (mine !== latest) return;
       showNumbers(found.summary);
       showNotes(found.warnings);
+      moving.show(found.moving);
       await showCharts(found.series);
       place("state").textContent = `${found.summary.finished ? "done" : "stopped"} in ${((performance.now() - began) / 1000).toPrecision(2)} s`;
     } catch (problem) {
@@ -171,6 +172,8 @@ const vvdp = (() => {
       if (mine === latest) busy(false);
     }
   }
+
+  const moving = vvdpMotion(model, () => send({ values: { ...set }, until: untilSet() }).then((found) => found.moving, (problem) => { fault(problem.message); return null; }));
 
   const soon = () => { clearTimeout(timer); timer = setTimeout(runNow, 60); };
 
@@ -204,6 +207,7 @@ const vvdp = (() => {
     showNumbers(null);
     showNotes(null);
     showCharts(null);
+    moving.show(null);
     busy(false);
   }
 
