@@ -1,6 +1,7 @@
 """A report whose values are sliders: its numbers follow a run in the browser; errors are those of the command line."""
 
 from pathlib import Path
+from urllib.parse import quote
 
 import pytest
 from tests.report.browser import running
@@ -92,6 +93,54 @@ def test_a_run_that_stops_itself_says_what_the_command_line_says_and_the_page_go
         simulate(starved.model, starved.case, starved.stepping)
     assert fault == str(problem.value)
     state, fault = put(browser, AREA, "150")
+    assert state.startswith("done") and not fault
+    reset(browser)
+
+
+def opened(browser, report, address):
+    """Opens the report at an address, and waits for what comes of it."""
+    browser.open(Path("/"))
+    browser.visit(f"{(report[0] / 'report.html').as_uri()}#{address}")
+    return browser.ask(
+        """(async () => {
+        const [state, fault, line] = ["state", "fault", "setting"].map((name) => document.getElementById(name));
+        while (!/done|no result/.test(state.textContent) && fault.hidden)
+          await new Promise((next) => setTimeout(next, 10));
+        const changed = document.querySelectorAll(".value.changed").length;
+        return [state.textContent, fault.textContent, line.textContent, changed];
+        })()"""
+    )
+
+
+def test_the_address_repeats_what_was_set(browser, report):
+    put(browser, DENSITY, "870")
+    put(browser, SPEED, "450")
+    address = browser.ask("location.hash").removeprefix("#")
+    assert address == f"{DENSITY}=870&{SPEED}=450"
+    reset(browser)
+    assert browser.ask("location.hash") in ("", "#")
+    state, fault, line, changed = opened(browser, report, f"{address}&until=0.4")
+    assert state.startswith("done") and not fault and changed == 2
+    assert f'{SPEED}="450 rpm"' in line and '--until "0.4 s"' in line
+    assert browser.ask("vvdp.run({}).then(() => location.hash)").endswith("until=0.4")
+
+
+@pytest.mark.parametrize(
+    ("address", "words"),
+    [
+        (f"{DENSITY}=1e9", "is outside 500 to 2000 kg/m^3 for a density"),
+        (f"{SPEED}=NaN", "is not a number with a unit"),
+        ("__proto__=1", "__proto__ is no value of this system"),
+        (f"{DENSITY}=870&<b>x</b>=1", "<b>x</b> is no value of this system"),
+        ("until=-2", "expected more than 0 s"),
+    ],
+)
+def test_an_address_with_what_cannot_be_is_refused(browser, report, address, words):
+    _, fault, _, _ = opened(browser, report, quote(address, safe="=&"))
+    assert words in fault
+    assert browser.ask("document.querySelectorAll('#fault *').length") == 0
+    reset(browser)
+    state, fault = put(browser, DENSITY, "870")
     assert state.startswith("done") and not fault
     reset(browser)
 

@@ -117,6 +117,30 @@ const vvdp = (() => {
     const line = `${model.command}${words.join("")}${until === model.stepping.until ? "" : ` --until "${until} s"`}`;
     place("setting").hidden = !words.length && until === model.stepping.until;
     place("setting").querySelector("code").textContent = line;
+    writeAddress(until);
+  }
+
+  /* What is set stands in the address behind "#", which stays in the browser: a link repeats it. */
+  function writeAddress(until) {
+    const told = new URLSearchParams({ ...set, ...(until === model.stepping.until ? {} : { until }) }).toString();
+    if (told || location.hash.includes("=")) history.replaceState(null, "", `#${told}`);
+  }
+
+  /* Sets what the address tells, all of it or nothing. */
+  function readAddress() {
+    if (!location.hash.includes("=")) return;
+    const told = [...new URLSearchParams(location.hash.slice(1))], boxes = [];
+    for (const [setting, number] of told) {
+      if (setting === "until") continue;
+      const at = model.values.findIndex((each) => each.setting === setting);
+      if (at < 0) { fault(`the address: ${setting.slice(0, 60)} is no value of this system`); return; }
+      if (model.values[at].why_not) { fault(`the address: ${setting} stays as it is on this page: ${model.values[at].why_not}`); return; }
+      boxes.push([document.querySelector(`.value[data-place="${at}"]`), number.slice(0, 60)]);
+    }
+    for (const [box, number] of boxes) change(box, number);
+    const until = told.find(([setting]) => setting === "until");
+    if (until) place("until").value = until[1].slice(0, 20);
+    soon();
   }
 
   const untilSet = () => Number(place("until").value.replace(",", "."));
@@ -230,6 +254,8 @@ const vvdp = (() => {
   for (const name of [...Object.keys(model.charts), ...Object.keys(model.texts ?? {})]) place(`figure-${name}`).classList.add("follows");
   showNumbers(null);
   showNotes(null);
+  readAddress();
+  window.addEventListener("hashchange", readAddress);
 
   return {
     model,
