@@ -217,6 +217,30 @@ def test_each_cell_shows_the_number_of_its_key():
             assert key in (PUT_IN, GIVEN) or value == pytest.approx(run.summary[key], rel=1e-9, abs=1e-6), key
 
 
+def test_every_slider_goes_to_both_ends(browser):
+    found = browser.ask(
+        """(async () => {
+        const state = document.getElementById("state"), fault = document.getElementById("fault"), found = [];
+        for (const slider of document.querySelectorAll(".value input[type=range]"))
+          for (const end of [slider.min, slider.max]) {
+            state.textContent = "";
+            slider.value = end;
+            slider.dispatchEvent(new Event("input"));
+            while (!/done|no result/.test(state.textContent)) await new Promise((next) => setTimeout(next, 5));
+            found.push([slider.getAttribute("aria-label"), end, /done/.test(state.textContent), fault.textContent]);
+            document.getElementById("reset").click();
+          }
+        return found;
+        })()"""
+    )
+    assert len(found) > 30
+    assert sum(is_done for _, _, is_done, _ in found) > 0.8 * len(found)
+    for label, end, is_done, fault in found:
+        assert is_done != bool(fault), (label, end)
+        assert is_done or fault.startswith("the run cannot go on at t = "), (label, end, fault)
+    assert not browser.named("Runtime.exceptionThrown")
+
+
 def test_an_interrupted_run_has_a_plain_report(report, tmp_path):
     heard = []
     run = report[1]
