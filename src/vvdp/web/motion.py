@@ -52,10 +52,12 @@ def _figure(run: RecordedRun, part: str, known: dict[str, Recorded]) -> dict[str
         "wires": [_wire(run, wire, known) for wire in made.wires if not wire.pilot],
         "rails": [_rail(made, place) for place in range(len(made.rails))],
         "turning": [
-            [*_hub(piece), f"angle {node}"] for piece, node in _linked(graph, made) if f"angle {node}" in known
+            [*_hub(piece), f"angle {node}"] for piece, node in _moved_symbols(graph, made) if f"angle {node}" in known
         ],
         "sliding": [
-            [*piece.body, f"position {node}"] for piece, node in _linked(graph, made) if f"position {node}" in known
+            [*piece.body, f"position {node}"]
+            for piece, node in _moved_symbols(graph, made)
+            if f"position {node}" in known
         ],
     }
 
@@ -106,7 +108,7 @@ def _rail(made: Plan, place: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _linked(graph: Graph, made: Plan) -> Iterator[tuple[Piece, str]]:
+def _moved_symbols(graph: Graph, made: Plan) -> Iterator[tuple[Piece, str]]:
     """The symbols that are a shaft or rod, or are joined to one, with its name."""
     pieces = {piece.name: piece for piece in made.pieces}
     kinds = {node.name: node.kind for node in graph.nodes}
