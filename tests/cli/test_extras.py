@@ -33,6 +33,7 @@ def _files(folder):
         ("pyarrow", "data", ["estimate", "log.parquet", "--edges", "a"]),
         ("nptdms", "daq", ["estimate", "log.tdms", "--edges", "a"]),
         ("asammdf", "daq", ["estimate", "log.mf4", "--edges", "a"]),
+        ("ziglang", "web", ["run", "prototype", "--live"]),
         ("distributed", "scale", ["study", "study.toml", "--on", "dask"]),
     ],
 )

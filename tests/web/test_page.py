@@ -64,7 +64,7 @@ def test_policy_lets_no_text_run(browser):
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({SETTING: "NaN"}, "not a finite number"),
+        ({SETTING: "NaN"}, "not a number with a unit"),
         ({SETTING: 1e9}, "outside 500 to 2000 kg/m^3 for a density"),
         ({SETTING: "870 bar"}, "write the number in kg/m^3"),
         ({"<img src=x>": 1}, "is no value of this system"),

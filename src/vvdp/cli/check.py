@@ -28,7 +28,7 @@ OPENS = {
     "notebook": "Run.to_xarray",
     "opt": "design, its pareto and tolerance",
     "scale": "--on dask, --on slurm",
-    "web": "export web",
+    "web": "export web, run --live",
     "workbench": "workbench",
 }
 """The verbs and options that each extra opens. `dev` is left out: it is all of them and the tools of development."""

@@ -182,18 +182,15 @@ def write_web_page(
 
     Its values have sliders; charts, numbers and warnings follow. Needs the extra `web`.
     """
-    import shlex
-
     from vvdp.base.errors import unusable
     from vvdp.base.files import write_whole
-    from vvdp.cli.screen import print_json, say, tell
+    from vvdp.cli.screen import print_json, run_command, say, tell
     from vvdp.systems.system import load_system
     from vvdp.web.page import web_page
 
     if out.exists() and not force:
         raise unusable(out, "exists already; --force replaces it")
-    given = [word for each in settings or () for word in ("--set", each)] + (["--until", until] if until else [])
-    page = web_page(load_system(system, settings or (), until), shlex.join(["vvdp", "run", system, *given]), say)
+    page = web_page(load_system(system, settings or (), until), run_command(system, settings, until), say)
     write_whole(out, page.html)
     if json:
         print_json({**page.facts, "out": str(out)})

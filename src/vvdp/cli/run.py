@@ -43,6 +43,13 @@ class Ways:
         bool,
         typer.Option("--checked", help="Check indexes, divisions, assertions in compiled code (slower)."),
     ] = False
+    live: Annotated[
+        bool,
+        typer.Option(
+            "--live",
+            help="Put the system into the report, so that its values can be changed there (needs the extra `web`).",
+        ),
+    ] = False
     watched: Annotated[
         bool,
         typer.Option("--watch", help="Run again whenever the file is saved; print what changed."),
@@ -73,24 +80,37 @@ def run(
             json=output.json,
             check=ways.check,
             cycle=ways.cycle is not None,
+            live=ways.live,
         )
         watch(case.system, lambda: load_system(case.system, case.settings or (), until), lambda done: _print(done, ()))
         return
+    from vvdp.cli.screen import run_command
     from vvdp.systems.system import load_system
 
+    if ways.live:
+        _refuse_beside_live(no_report=output.no_report, cycle=ways.cycle is not None)
     loaded = load_system(case.system, case.settings or (), until)
     if ways.cycle is not None:
         from vvdp.systems.displacement.recorded_cycle import with_cycle
 
         loaded = with_cycle(loaded, ways.cycle)
-    _simulate(loaded, output, ways)
+    _simulate(loaded, output, ways, run_command(case.system, case.settings, until))
 
 
-def _simulate(loaded: "System", output: Output, ways: Ways) -> None:
-    """Runs a system, writes and shows what comes of it, and leaves with its code."""
+def _refuse_beside_live(**given: bool) -> None:
+    """Raise an error where the extra is missing, or an option is given beside which no report can be interactive."""
+    from vvdp.base.extras import require
+
+    for name in (name for name, is_given in given.items() if is_given):
+        raise typer.BadParameter(f"--live makes a report whose values can be set; leave out --{name.replace('_', '-')}")
+    require("ziglang", "web", "an interactive report")
+
+
+def _simulate(loaded: "System", output: Output, ways: Ways, command: str) -> None:
+    """Runs a system, writes and shows what comes of it, and leaves with its code; `command` repeats the run."""
     from vvdp.base.files import result_directory
     from vvdp.cli.progress import report_reach
-    from vvdp.cli.report import RUN, add_report
+    from vvdp.cli.report import RUN, add_report, dressing
     from vvdp.cli.screen import print_json, say, typed_command
     from vvdp.runs.simulate import check_accuracy, json_summary, run_system, save_run
 
@@ -107,7 +127,8 @@ def _simulate(loaded: "System", output: Output, ways: Ways) -> None:
                 changes = check_accuracy(done, progress)
         done = _with_ranges(done, ways.ranges)
         save_run(folder, done)
-        reported = not output.no_report and add_report(RUN, folder, done)
+        dress = {"dress": dressing(command)} if ways.live else {}
+        reported = not output.no_report and add_report(RUN, folder, done, **dress)
     if output.json:
         accuracy = {"check": {move.key: move.change for move in changes}} if changes else {}
         spans = {"ranges": done.meta["ranges"]} if "ranges" in done.meta else {}

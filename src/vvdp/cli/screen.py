@@ -59,6 +59,14 @@ def typed_command() -> tuple[str, ...]:
     return ("vvdp", *map(readable, sys.argv[1:]))
 
 
+def run_command(system: str, settings: Sequence[str] | None = None, until: str | None = None) -> str:
+    """The line that runs a system with what was given beside it."""
+    import shlex
+
+    given = [word for each in settings or () for word in ("--set", each)] + (["--until", until] if until else [])
+    return shlex.join(["vvdp", "run", system, *given])
+
+
 def say(message: str) -> None:
     """Prints a line on stderr."""
     print(message, file=sys.stderr, flush=True)

@@ -1,10 +1,11 @@
 """The report of a run: its result, the circuit, the parameters and their origin on one page."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from vvdp.base.display import with_unit
-from vvdp.base.kinds import DURATION, FLOW, GAUGE_PRESSURE
+from vvdp.base.kinds import DURATION, FLOW, GAUGE_PRESSURE, Kind
 from vvdp.base.manifest import open_directory
 from vvdp.report.circuit import Lines, figure_of, graph_of
 from vvdp.report.diagram import diagram
@@ -24,13 +25,32 @@ from vvdp.systems.own_modules import UntrustedModuleError
 DIAGRAM = "circuit"
 
 
+class ShownValue(NamedTuple):
+    """A number of the summary beside a part of a diagram: what it is, its key and its value."""
+
+    words: str
+    key: str
+    value: float
+    kind: Kind
+
+    @property
+    def text(self) -> str:
+        """As the diagram has it."""
+        return f"{self.words} {with_unit(self.value, self.kind)}"
+
+
 def write_report(
-    directory: Path, run: RecordedRun | None = None, trust: str = "", say: Callable[[str], None] = quiet
+    directory: Path,
+    run: RecordedRun | None = None,
+    trust: str = "",
+    say: Callable[[str], None] = quiet,
+    dress: Callable[[RecordedRun, Page], Page] | None = None,
 ) -> Path:
     """Writes report.html and figures/ into a result directory and gives the path of the page.
 
     All is made from the files in the directory, or from the `run` that was just written there: the bytes are the same.
-    Without a circuit, and `say` hears why, where that needs code that may not be run; `trust` is a module that may be.
+    What `dress` makes of the page is written, where it is given. Without a circuit, and `say` hears why, where that
+    needs code that may not be run; `trust` is a module that may be.
     Raises ConfigError where the directory is no result directory or the system in it cannot be read.
     """
     if run is None:
@@ -51,25 +71,31 @@ def write_report(
     for part, circuit in run.network.circuits.items():
         words = f"What is in {part.replace('_', ' ')} ({circuit.source})."
         drawings[figure_of(part)] = Drawn(figure_of(part), words, circuit_svg(run, part))
-    return write_result_page(directory, Page(run_result(run), run.meta, ready, drawings))
+    page = Page(run_result(run), run.meta, ready, drawings)
+    return write_result_page(directory, dress(run, page) if dress else page)
 
 
 def circuit_svg(run: RecordedRun, part: str = "") -> str:
     """The diagram of the circuit, or of a part of it, with mean pressures and flows."""
     title = f"{run.system.title}: {part.replace('_', ' ')}" if part else run.system.title
-    return diagram(graph_of(run.network, title, part), _values(run))
+    return diagram(graph_of(run.network, title, part), lines_of(diagram_values(run)))
 
 
-def _values(run: RecordedRun) -> dict[str, Lines]:
-    """Lines of text in the diagram by name of node or component: mean pressures and flows."""
-    lines: dict[str, list[str]] = {}
+def lines_of(values: Mapping[str, Sequence[ShownValue]]) -> dict[str, Lines]:
+    """The lines of text of values by name of node or component."""
+    return {name: tuple(each.text for each in shown) for name, shown in values.items()}
+
+
+def diagram_values(run: RecordedRun) -> dict[str, list[ShownValue]]:
+    """What a diagram shows by name of node or component: mean pressures and flows."""
+    found: dict[str, list[ShownValue]] = {}
     for node in node_lines(run.system, run.summary):
         if node.kind is GAUGE_PRESSURE and (node.low != node.high or node.name in run.volumes):
-            lines[node.name] = [f"mean {with_unit(node.mean or 0.0, node.kind)}"]
+            found[node.name] = [ShownValue("mean", f"pressure_mean_{node.name}_Pa", node.mean or 0.0, node.kind)]
     for flow in flow_lines(run.system, run.summary):
-        words = with_unit(flow.flow, FLOW)
-        lines.setdefault(flow.component, []).append(f"{flow.port} {words}" if flow.port else f"mean {words}")
-    return {name: tuple(texts) for name, texts in lines.items()}
+        key = "_".join(filter(None, ("flow_mean", flow.component, flow.port, "m3_s")))
+        found.setdefault(flow.component, []).append(ShownValue(flow.port or "mean", key, flow.flow, FLOW))
+    return found
 
 
 def _caption(run: RecordedRun) -> str:

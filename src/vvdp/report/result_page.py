@@ -24,13 +24,24 @@ LONG = 12
 
 
 @dataclass(frozen=True)
+class Additions:
+    """What scripts of a page need beside the charts: for its head, its style, above its sections and at its end."""
+
+    head: str = ""
+    style: str = ""
+    begin: str = ""
+    end: str = ""
+
+
+@dataclass(frozen=True)
 class Page:
-    """What a page is made of. `ready` is HTML that sections name beside what the result has, `drawings` ready SVG."""
+    """What a page is made of. `ready` is HTML that sections name, before what the result has, `drawings` ready SVG."""
 
     result: Result
     meta: Mapping[str, Any]
     ready: Mapping[str, str] = field(default_factory=dict)
     drawings: Mapping[str, Drawn] = field(default_factory=dict)
+    added: Additions = field(default_factory=Additions)
 
 
 def write_result_report(directory: Path) -> Path:
@@ -50,15 +61,16 @@ def write_result_page(directory: Path, page: Page) -> Path:
 
 
 def _lines(page: Page, drawn: Mapping[str, Drawn]) -> Iterator[str]:
-    result = page.result
+    result, added = page.result, page.added
     title = text(result.title)
     sections = result.sections or tuple(usual_sections(result))
-    yield f"{opening(title, head=live_head())}\n<h1>{title}</h1>"
+    yield f"{opening(title, added.style, added.head or live_head())}\n<h1>{title}</h1>"
     yield f'<p class="facts">{" &middot; ".join(_facts(page))}</p>'
     if result.badges:
         marks = (f'<li class="{each.grade}">{text(each.words)}</li>' for each in result.badges)
         yield f'<ul class="badges">{"".join(marks)}</ul>'
     yield from _findings(result)
+    yield from filter(None, [added.begin])
     yield _contents(sections)
     count = 0
     for section in sections:
@@ -71,6 +83,7 @@ def _lines(page: Page, drawn: Mapping[str, Drawn]) -> Iterator[str]:
             yield f'<pre class="keys">{text(section.text)}</pre>'
     yield from _references(result.references)
     yield live_body(result.charts.values(), result.tables)
+    yield from filter(None, [added.end])
     yield "</body>\n</html>"
 
 
@@ -134,13 +147,15 @@ def _anchor(section: Section) -> str:
 def _part(page: Page, drawn: Mapping[str, Drawn], name: str, count: int) -> str:
     """What a section shows under a name."""
     result = page.result
+    if name in page.ready:
+        return page.ready[name]
     if name in drawn:
         return figure(drawn[name].svg, drawn[name].name, count, text(drawn[name].caption))
     if name in result.listings:
         return listing_html(result.listings[name])
     if name in result.tables:
         return table_html(name, result.tables[name])
-    return _conditions(result) if name == "conditions" else page.ready[name]
+    return _conditions(result)
 
 
 def _conditions(result: Result) -> str:

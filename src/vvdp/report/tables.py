@@ -1,6 +1,7 @@
 """The values of a system with their origin, as HTML."""
 
 from collections.abc import Iterator, Mapping
+from types import MappingProxyType
 from typing import Any
 
 from vvdp.base.display import value_and_unit
@@ -10,11 +11,16 @@ from vvdp.report.html import group, row, table, text
 from vvdp.report.references import Reference
 from vvdp.systems.system import System
 
+Cells = tuple[str, str]
+"""Value and unit of a parameter as HTML."""
 
-def parameter_table(system: System, known: Mapping[str, Reference]) -> str:
-    """All parameters with their origin, grouped by table."""
+
+def parameter_table(
+    system: System, known: Mapping[str, Reference], ready: Mapping[str, Cells] = MappingProxyType({})
+) -> str:
+    """All parameters with their origin, grouped by table; `ready` has the cells of some by their setting."""
     head = ["Parameter", "Value", "Unit", "Status", "Source", "Where", "Note"]
-    return table(head, _parameter_rows(system, known, len(head)), (1,))
+    return table(head, _parameter_rows(system, known, ready, len(head)), (1,))
 
 
 def assumed_table(system: System) -> str:
@@ -33,7 +39,9 @@ def assumed_table(system: System) -> str:
     return table(["Parameter", "Value", "Unit", "Why"], rows, (1,))
 
 
-def _parameter_rows(system: System, known: Mapping[str, Reference], columns: int) -> Iterator[str]:
+def _parameter_rows(
+    system: System, known: Mapping[str, Reference], ready: Mapping[str, Cells], columns: int
+) -> Iterator[str]:
     before = ""
     for r in system.rows:
         if r.table != before:
@@ -42,7 +50,7 @@ def _parameter_rows(system: System, known: Mapping[str, Reference], columns: int
         status = f'<span class="assumed">{r.status}</span>' if r.status == "assumed" else text(r.status)
         cells = [
             f'<span class="keys">{_breaking(r.key)}</span>',
-            *_value(system, r),
+            *(ready.get(r.setting) or _value(system, r)),
             status,
             _cite(r.source, known),
             text(r.where),
@@ -55,7 +63,7 @@ def _breaking(key: str) -> str:
     return text(key).replace("_", "_<wbr>")
 
 
-def _value(system: System, r: Sourced) -> tuple[str, str]:
+def _value(system: System, r: Sourced) -> Cells:
     absolute = _is_absolute(system, r)
     if isinstance(r.value, Signal) and not r.value.is_constant:
         (low, unit), (high, _) = (value_and_unit(v, r.kind, absolute=absolute) for v in r.value.extremes)

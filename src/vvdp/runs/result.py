@@ -39,19 +39,15 @@ def run_result(run: RecordedRun) -> Result:
     """Everything that is to be said and drawn of a run."""
     bench = _bench(run)
     shown, tables = course(run)
-    listings = key_listings(run) | {"nodes": node_listing(run), "components": component_listing(run)}
-    listings |= {"computation": computation(run)}
     losses = _losses(run, tables) if bench is None else _bench_losses(run, tables)
-    of_losses = (
-        {"losses": loss_listing(run)} | circuit_loss_listings(run) if bench is None else bench_loss_listings(run)
-    )
+    of_losses = loss_listings(run)
     harmonics = {"harmonics": harmonic_listing(tables[SPECTRUM])} if SPECTRUM in tables else {}
     result = Result(
         verb="run",
         title=run.system.title,
         system=run.system.name,
         numbers=run.numbers,
-        listings=listings | of_losses | harmonics,
+        listings=number_listings(run) | of_losses | harmonics,
         tables=tables,
         charts={chart.name: chart for chart in (*shown, *losses)},
         badges=tuple(badges(run)),
@@ -68,7 +64,9 @@ def run_result(run: RecordedRun) -> Result:
 def course(run: RecordedRun) -> tuple[list[Chart], dict[str, Table]]:
     """The charts of the course of a run, without losses and findings, and the tables that they show."""
     extras, bench = run.system.extras, _bench(run)
-    tables = {SERIES: series_table(run)} if bench is None else _bench_tables(run, bench)
+    tables = {SERIES: recorded_series(run)}
+    if bench is not None:
+        tables |= _bench_tables(run, bench, tables[SERIES])
     charts = list(run_charts(run, tables[SERIES])) if bench is None else []
     if bench is not None and run.times.size > 1:
         charts = list(bench_charts(run, bench, tables[SERIES], tables))
@@ -78,8 +76,27 @@ def course(run: RecordedRun) -> tuple[list[Chart], dict[str, Table]]:
     return [with_faults(chart, run.system.faults) for chart in charts], tables
 
 
+def recorded_series(run: RecordedRun) -> Table:
+    """What is looked at over time, in the order of the record's rows."""
+    bench = _bench(run)
+    return series_table(run) if bench is None else bench_series(run, bench)
+
+
 def _bench(run: RecordedRun) -> RotaryBench | None:
     return run.system.extras if isinstance(run.system.extras, RotaryBench) else None
+
+
+def number_listings(run: RecordedRun) -> dict[str, Listing]:
+    """The numbers of a summary but for losses: the system's own, nodes, components, and how it was computed."""
+    found = {"nodes": node_listing(run), "components": component_listing(run), "computation": computation(run)}
+    return key_listings(run) | found
+
+
+def loss_listings(run: RecordedRun) -> dict[str, Listing]:
+    """The losses of a summary by component, by part or by cause."""
+    if _bench(run) is not None:
+        return bench_loss_listings(run)
+    return {"losses": loss_listing(run)} | circuit_loss_listings(run)
 
 
 def key_listings(run: RecordedRun) -> dict[str, Listing]:
@@ -98,11 +115,9 @@ def _findings(run: RecordedRun, bench: RotaryBench | None) -> tuple[Finding, ...
     return (*found, *bench_warnings(run, bench), *limits, *good, Finding(text=bench_in_words(run)))
 
 
-def _bench_tables(run: RecordedRun, bench: RotaryBench) -> dict[str, Table]:
-    tables = {SERIES: bench_series(run, bench)}
-    cycle = cycle_table(run, bench, tables[SERIES])
-    spectrum = spectrum_table(run, tables[SERIES], bench)
-    return tables | {name: each for name, each in ((CYCLE, cycle), (SPECTRUM, spectrum)) if each is not None}
+def _bench_tables(run: RecordedRun, bench: RotaryBench, series: Table) -> dict[str, Table]:
+    cycle, spectrum = cycle_table(run, bench, series), spectrum_table(run, series, bench)
+    return {name: each for name, each in ((CYCLE, cycle), (SPECTRUM, spectrum)) if each is not None}
 
 
 def _losses(run: RecordedRun, tables: dict[str, Table]) -> list[Chart]:

@@ -378,14 +378,31 @@ def failure(case: Case, clock: Array, state: Array, status: int, limits: str = "
     reached = clock[places.TIME]
     culprit = int(clock[places.CULPRIT])
     values = _states_that_matter(case, state, culprit if status == places.BELOW_ZERO else -1)
-    why = {
+    why = why_not_on(status, _culprit(case, status, culprit))
+    if limits and status == places.STEP_TOO_SMALL:
+        why += f", limited by {limits}: is it much smaller than its neighbours?"
+    return f"the run cannot go on at t = {reached:.6g} s: {why}; state: {values}"
+
+
+def why_not_on(status: int, culprit: str = "") -> str:
+    """Why the loop cannot go on where it answers `status`; `culprit` is the pressure or mode that it names, if any."""
+    return {
         places.NOT_FINITE: "a rate is no longer finite (a pressure at absolute zero?)",
-        places.STEP_TOO_SMALL: "the step has become too small"
-        + (f", limited by {limits}: is it much smaller than its neighbours?" if limits else ""),
+        places.STEP_TOO_SMALL: "the step has become too small",
         places.STOP_BEHIND: "`stop` names no later time; expected the next one at which the rates jump",
         places.TOO_MANY_WAITING: f"more than {places.DEPTH} commands of a program wait; has it a long latency?",
-    }.get(status) or (_below_zero(case, culprit) if status == places.BELOW_ZERO else _restless(case, culprit))
-    return f"the run cannot go on at t = {reached:.6g} s: {why}; state: {values}"
+        places.BELOW_ZERO: f"{culprit} has fallen below 0 Pa absolute, where no oil is: more is drawn from it than "
+        "flows in, as by a pump that turns backwards or a cylinder that moves faster than it is filled; with a vapour "
+        'pressure of the oil (oil.vapour_pressure = "0.01 bara") the run goes on with vapour',
+        places.RESTLESS: f"the mode '{culprit}' changes to and fro without end (chattering): where it holds, its law "
+        "leads at once to where another does, and back; a lag or a hysteresis makes it one motion",
+    }[status]
+
+
+def _culprit(case: Case, status: int, place: int) -> str:
+    """The name of the pressure or mode at this place that ends a run; none of what ends it otherwise."""
+    told = {places.BELOW_ZERO: case.state, places.RESTLESS: getattr(case.command, "modes", NOTHING)}
+    return [path for path, _, _ in leaves(told[status])][place] if status in told else ""
 
 
 def _states_that_matter(case: Case, state: Array, culprit: int) -> str:
@@ -394,22 +411,3 @@ def _states_that_matter(case: Case, state: Array, culprit: int) -> str:
     order = sorted(range(len(paths)), key=lambda place: (place != culprit, bool(np.isfinite(state[place])), place))
     more = f", and {len(order) - MOST_STATES} more" if len(order) > MOST_STATES else ""
     return ", ".join(f"{paths[place]} = {state[place]:.4g}" for place in order[:MOST_STATES]) + more
-
-
-def _below_zero(case: Case, place: int) -> str:
-    """Names the pressure of this place among the states that has fallen below absolute zero."""
-    path = [path for path, _, _ in leaves(case.state)][place]
-    return (
-        f"{path} has fallen below 0 Pa absolute, where no oil is: more is drawn from it than flows in, as by a pump "
-        "that turns backwards or a cylinder that moves faster than it is filled; with a vapour pressure of the oil "
-        '(oil.vapour_pressure = "0.01 bara") the run goes on with vapour'
-    )
-
-
-def _restless(case: Case, mode: int) -> str:
-    """Names the mode of this number that changes without end."""
-    paths = [path for path, _, _ in leaves(getattr(case.command, "modes", NOTHING))]
-    return (
-        f"the mode {paths[mode]!r} changes to and fro without end (chattering): where it holds, its law leads at once "
-        "to where another does, and back; a lag or a hysteresis makes it one motion"
-    )

@@ -72,7 +72,7 @@ class Changeable:
             "unit": self.unit, "symbol": unit_symbol(self.unit), "number": self.number, "low": self.low,
             "high": self.high, "steps": self.steps, "why_not": self.why_not, "status": row.status,
             "source": row.source, "where": row.where, "note": row.remark, "kind": kind.with_article,
-            "least": kind.low, "most": kind.high, "si": "" if kind.unit == "1" else kind.unit,
+            "example": kind.example, "least": kind.low, "most": kind.high, "si": "" if kind.unit == "1" else kind.unit,
             "followers": [[f.vector, f.place, f.operation, f.constant] for f in self.followers],
         }  # fmt: skip
 

@@ -14,6 +14,7 @@ from vvdp.generator.kinds import FLOAT, Kind, Record, Row
 from vvdp.simulation import loop, places
 from vvdp.simulation.layout import mode_paths
 from vvdp.simulation.prepare import Prepared, start_run
+from vvdp.simulation.run import why_not_on
 from vvdp.simulation.stepping import Stepping
 from vvdp.simulation.values import leaves
 from vvdp.systems.system import System
@@ -62,6 +63,7 @@ def call(system: System, ready: Prepared) -> dict[str, Any]:
         "places": {name.lower(): getattr(places, name) for name in PLACES},
         "states": [path for path, _, _ in leaves(system.case.state)],
         "modes": mode_paths(system.case),
+        "failures": {str(status): why_not_on(status, CULPRIT) for status in FAILURES},
     }
 
 
@@ -71,6 +73,12 @@ PLACES = (
     "TOO_MANY_WAITING", "RESTLESS", "BELOW_ZERO",
 )  # fmt: skip
 """Places in the clock of a run, and what the loop answers, that a page knows by name."""
+FAILURES = (
+    places.NOT_FINITE, places.STEP_TOO_SMALL, places.STOP_BEHIND, places.TOO_MANY_WAITING, places.BELOW_ZERO,
+    places.RESTLESS,
+)  # fmt: skip
+CULPRIT = "{culprit}"
+"""What stands for the name of a pressure or mode in the words for a failure."""
 
 
 def _stepping(stepping: Stepping) -> Mapping[str, Any]:

@@ -16,7 +16,6 @@ from vvdp.report.interactive import is_live, live_body, live_head
 from vvdp.report.page import opening
 from vvdp.report.report import circuit_svg
 from vvdp.results.result import Result
-from vvdp.runs.charts import SERIES
 from vvdp.runs.result import run_result
 from vvdp.runs.run import RecordedRun
 from vvdp.runs.simulate import recorded_run
@@ -30,13 +29,15 @@ from vvdp.systems.overview import warnings
 from vvdp.systems.system import System
 from vvdp.web.call import call
 from vvdp.web.module import WebModule, web_module
+from vvdp.web.motion import motion
 from vvdp.web.numbers import judgement, labels, summary_sums
-from vvdp.web.series import followed_charts, recorded_columns
+from vvdp.web.series import followed_charts, recorded_columns, table_courses
 
 LEVEL = "exact"
 """The one level of a page: products and sums are rounded as on the command line, so that the bits are the same."""
 MOST_BYTES = 1_000_000
-SCRIPTS = ("loop.js", "numbers.js", "values.js", "worker.js", "page.js")
+WORKING, OWN = ("loop.js", "numbers.js", "values.js", "worker.js"), ("motion.js", "page.js")
+"""Scripts of the worker that carries runs out, and of the page."""
 PAGES = 64
 """Memory that a module has from the start, in pages of 64 KiB: its tables and its stack."""
 
@@ -66,16 +67,42 @@ def web_page(system: System, command: str = "", say: Callable[[str], None] = qui
     command  the line that runs the system as it is, to which the page adds what is set there
     Raises MissingExtraError without the extra `web`, RunError where the run fails or the page becomes too large.
     """
-    module = web_module(system.model, system.case)
     run = recorded_run(system, simulate(system.model, system.case, system.stepping, say=say))
-    values = changeable_values(system, _outside_vectors)
     result = run_result(run)
-    model = {**run_model(system, module, values), **_shown_numbers(run, result)}
-    model["command"] = command or f"vvdp run {system.name}"
+    model, values, module = shown_model(run, result, command or f"vvdp run {system.name}")
     html = "\n".join(_lines(run, result, model, values))
     if (size := len(html.encode())) > MOST_BYTES:
         raise unusable("export web", f"the page has {size} bytes; at most {MOST_BYTES}: record less (run.window)")
     return WebPage(html, module, values, model)
+
+
+def shown_model(
+    run: RecordedRun, result: Result, command: str
+) -> tuple[dict[str, Any], tuple[Changeable, ...], WebModule]:
+    """What the scripts of a page need to repeat and show a run, the values that a page may change, and the module.
+
+    Raises MissingExtraError without the extra `web`, RunError where the system cannot be compiled.
+    """
+    system = run.system
+    module = web_module(system.model, system.case)
+    values = changeable_values(system, _outside_vectors)
+    model = {**run_model(system, module, values), **_shown_numbers(run, result), "command": command}
+    return model, values, module
+
+
+def page_head() -> str:
+    """The head of a page with its policy, which admits the scripts of `scripts_html`."""
+    return live_head(["\n".join(map(asset, OWN))], " 'wasm-unsafe-eval'; worker-src blob:")
+
+
+def scripts_html(model: Mapping[str, Any]) -> str:
+    """The end of a page: its model, the scripts of its worker, and its own."""
+    data = json.dumps(model, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    working, own = ("\n".join(map(asset, names)) for names in (WORKING, OWN))
+    return (
+        f'<script type="application/json" id="model">{data}</script>\n'
+        f'<script type="text/plain" id="worker">{working}</script>\n<script>{own}</script>'
+    )
 
 
 def _outside_vectors(system: System) -> Any:
@@ -101,12 +128,15 @@ def run_model(system: System, module: WebModule, values: Sequence[Changeable]) -
 
 def _shown_numbers(run: RecordedRun, result: Result) -> dict[str, Any]:
     """What the scripts of a page need to show and judge a run."""
-    system, known = run.system, recorded_columns(run, result.tables[SERIES])
+    system, known = run.system, recorded_columns(run, table_courses)
+    moving, figures = motion(run)
     return {
         "sums": summary_sums(system),
         "judgement": judgement(system, run.summary),
         "labels": {key: each for key, each in labels(system).items() if key in run.summary},
         "series": {key: list(each) for key, each in known.items()},
+        "moving": {key: list(each) for key, each in moving.items()},
+        "figures": figures,
         "charts": followed_charts(result, known),
         "summary": {key: _json(value) for key, value in run.summary.items()},
         "warnings": list(warnings(system, run.summary)),
@@ -120,12 +150,10 @@ def _json(value: Any) -> Any:
 
 
 def _lines(run: RecordedRun, result: Result, model: Mapping[str, Any], values: tuple[Changeable, ...]) -> Iterator[str]:
-    scripts = {name: _asset(name) for name in SCRIPTS}
-    head = live_head([scripts["page.js"]], " 'wasm-unsafe-eval'; worker-src blob:")
-    yield opening(text(result.title), _asset("page.css"), head)
+    yield opening(text(result.title), asset("page.css"), page_head())
     yield f"<h1>{text(result.title)}</h1>"
     yield f'<p class="facts">System <b>{text(run.system.name)}</b> &middot; {text(time.strftime("%Y-%m-%d"))}</p>'
-    yield _asset("controls.html")
+    yield asset("controls.html")
     yield from _values(values)
     live = [chart for chart in result.charts.values() if is_live(chart)]
     yield "<h2>Course of the run</h2>"
@@ -137,11 +165,7 @@ def _lines(run: RecordedRun, result: Result, model: Mapping[str, Any], values: t
     yield "<h2>Circuit</h2>"
     yield f'<figure id="figure-circuit">{inline_svg(circuit_svg(run), "circuit")}</figure>'
     yield live_body(live, result.tables)
-    data = json.dumps(model, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-    yield f'<script type="application/json" id="model">{data}</script>'
-    working = "\n".join(scripts[name] for name in SCRIPTS[:-1])
-    yield f'<script type="text/plain" id="worker">{working}</script>'
-    yield f"<script>{scripts['page.js']}</script>\n</body>\n</html>"
+    yield scripts_html(model) + "\n</body>\n</html>"
 
 
 def _values(values: tuple[Changeable, ...]) -> Iterator[str]:
@@ -153,7 +177,7 @@ def _values(values: tuple[Changeable, ...]) -> Iterator[str]:
             if value.row.table != before:
                 yield f"<h3>{text(value.row.table.replace('_', ' '))}</h3>"
                 before = value.row.table
-            yield _slider(place, value)
+            yield _slider_row(place, value)
     yield "</div>"
     fixed = [value for value in values if value.why_not]
     if fixed:
@@ -162,19 +186,28 @@ def _values(values: tuple[Changeable, ...]) -> Iterator[str]:
         yield table(("value", "", "why"), rows) + "</details>"
 
 
-def _slider(place: int, value: Changeable) -> str:
+def _slider_row(place: int, value: Changeable) -> str:
     about = value.flat
-    label, symbol = text(about["label"]), text(about["symbol"])
     origin = ", ".join(filter(None, (about["status"], about["source"], about["where"])))
+    before = f'<label for="slider-{place}">{text(about["label"])}</label>'
+    behind = f'<span class="u">{text(about["symbol"])}</span>'
+    behind += f'<span class="origin" title="{text(about["note"])}">{text(origin)}</span>'
+    return slider_html(place, value, before, behind)
+
+
+def slider_html(place: int, value: Changeable, before: str = "", behind: str = "") -> str:
+    """The slider and the number of a value, with ready HTML before and behind them."""
+    label = text(value.flat["label"])
     ends = f'min="{value.low!r}" max="{value.high!r}"'
     step = f"{(value.high - value.low) / 200:.3g}"
+    named = "" if before else f' aria-label="{label}"'
     return (
-        f'<div class="value" data-place="{place}"><label for="slider-{place}">{label}</label>'
-        f'<input type="range" id="slider-{place}" {ends} step="any" data-step="{step}" value="{value.number!r}">'
-        f'<input type="text" inputmode="decimal" value="{value.number!r}" aria-label="{label}, number">'
-        f'<span class="u">{symbol}</span><span class="origin" title="{text(about["note"])}">{text(origin)}</span></div>'
+        f'<div class="value{"" if before else " cell"}" data-place="{place}">{before}'
+        f'<input type="range" id="slider-{place}" {ends} step="any" data-step="{step}" value="{value.number!r}"{named}>'
+        f'<input type="text" inputmode="decimal" value="{value.number!r}" aria-label="{label}, number">{behind}</div>'
     )
 
 
-def _asset(name: str) -> str:
+def asset(name: str) -> str:
+    """The text of a script or style of a page."""
     return resources.files("vvdp.web").joinpath("assets", name).read_text("utf-8")

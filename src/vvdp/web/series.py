@@ -1,6 +1,7 @@
 """Which recorded number each column of a report's table of series is, so that a page can draw it anew."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,8 +13,10 @@ from vvdp.report.plot import column_unit
 from vvdp.results.chart import Chart, Lines
 from vvdp.results.result import Result, Table
 from vvdp.runs.charts import SERIES
+from vvdp.runs.result import recorded_series
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.parts import example_outputs
+from vvdp.simulation.record import Series
 from vvdp.simulation.values import leaves
 
 
@@ -25,20 +28,40 @@ class Recorded(NamedTuple):
     less: float = 0.0
 
 
-def recorded_columns(run: RecordedRun, table: Table) -> dict[str, Recorded]:
-    """The columns of a table of series that are a recorded number, or one above a reference; no others."""
+def recorded_columns(run: RecordedRun, courses: Callable[[RecordedRun], Mapping[str, Array]]) -> dict[str, Recorded]:
+    """The courses of a run that are a recorded number, or one above a reference; no others.
+
+    They are made once more from a record of other numbers, no two alike: numbers that are alike in the run are told
+    apart.
+    """
+    other = _with_other_numbers(run)
     nodes = run.network.nodes.values()
     datums = [0.0, *{node.oil.reference_pressure for node in nodes if isinstance(node, HydraulicNode)}]
-    known: dict[bytes, Recorded] = {}
-    for rows, place, values in _rows(run):
-        for less in datums:
-            known.setdefault((values - less).tobytes(), Recorded(rows, place, float(less)))
-    found: dict[str, Recorded] = {}
-    for key, column in table.columns.items():
-        values = np.asarray(column.values)
-        if values.dtype.kind == "f" and (one := known.get((values - 0.0).tobytes())) is not None:
-            found[key] = one
-    return found
+    known = {
+        (values - less).tobytes(): Recorded(rows, place, float(less))
+        for rows, place, values in _rows(other)
+        for less in datums
+    }
+    found = {key: known.get((values - 0.0).tobytes()) for key, values in courses(other).items()}
+    return {key: each for key, each in found.items() if each is not None}
+
+
+def table_courses(run: RecordedRun) -> dict[str, Array]:
+    """The numbers over time of a report's table of series, by column."""
+    columns = recorded_series(run).columns.items()
+    return {key: np.asarray(column.values, float) for key, column in columns if column.kind is not None}
+
+
+def _with_other_numbers(run: RecordedRun) -> RecordedRun:
+    """The run with a record in which every number but the times is another one, by chance from 1 to 2."""
+    chance = np.random.default_rng(1)
+
+    def other(group: Mapping[str, Series]) -> dict[str, Series]:
+        return {path: replace(each, values=chance.uniform(1.0, 2.0, each.values.shape)) for path, each in group.items()}
+
+    record = run.record
+    states, outputs, commands = (other(group) for group in (record.states, record.outputs, record.commands))
+    return replace(run, record=replace(record, states=states, outputs=outputs, commands=commands))
 
 
 def _rows(run: RecordedRun) -> Iterator[tuple[str, int, Array]]:

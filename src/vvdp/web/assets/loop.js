@@ -16,7 +16,13 @@ function vvdpLoop(model) {
     return rest < 0.5 || (rest === 0.5 && low % 2 === 0) ? low : low + 1;
   }
 
-  const plain = (x) => String(Number(x.toPrecision(6)));
+  /* A number of so many digits as Python's format "g" has it. */
+  function plain(x, digits = 6) {
+    if (!Number.isFinite(x)) return Number.isNaN(x) ? "nan" : x > 0 ? "inf" : "-inf";
+    const [mantissa, power] = x.toExponential(digits - 1).split("e"), size = Math.abs(power);
+    if (x === 0 || (power >= -4 && power < digits)) return String(Number(x.toPrecision(digits)));
+    return `${Number(mantissa)}e${power[0]}${String(size).padStart(2, "0")}`;
+  }
 
   function recordTimes(s) {
     const first = Math.ceil(s.begin / s.record_interval - 1e-9), times = [];
@@ -196,16 +202,10 @@ function vvdpLoop(model) {
       const order = model.states.map((path, i) => [path, i]).filter(([path]) => !path.startsWith("books."));
       const rank = ([, i]) => [answer === at.below_zero && i === culprit ? 0 : 1, Number.isFinite(state[i]) ? 1 : 0, i];
       order.sort((a, b) => { const [x, y] = [rank(a), rank(b)]; return x[0] - y[0] || x[1] - y[1] || x[2] - y[2]; });
-      const values = order.slice(0, 3).map(([path, i]) => `${path} = ${Number(state[i].toPrecision(4))}`).join(", ");
+      const values = order.slice(0, 3).map(([path, i]) => `${path} = ${plain(state[i], 4)}`).join(", ");
       const more = order.length > 3 ? `, and ${order.length - 3} more` : "";
-      const why = {
-        [at.not_finite]: "a rate is no longer finite (a pressure at absolute zero?)",
-        [at.step_too_small]: "the step has become too small",
-        [at.stop_behind]: "`stop` names no later time; expected the next one at which the rates jump",
-        [at.too_many_waiting]: "too many commands of a program wait; has it a long latency?",
-        [at.below_zero]: `${model.states[culprit]} has fallen below 0 Pa absolute, where no oil is: more is drawn from it than flows in`,
-        [at.restless]: `the mode ${model.modes[culprit]} changes to and fro without end (chattering)`,
-      }[answer];
+      const named = (answer === at.restless ? model.modes : model.states)[culprit] ?? "";
+      const why = model.failures[answer].replace("{culprit}", () => named);
       return `the run cannot go on at t = ${plain(this.time)} s: ${why}; state: ${values}${more}`;
     }
 
@@ -235,5 +235,5 @@ function vvdpLoop(model) {
     return call;
   }
 
-  return { begin, unpack, meansFrom, places: at };
+  return { begin, unpack, meansFrom, plain, places: at };
 }

@@ -126,18 +126,18 @@ function vvdpNumbers(model, loop) {
     return words;
   }
 
-  /* The recorded columns by the names of the report's table. */
+  /* The recorded columns: by the names of the report's table, and those that move the diagrams. */
   function series(call) {
-    const rows = call.get("clock")[at.records], found = {};
-    const wanted = Object.values(model.series), outputs = wanted.some((each) => each[0] === "output") ? call.outputs(rows) : null;
+    const rows = call.get("clock")[at.records], named = [model.series, model.moving];
+    const isOutput = named.some((each) => Object.values(each).some(([kind]) => kind === "output"));
+    const outputs = isOutput ? call.outputs(rows) : null;
     const of = { time: [call.get("record_times"), 1], state: [call.get("record"), call.arrays.record.shape[1]],
       command: [call.get("record_command"), call.arrays.record_command.shape[1]], output: [outputs, model.outputs] };
-    for (const [key, [kind, place, less]] of Object.entries(model.series)) {
-      const [values, width] = of[kind], column = new Float64Array(rows);
-      for (let i = 0; i < rows; i++) column[i] = values[i * width + place] - less;
-      found[key] = column;
-    }
-    return found;
+    const [shown, moving] = named.map((each) => Object.fromEntries(Object.entries(each).map(([key, [kind, place, less]]) => {
+      const [values, width] = of[kind];
+      return [key, Float64Array.from({ length: rows }, (_, i) => values[i * width + place] - less)];
+    })));
+    return { series: shown, moving: { ...moving, time: call.get("record_times").slice(0, rows) } };
   }
 
   return { summary, series };

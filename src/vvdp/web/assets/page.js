@@ -46,6 +46,10 @@ const vvdp = (() => {
 
   /* Key numbers as computed and as set, side by side. */
   function showNumbers(found) {
+    document.body.classList.toggle("is-set", Boolean(found));
+    showCells(found);
+    showTexts(found);
+    if (model.report) return;
     const hidden = new Set(["wall_time_s", "finished"]);
     const rows = Object.entries(model.labels).filter(([key]) => !hidden.has(key)).map(([key, unit]) => {
       const before = model.summary[key], now = found ? found[key] : undefined;
@@ -57,9 +61,50 @@ const vvdp = (() => {
     place("key-numbers").replaceChildren(node("table", {}, node("thead", {}, head), node("tbody", {}, ...rows)));
   }
 
+  /* What powers of sources add up to, into the circuit and out of it. */
+  function withSums(found) {
+    const powers = Object.entries(found).flatMap(([key, x]) => (key.startsWith("power_") ? [x] : []));
+    const sum = (sign) => powers.reduce((whole, x) => whole + Math.max(sign * x, 0), 0);
+    return { ...found, put_in: sum(1), given_out: sum(-1) };
+  }
+
+  /* The listings of a report: below what was computed, what was set. */
+  function showCells(found) {
+    const now = found && withSums(found);
+    for (const [name, cells] of Object.entries(model.cells ?? {})) {
+      const rows = document.querySelectorAll(`[data-listing="${name}"] tbody tr:not(.group)`);
+      for (const [row, at, key, before, unit] of cells) {
+        const cell = rows[row].cells[1 + at];
+        cell.querySelector(".now")?.remove();
+        if (now?.[key] === undefined) continue;
+        const words = shown(now[key], unit);
+        cell.append(node("span", { class: words === shown(before, unit) ? "now" : "now moved" }, words));
+      }
+    }
+  }
+
+  /* The values in the diagrams of a report. */
+  function showTexts(found) {
+    for (const [name, texts] of Object.entries(model.texts ?? {})) {
+      const lines = document.querySelectorAll(`#figure-${name} svg tspan`);
+      for (const line of lines) {
+        if (line.dataset.before !== undefined) line.textContent = line.dataset.before;
+        line.classList.remove("moved");
+      }
+      for (const [at, before, words, key, unit] of found ? texts : []) {
+        if (found[key] === undefined) continue;
+        const now = `${words} ${shown(found[key], unit)} ${unit.symbol}`, line = lines[at];
+        line.dataset.before ??= line.textContent;
+        if (now === before) continue;
+        line.textContent = line.textContent.replace(before, now);
+        line.classList.add("moved");
+      }
+    }
+  }
+
   function showNotes(now) {
     const lines = (title, words) => words.map((each) => node("div", { class: "notice" }, node("strong", {}, title), node("p", {}, each)));
-    const computed = lines("As computed", model.warnings), own = now ? lines("As you set it", now) : [];
+    const computed = model.report ? [] : lines("As computed", model.warnings), own = now ? lines("As you set it", now) : [];
     place("notes").replaceChildren(...computed, ...own);
   }
 
@@ -72,6 +117,30 @@ const vvdp = (() => {
     const line = `${model.command}${words.join("")}${until === model.stepping.until ? "" : ` --until "${until} s"`}`;
     place("setting").hidden = !words.length && until === model.stepping.until;
     place("setting").querySelector("code").textContent = line;
+    writeAddress(until);
+  }
+
+  /* What is set stands in the address behind "#", which stays in the browser: a link repeats it. */
+  function writeAddress(until) {
+    const told = new URLSearchParams({ ...set, ...(until === model.stepping.until ? {} : { until }) }).toString();
+    if (told || location.hash.includes("=")) history.replaceState(null, "", `#${told}`);
+  }
+
+  /* Sets what the address tells, all of it or nothing. */
+  function readAddress() {
+    if (!location.hash.includes("=")) return;
+    const told = [...new URLSearchParams(location.hash.slice(1))], boxes = [];
+    for (const [setting, number] of told) {
+      if (setting === "until") continue;
+      const at = model.values.findIndex((each) => each.setting === setting);
+      if (at < 0) { fault(`the address: ${setting.slice(0, 60)} is no value of this system`); return; }
+      if (model.values[at].why_not) { fault(`the address: ${setting} stays as it is on this page: ${model.values[at].why_not}`); return; }
+      boxes.push([document.querySelector(`.value[data-place="${at}"]`), number.slice(0, 60)]);
+    }
+    for (const [box, number] of boxes) change(box, number);
+    const until = told.find(([setting]) => setting === "until");
+    if (until) place("until").value = until[1].slice(0, 20);
+    soon();
   }
 
   const untilSet = () => Number(place("until").value.replace(",", "."));
@@ -118,6 +187,7 @@ const vvdp = (() => {
       if (mine !== latest) return;
       showNumbers(found.summary);
       showNotes(found.warnings);
+      moving.show(found.moving);
       await showCharts(found.series);
       place("state").textContent = `${found.summary.finished ? "done" : "stopped"} in ${((performance.now() - began) / 1000).toPrecision(2)} s`;
     } catch (problem) {
@@ -126,6 +196,8 @@ const vvdp = (() => {
       if (mine === latest) busy(false);
     }
   }
+
+  const moving = vvdpMotion(model, () => send({ values: { ...set }, until: untilSet() }).then((found) => found.moving, (problem) => { fault(problem.message); return null; }));
 
   const soon = () => { clearTimeout(timer); timer = setTimeout(runNow, 60); };
 
@@ -159,6 +231,7 @@ const vvdp = (() => {
     showNumbers(null);
     showNotes(null);
     showCharts(null);
+    moving.show(null);
     busy(false);
   }
 
@@ -178,8 +251,11 @@ const vvdp = (() => {
   place("reset").addEventListener("click", reset);
   place("until").addEventListener("change", soon);
   place("until").value = model.stepping.until;
+  for (const name of [...Object.keys(model.charts), ...Object.keys(model.texts ?? {})]) place(`figure-${name}`).classList.add("follows");
   showNumbers(null);
   showNotes(null);
+  readAddress();
+  window.addEventListener("hashchange", readAddress);
 
   return {
     model,

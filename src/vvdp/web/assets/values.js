@@ -5,8 +5,7 @@ function vvdpValues(model, loop) {
 
   const follow = (steps, x) => steps.reduce((value, [operation, constant]) => WORK[operation](value, constant), x);
 
-  /* A number as a message has it. */
-  const plain = (x) => String(Number(x.toPrecision(6)));
+  const { plain } = loop;
 
   /* A value [SI] of a setting from a number or a text with its unit. Throws with the reason where it cannot be. */
   function readValue(setting, given) {
@@ -14,10 +13,12 @@ function vvdpValues(model, loop) {
     if (!value) throw new Error(`${setting} is no value of this system`);
     if (value.why_not) throw new Error(`${setting} stays as it is on this page: ${value.why_not}`);
     const [, number, unit] = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$/.exec(String(given)) ?? [];
-    if (number === undefined || !Number.isFinite(Number(number))) throw new Error(`${setting}: ${JSON.stringify(String(given)).slice(0, 60)} is not a finite number; expected ${value.kind}, for example ${value.number} ${value.unit}`.trim());
+    const words = `'${`${String(given).trim().slice(0, 60)}${unit ? "" : ` ${value.unit}`}`.trim()}'`;
+    if (number === undefined) throw new Error(`${setting}: ${words} is not a number with a unit; write for example '${value.example}'`);
     if (unit && unit !== value.unit) throw new Error(`${setting}: write the number in ${value.unit || "no unit"}, not in ${JSON.stringify(unit).slice(0, 40)}`);
-    const si = follow(value.steps, Number(number)), of = value.si && ` ${value.si}`;
-    if (!(value.least <= si && si <= value.most)) throw new Error(`${setting}: ${plain(si)}${of} is outside ${plain(value.least)} to ${plain(value.most)}${of} for ${value.kind}`);
+    const si = follow(value.steps, Number(number)), of = value.si && ` ${value.si}`, written = value.unit ? `${words} = ` : "";
+    if (!Number.isFinite(si)) throw new Error(`${setting}: ${written}${plain(si)} is not a finite number; expected ${value.kind}, for example '${value.example}'`);
+    if (!(value.least <= si && si <= value.most)) throw new Error(`${setting}: ${written}${plain(si)}${of} is outside ${plain(value.least)} to ${plain(value.most)}${of} for ${value.kind}`);
     if (!(value.low <= Number(number) && Number(number) <= value.high)) throw new Error(`${setting}: ${number} ${value.unit} is beyond what this page has been tried with, ${value.low} to ${value.high} ${value.unit}; the command line takes it`);
     return { value, number: Number(number), si };
   }

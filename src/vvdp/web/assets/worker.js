@@ -31,7 +31,7 @@ function vvdpWorker(model, module) {
       await breath();
     }
     if (answer !== at.done && answer !== at.paused) throw new Error(call.failure(answer));
-    return { ...numbers.summary(call, answer === at.done, (performance.now() - began) / 1000), series: numbers.series(call) };
+    return { ...numbers.summary(call, answer === at.done, (performance.now() - began) / 1000), ...numbers.series(call) };
   }
 
   return {
@@ -52,7 +52,7 @@ if (typeof WorkerGlobalScope !== "undefined") {
     else {
       try {
         const found = await worker.run(data.wanted, (reach) => self.postMessage({ id: data.id, reach }));
-        self.postMessage({ id: data.id, found }, Object.values(found.series).map((column) => column.buffer));
+        self.postMessage({ id: data.id, found }, [found.series, found.moving].flatMap(Object.values).map((column) => column.buffer));
       } catch (problem) {
         self.postMessage({ id: data.id, fault: problem instanceof Error ? problem.message : String(problem) });
       }
