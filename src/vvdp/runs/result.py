@@ -1,5 +1,7 @@
 """The result of a run: what its page, its screen and a comparison show."""
 
+from collections.abc import Collection
+
 from vvdp.results.chart import Chart
 from vvdp.results.result import Finding, Grade, Listing, Result, Section, Table, sentences
 from vvdp.runs.bench import (
@@ -14,7 +16,7 @@ from vvdp.runs.bench import (
     loss_table_columns,
     spectrum_table,
 )
-from vvdp.runs.bench_charts import CYCLE, SPECTRUM, bench_charts
+from vvdp.runs.bench_charts import CYCLE, CYCLE_CHART, SPECTRUM, SPECTRUM_CHART, bench_charts
 from vvdp.runs.charts import SERIES, loss_chart, run_charts, with_faults
 from vvdp.runs.findings import badges, bench_in_words, bench_warnings, in_words, warnings
 from vvdp.runs.ranges import kept_ranges
@@ -65,16 +67,20 @@ def run_result(run: RecordedRun) -> Result:
     return result if ranges is None else result_with_ranges(result, ranges, quantities(run.system), "Computation")
 
 
-def course(run: RecordedRun) -> tuple[list[Chart], dict[str, Table]]:
-    """The charts of the course of a run, without losses and findings, and the tables that they show."""
+def course(run: RecordedRun, shown: Collection[str] | None = None) -> tuple[list[Chart], dict[str, Table]]:
+    """The charts of the course of a run, without losses and findings, and the tables that they show.
+
+    Of charts whose names are not among `shown`, nothing is worked out.
+    """
     extras, bench = run.system.extras, _bench(run)
-    tables = {SERIES: series_table(run)} if bench is None else _bench_tables(run, bench)
+    tables = {SERIES: series_table(run)} if bench is None else _bench_tables(run, bench, shown)
     charts = list(run_charts(run, tables[SERIES])) if bench is None else []
     if bench is not None and run.times.size > 1:
         charts = list(bench_charts(run, bench, tables[SERIES], tables))
     for place, (chart, table) in enumerate(() if extras is None else extras.charts(run.record)):
         tables[chart.table or f"own-{place}"] = table
         charts.append(chart)
+    charts = [chart for chart in charts if shown is None or chart.name in shown]
     return [with_faults(chart, run.system.faults) for chart in charts], tables
 
 
@@ -98,10 +104,10 @@ def _findings(run: RecordedRun, bench: RotaryBench | None) -> tuple[Finding, ...
     return (*found, *bench_warnings(run, bench), *limits, *good, Finding(text=bench_in_words(run)))
 
 
-def _bench_tables(run: RecordedRun, bench: RotaryBench) -> dict[str, Table]:
+def _bench_tables(run: RecordedRun, bench: RotaryBench, shown: Collection[str] | None) -> dict[str, Table]:
     tables = {SERIES: bench_series(run, bench)}
-    cycle = cycle_table(run, bench, tables[SERIES])
-    spectrum = spectrum_table(run, tables[SERIES], bench)
+    cycle = cycle_table(run, bench, tables[SERIES]) if shown is None or CYCLE_CHART in shown else None
+    spectrum = spectrum_table(run, tables[SERIES], bench) if shown is None or SPECTRUM_CHART in shown else None
     return tables | {name: each for name, each in ((CYCLE, cycle), (SPECTRUM, spectrum)) if each is not None}
 
 
