@@ -1,5 +1,6 @@
 """The page as a person uses it: values dragged, text typed, runs compared, by mouse and by keyboard."""
 
+import re
 import time
 
 import pytest
@@ -131,6 +132,12 @@ def test_nothing_is_cut_off_or_too_small(page, width, scheme):
     assert page.ask(dark) == (scheme == "dark")
 
 
+def enter(page, element, value, event="input"):
+    """Puts a value into a field, as typing or dragging does."""
+    change = f"e.value = '{value}'; e.dispatchEvent(new Event('{event}'));"
+    page.ask(f"(() => {{ const e = {element}; {change} }})()")
+
+
 def hover(page, part):
     """The pointer over the symbol of a part."""
     x, y = middle(page, f"document.querySelector('#diagram [data-part={part}]')")
@@ -161,9 +168,7 @@ def test_the_diagram_has_mean_values_curves_and_tables(page):
 
 
 def test_a_draft_shows_pressures_and_no_other_number(page):
-    page.ask(
-        f"(() => {{ const e = {DUTY}.closest('.value').querySelector('[type=range]'); e.value = 0.45; e.dispatchEvent(new Event('input')); }})()"
-    )
+    enter(page, f"{DUTY}.closest('.value').querySelector('[type=range]')", 0.45)
     wait_for(page, "document.body.classList.contains('is-draft')")
     means = (
         "Object.fromEntries([...document.querySelectorAll('[data-mean]')].map((e) => [e.dataset.mean, e.textContent]))"
@@ -181,13 +186,9 @@ def test_a_measured_channel_lies_over_the_scope_of_its_unit(page):
     assert [len(each) for each in page.ask(lines)] == [3, 4, 2]
     last = "live.get('cycle-time').chart.plots[0].content.lines.at(-1)"
     assert page.ask(f"[{last}.label, {last}.y[1], {last}.x[1]]") == ["p_in (measured)", pytest.approx(62.0), 0.9001]
-    page.ask(
-        "(() => { const e = document.querySelector('#laid input'); e.value = '0.5'; e.dispatchEvent(new Event('change')); })()"
-    )
+    enter(page, "document.querySelector('#laid input')", 0.5, "change")
     assert page.ask(f"{last}.x[1]") == pytest.approx(0.5001)
-    page.ask(
-        "(() => { const e = document.getElementById('channel'); e.value = 'x'; e.dispatchEvent(new Event('change')); })()"
-    )
+    enter(page, "document.getElementById('channel')", "x", "change")
     assert page.ask("document.getElementById('unit').checkVisibility()")
     page.ask("document.querySelector('#laid button').click()")
     assert [len(each) for each in page.ask(lines)] == [2, 4, 2]
@@ -238,16 +239,14 @@ def test_the_teach_view_shows_an_instant_of_the_period(page):
     before = page.ask("teach.clock.share")
     wait_for(page, f"teach.clock.share !== {before}")
     page.ask("document.getElementById('play').click()")
-    go = "(() => {{ const e = document.getElementById('instant'); e.value = {}; e.dispatchEvent(new Event('input')); }})()"
     seen = []
     for place in (0.0, 0.45, 0.6):
-        page.ask(go.format(place))
+        enter(page, "document.getElementById('instant')", place)
         words = page.ask("[...document.querySelectorAll('.port title')].map((e) => e.textContent).join()")
         holes = page.ask("[...document.querySelectorAll('.port-hole')].map((e) => +e.getAttribute('r'))")
         inlet = page.ask("document.querySelector('#teach-diagram [data-node=inlet]').style.color")
-        pressure = page.ask(
-            "Number(/inlet ([\\d.]+) bar/.exec(document.getElementById('teach-pressures').textContent)[1])"
-        )
+        said = page.ask("document.getElementById('teach-pressures').textContent")
+        pressure = float(re.search(r"inlet ([\d.]+) bar", said)[1])
         exact = page.ask("valueAt(teach.course.times, teach.course.nodes.inlet, teach.clock.time)")
         assert pressure == pytest.approx(exact, abs=0.06)
         seen.append((words, tuple(holes), inlet))

@@ -38,17 +38,13 @@ def diagram(graph: Graph, values: Mapping[str, Lines] = NO_VALUES, *, named: boo
     width = max(LEAST_WIDTH, made.width)
     left = -0.5 * (width - made.width)
     title = escape(graph.title)
+    parts = _parts(made, _anchors(graph), _in_group if named else _plain)
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{left:.1f} 0 {width:.1f} {made.height:.1f}" role="img" '
         f'aria-label="{escape(graph.title, quote=True)}" font-family="{FONTS}" font-size="{SIZE:g}">\n'
         f"<title>{title}</title>\n"
         f'<g fill="none" stroke="{draw.INK}" stroke-width="1.7" stroke-linecap="round" stroke-linejoin="round">\n'
-        + "\n".join(
-            [
-                *_parts(made, _anchors(graph), _marked if named else _plain),
-                *(_signal(*line) for line in signal_lines(graph, made)),
-            ]
-        )
+        + "\n".join([*parts, *(_signal(*line) for line in signal_lines(graph, made))])
         + "\n</g>\n</svg>\n"
     )
 
@@ -109,7 +105,7 @@ def _plain(svg: str, **names: str) -> str:
     return svg
 
 
-def _marked(svg: str, **names: str) -> str:
+def _in_group(svg: str, **names: str) -> str:
     """A drawing in a group that has names as attributes; nothing where nothing is drawn."""
     attributes = "".join(f' data-{key}="{escape(name, quote=True)}"' for key, name in names.items())
     return f"<g{attributes}>{svg}</g>" if svg else ""

@@ -48,7 +48,7 @@ class Channel(NamedTuple):
     values: Array
     remarks: tuple[str, ...] = ()
 
-    def described(self, columns: Placed) -> dict[str, Any]:
+    def describe(self, columns: Placed) -> dict[str, Any]:
         """What the page gets."""
         places = {"x": columns.place(self.times), "y": columns.place(self.values)}
         return {"label": self.name, "unit": self.unit, "remarks": list(self.remarks), **places}
@@ -61,7 +61,7 @@ def channels(path: Path) -> dict[str, Any]:
     return {"channels": [{"name": each.name, "unit": each.unit} for each in known]}
 
 
-def measured(path: Path, name: str, unit: str | None = None) -> Channel:
+def measured_channel(path: Path, name: str, unit: str | None = None) -> Channel:
     """A channel of a log; `unit` is for one that has none written.
 
     Raises ConfigError where the log cannot be read, has no such channel or clock, or is too long.

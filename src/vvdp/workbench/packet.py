@@ -39,10 +39,10 @@ class RawColumns:
         return self._known[key]
 
 
-class Described(Protocol):
+class Describing(Protocol):
     """What describes itself, with its numbers among the columns."""
 
-    def described(self, columns: Placed) -> dict[str, Any]:
+    def describe(self, columns: Placed) -> dict[str, Any]:
         """The description."""
 
 
@@ -50,12 +50,12 @@ def packet(
     head: Mapping[str, Any],
     charts: Iterable[Chart] = (),
     tables: Mapping[str, Table] | None = None,
-    **more: Described | None,
+    **more: Describing | None,
 ) -> bytes:
     """A description with the charts among `charts` that can be live, and with `more` under its names."""
     columns = RawColumns()
     shown = [described_chart(chart, tables or {}, columns) for chart in charts if is_live(chart)]
-    whole = {**head, **{name: each.described(columns) for name, each in more.items() if each is not None}}
+    whole = {**head, **{name: each.describe(columns) for name, each in more.items() if each is not None}}
     if shown:
         whole["charts"] = shown
     whole["columns"] = columns.described

@@ -25,6 +25,7 @@ FIRST_MARK = 0xE000
 """The first character for private use: so many of one stand in the layout for a number that is not yet known."""
 ROOM = 13
 """Characters that a mean value takes beside its word."""
+UNKNOWN = "not known (no whole period)"
 
 
 class Mean(NamedTuple):
@@ -72,11 +73,8 @@ def mean_texts(system: System, summary: Mapping[str, Any], *, is_draft: bool) ->
             continue
         value = summary.get(mean.key)
         known = isinstance(value, float | int) and bool(np.isfinite(value))
-        found[mean.key] = (
-            f"{mean.word} {with_unit(float(value), mean.kind)}"
-            if known and value is not None
-            else (f"{mean.word} not known (no whole period)")
-        )
+        words = with_unit(float(value), mean.kind) if known and value is not None else UNKNOWN
+        found[mean.key] = f"{mean.word} {words}"
     return found
 
 
@@ -96,30 +94,24 @@ class Course(NamedTuple):
     flows: Mapping[str, Array]
     openings: Mapping[str, Array]
 
-    def described(self, columns: Placed) -> dict[str, Any]:
+    def describe(self, columns: Placed) -> dict[str, Any]:
         """What the page gets, with the places of the columns."""
 
-        def placed(found: Mapping[str, Array], scale: float = 1.0) -> dict[str, int]:
+        def places(found: Mapping[str, Array], scale: float = 1.0) -> dict[str, int]:
             return {name: columns.place(scale * values) for name, values in found.items()}
 
-        curves = {
-            part: [
-                {
-                    "label": each.label,
-                    "unit": (unit := column_unit(each)).symbol,
-                    "y": columns.place(unit.from_si(each.values)),
-                }
-                for each in found
-            ]
-            for part, found in self.curves.items()
-        }
+        def curve(each: Column) -> dict[str, Any]:
+            unit = column_unit(each)
+            return {"label": each.label, "unit": unit.symbol, "y": columns.place(unit.from_si(each.values))}
+
+        curves = {part: list(map(curve, found)) for part, found in self.curves.items()}
         return {
             "times": columns.place(self.times),
             "period": list(self.period),
             "curves": curves,
-            "nodes": placed(self.nodes, 1e-5),
-            "flows": placed(self.flows, 6e4),
-            "openings": placed(self.openings),
+            "nodes": places(self.nodes, 1e-5),
+            "flows": places(self.flows, 6e4),
+            "openings": places(self.openings),
         }
 
 

@@ -18,7 +18,7 @@ from vvdp.report.interactive import SCRIPTS, STYLES, asset
 from vvdp.results.store import finite
 from vvdp.runs.simulate import json_summary, run_system
 from vvdp.workbench.guard import Guard, Guarded
-from vvdp.workbench.measured import channels, measured
+from vvdp.workbench.measured import channels, measured_channel
 from vvdp.workbench.offer import Offer
 from vvdp.workbench.packet import packet
 from vvdp.workbench.tab import LONGEST_MESSAGE, Tab, asked_by
@@ -78,12 +78,12 @@ def application(offer: Offer, guard: Guard) -> Guarded:
 
     def channel(message: Any) -> bytes:
         path, name = offer.log(_word(message, "log")), _word(message, "channel")
-        return packet({"kind": "channel"}, channel=measured(path, name, _word(message, "unit") or None))
+        return packet({"kind": "channel"}, channel=measured_channel(path, name, _word(message, "unit") or None))
 
     async def drafts(page: WebSocket) -> None:
         await Tab(offer).serve(page)
 
-    posts = {"/api/run": run, "/api/draw": draw, "/api/text": text, "/api/save": save}
+    posts: dict[str, Any] = {"/api/run": run, "/api/draw": draw, "/api/text": text, "/api/save": save}
     posts |= {"/api/log": log, "/api/channel": channel}
     routes = [Route(path, answer(*each)) for path, each in _page().items()]
     routes += [Route(path, _post(act), methods=["POST"]) for path, act in posts.items()]
