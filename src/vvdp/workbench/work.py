@@ -57,15 +57,22 @@ def value_rows(system: System) -> list[dict[str, Any]]:
     ]
 
 
-def _slider(row: Sourced) -> dict[str, Any]:
-    """Number, unit and ends of a value that a slider can set; nothing of others."""
+def slider_ends(row: Sourced) -> tuple[float, float] | None:
+    """The ends [SI] of a slider on a value: those that the file gives, or a tenth to ten times; None of no number."""
     value = row.nominal
     if not math.isfinite(value) or value == 0.0:
+        return None
+    low, high = row.range or sorted((value / SPAN, value * SPAN))
+    return max(low, row.kind.low), min(high, row.kind.high)
+
+
+def _slider(row: Sourced) -> dict[str, Any]:
+    """Number, unit and ends of a value that a slider can set; nothing of others."""
+    if (ends := slider_ends(row)) is None:
         return {}
     unit = _unit(row.kind)
-    low, high = row.range or sorted((value / SPAN, value * SPAN))
-    ends = [_in(each, row.kind, unit) for each in (max(low, row.kind.low), min(high, row.kind.high))]
-    return {"number": _in(value, row.kind, unit), "unit": unit, "low": ends[0], "high": ends[1]}
+    low, high = (_in(each, row.kind, unit) for each in ends)
+    return {"number": _in(row.nominal, row.kind, unit), "unit": unit, "low": low, "high": high}
 
 
 def _unit(kind: Kind) -> str:
