@@ -13,6 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from nptdms import ChannelObject, TdmsWriter
+from tests.report.browser import running
+from tests.workbench.steps import COMPLETE, wait_for
 
 from vvdp.systems.system import source_text
 
@@ -84,3 +86,29 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
     with serving(folder / "pump.toml") as found:
         yield found
     assert found.process.returncode == 0
+
+
+@pytest.fixture(scope="module")
+def browser(chromium, tmp_path_factory):
+    with running(chromium, tmp_path_factory.mktemp("profile")) as page:
+        yield page
+
+
+@pytest.fixture
+def page(browser, server):
+    browser.call("Emulation.setDeviceMetricsOverride", width=1400, height=950, deviceScaleFactor=1, mobile=False)
+    browser.call("Emulation.setEmulatedMedia", features=[])
+    browser.visit("about:blank")
+    browser.visit(server.url)
+    wait_for(browser, COMPLETE)
+    yield browser
+    assert not browser.named("Runtime.exceptionThrown")
+    assert [
+        each["entry"]["text"] for each in browser.named("Log.entryAdded") if each["entry"]["level"] == "error"
+    ] == []
+    hosts = {
+        each["request"]["url"].split("/")[2]
+        for each in browser.named("Network.requestWillBeSent")
+        if each["request"]["url"][:4] == "http"
+    }
+    assert hosts == {f"127.0.0.1:{server.port}"}

@@ -4,53 +4,10 @@ import re
 import time
 
 import pytest
-from tests.report.browser import running
 from tests.workbench.conftest import serving
+from tests.workbench.steps import COMPLETE, DUTY, enter, middle, wait_for
 
 from vvdp.systems.system import source_text
-
-
-def wait_for(page, expression, patience=30.0):
-    """Waits until a JavaScript expression is true."""
-    ends = time.monotonic() + patience
-    while not page.ask(expression):
-        assert time.monotonic() < ends, (expression, page.ask("document.getElementById('state').textContent"))
-        time.sleep(0.03)
-
-
-COMPLETE = "document.getElementById('state')?.textContent === 'run complete'"
-DUTY = "document.getElementById('value-operation.duty_ratio')"
-
-
-@pytest.fixture(scope="module")
-def browser(chromium, tmp_path_factory):
-    with running(chromium, tmp_path_factory.mktemp("profile")) as page:
-        yield page
-
-
-@pytest.fixture
-def page(browser, server):
-    browser.call("Emulation.setDeviceMetricsOverride", width=1400, height=950, deviceScaleFactor=1, mobile=False)
-    browser.call("Emulation.setEmulatedMedia", features=[])
-    browser.visit("about:blank")
-    browser.visit(server.url)
-    wait_for(browser, COMPLETE)
-    yield browser
-    assert not browser.named("Runtime.exceptionThrown")
-    assert [
-        each["entry"]["text"] for each in browser.named("Log.entryAdded") if each["entry"]["level"] == "error"
-    ] == []
-    hosts = {
-        each["request"]["url"].split("/")[2]
-        for each in browser.named("Network.requestWillBeSent")
-        if each["request"]["url"][:4] == "http"
-    }
-    assert hosts == {f"127.0.0.1:{server.port}"}
-
-
-def middle(page, expression):
-    box = "const b = e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2];"
-    return page.ask(f"(() => {{ const e = {expression}; e.scrollIntoView({{block: 'center'}}); {box} }})()")
 
 
 def test_a_drag_makes_drafts_and_its_release_a_whole_run(page):
@@ -130,12 +87,6 @@ def test_nothing_is_cut_off_or_too_small(page, width, scheme):
     assert page.ask(f"Math.min(...{sizes})") >= 9
     dark = "parseInt(/\\d+/.exec(getComputedStyle(document.body).backgroundColor)[0]) < 60"
     assert page.ask(dark) == (scheme == "dark")
-
-
-def enter(page, element, value, event="input"):
-    """Puts a value into a field, as typing or dragging does."""
-    change = f"e.value = '{value}'; e.dispatchEvent(new Event('{event}'));"
-    page.ask(f"(() => {{ const e = {element}; {change} }})()")
 
 
 def hover(page, part):

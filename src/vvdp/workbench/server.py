@@ -10,7 +10,7 @@ import uvicorn
 from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
-from starlette.routing import Route, WebSocketRoute
+from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
 from vvdp.base.errors import ConfigError, Fault, VvdpError
@@ -21,11 +21,12 @@ from vvdp.workbench.guard import Guard, Guarded
 from vvdp.workbench.measured import channels, measured_channel
 from vvdp.workbench.offer import Offer
 from vvdp.workbench.packet import packet
+from vvdp.workbench.palette import palette
 from vvdp.workbench.tab import LONGEST_MESSAGE, Tab, asked_by
 from vvdp.workbench.work import faults_of, text_drawing
 
 HOST = "127.0.0.1"
-OWN_SCRIPTS = ("motion.js", "schematic.js", "teach.js", "measured.js", "workbench.js")
+OWN_SCRIPTS = ("motion.js", "schematic.js", "teach.js", "measured.js", "build.js", "workbench.js")
 """In the order in which they are needed; the last one begins."""
 
 
@@ -58,6 +59,9 @@ def application(offer: Offer, guard: Guard) -> Guarded:
         listed = [{"name": name, "title": title} for name, title in found.items()]
         return JSONResponse({"systems": listed, "first": offer.first, "logs": offer.logs()})
 
+    async def parts(request: Request) -> Response:
+        return JSONResponse({"types": await asyncio.to_thread(palette)})
+
     def text(message: Any) -> dict[str, Any]:
         name = asked_by(message).system
         return {"text": offer.text(name), "saves": offer.path(name) is not None}
@@ -85,9 +89,10 @@ def application(offer: Offer, guard: Guard) -> Guarded:
 
     posts: dict[str, Any] = {"/api/run": run, "/api/draw": draw, "/api/text": text, "/api/save": save}
     posts |= {"/api/log": log, "/api/channel": channel}
-    routes = [Route(path, answer(*each)) for path, each in _page().items()]
+    routes: list[BaseRoute] = [Route(path, answer(*each)) for path, each in _page().items()]
+    routes += [Route("/api/systems", systems), Route("/api/palette", parts), WebSocketRoute("/ws", drafts)]
     routes += [Route(path, _post(act), methods=["POST"]) for path, act in posts.items()]
-    return Guarded(Starlette(routes=[*routes, Route("/api/systems", systems), WebSocketRoute("/ws", drafts)]), guard)
+    return Guarded(Starlette(routes=routes), guard)
 
 
 def _post(act: Any) -> Any:

@@ -36,6 +36,7 @@ function showDiagram(svg) {
     group.addEventListener("blur", hidePeek);
   }
   made.setAttribute("role", "group"); // an image would hide the buttons in it
+  dressForBuilding();
 }
 
 /** Writes the mean values of a run beside their parts; what is not known of a draft is a dash. */
@@ -51,6 +52,7 @@ function openTable(name) {
   if (column.classList.contains("folded")) column.querySelector(".fold").click();
   $("filter").value = name;
   filterValues();
+  showJoints(name);
   column.scrollIntoView({ block: "nearest" });
   $("filter").focus();
 }

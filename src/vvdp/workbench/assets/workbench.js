@@ -342,6 +342,7 @@ function listen() {
   $("filter").addEventListener("input", filterValues);
   listenMeasured();
   listenTeach();
+  listenBuild();
   $("system").addEventListener("change", () => open($("system").value));
   $("run").addEventListener("click", () => ask("whole"));
   $("stop").addEventListener("click", () => socket.send(JSON.stringify({ kind: "stop" })));
