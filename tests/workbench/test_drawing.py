@@ -116,6 +116,16 @@ def test_a_part_is_moved_by_mouse_and_by_keyboard(drawing):
     assert page.ask("JSON.parse(/at = (.*)/.exec(state.text)[1])")[0] == pytest.approx(column - 0.5, abs=0.6)
 
 
+def test_only_headers_begin_a_table(page):
+    text = "[a.b] # first\nrows = [\n  [0, 1],\n  [1, 2]\n]\nkey = 1\n\n# of c\n[a.c]\nkey = 2\n"
+    assert page.ask(f"tableSpan({text!r}.split('\\n'), 'a.b')") == [0, 8]
+    assert page.ask(f"withLine({text!r}, 'a.c', 'key', '3')") == text.replace("key = 2", "key = 3")
+    assert page.ask(f"withoutTable({text!r}, 'a.b')") == "# of c\n[a.c]\nkey = 2\n"
+    assert page.ask(f"withTable({text!r}, 'a.d', ['x = 1'])") == text + "\n[a.d]\nx = 1\n"
+    run = "# how long\n[run]\nuntil = 1\n"
+    assert page.ask(f"withTable({run!r}, 'a.d', ['x = 1'])") == "[a.d]\nx = 1\n\n" + run
+
+
 def test_a_text_that_is_written_otherwise_is_left_alone(drawing):
     page = drawing
     text = '[nodes]\nsupply = { type = "tank" }\n'

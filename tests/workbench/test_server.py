@@ -86,6 +86,10 @@ def test_python_is_not_run_from_the_page(server):
     assert not (server.folder / "was_run").exists()
 
 
+def test_the_first_page_is_small(server):
+    assert sum(len(server.ask("GET", path)[1]) for path in ("/", "/workbench.js", "/workbench.css")) < 200_000
+
+
 def test_systems_are_listed(server):
     found = server.ask("GET", "/api/systems")[1]
     names = {each["name"]: each["title"] for each in found["systems"]}

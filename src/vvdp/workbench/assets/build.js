@@ -1,11 +1,12 @@
 /** Drawing by hand: every act is a change of lines in the text, so that the drawing is the file. */
 const MOVE = 120; // px of one column of the diagram's grid
+const HEADER = /^\s*\[\s*([\w.\-"' ]+?)\s*\]\s*(#.*)?$/; // and no row of an array
 const NODE_OF = { oil: "volume", shaft: "shaft", rod: "rod" };
 const build = { isOn: false, types: [], chosen: null };
 
 /** First and last line of a table of the text: from its header to before the next one; null where it has none. */
 function tableSpan(lines, header) {
-  const headers = lines.flatMap((line, i) => { const found = /^\s*\[\s*([^[\]]+?)\s*\]/.exec(line); return found ? [[found[1], i]] : []; });
+  const headers = lines.flatMap((line, i) => { const found = HEADER.exec(line); return found ? [[found[1], i]] : []; });
   const place = headers.findIndex(([name]) => name === header);
   return place < 0 ? null : [headers[place][1], headers[place + 1]?.[1] ?? lines.length];
 }
@@ -121,7 +122,8 @@ function removePart(name) {
 
 /** Puts a part at a place of the grid: columns to the right, rows upward. */
 function placePart(name, column, row) {
-  const table = drawnParts(state.text, "components").has(name) ? "components" : "nodes";
+  const lines = state.text.split("\n");
+  const table = ["components", "nodes", "parts"].find((each) => tableSpan(lines, `${each}.${name}`));
   edit(withLine(state.text, `${table}.${name}`, "at", `[${Math.max(0, Math.round(10 * column) / 10)}, ${Math.max(0, Math.round(row))}]`), `${name} moved`);
 }
 
@@ -239,6 +241,7 @@ async function toggleBuild() {
   build.isOn = !build.isOn;
   $("draw").setAttribute("aria-pressed", String(build.isOn));
   $("palette").hidden = !build.isOn;
+  $("joints").hidden = true;
   if (!build.types.length) build.types = (await (await fetch("/api/palette")).json()).types;
   if (build.isOn) { showPalette(); show("text"); }
   ask("draw");

@@ -305,6 +305,9 @@ async function open(name) {
   Object.assign(state, { system: name, saved: found.text, saves: found.saves, changes: new Map(), past: [], wanted: null });
   for (const { figure } of live.values()) figure.remove();
   live.clear();
+  schematic.course = null;
+  $("joints").hidden = true;
+  $("filter").value = "";
   setText(found.text);
   $("values").dataset.form = "";
   markChanged();
