@@ -113,7 +113,8 @@ def _data(value: object) -> dict[str, Any]:
         return _picture(value)
     data = {"text/plain": repr(value).splitlines(keepends=True)}
     if hasattr(value, "_repr_html_"):
-        data["text/html"] = value._repr_html_().splitlines(keepends=True)
+        kept = re.sub(r"<iframe.*?</iframe>", "", value._repr_html_(), flags=re.DOTALL)  # live charts: 200 kB each
+        data["text/html"] = kept.splitlines(keepends=True)
     return data
 
 

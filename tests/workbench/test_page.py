@@ -1,50 +1,13 @@
 """The page as a person uses it: values dragged, text typed, runs compared, by mouse and by keyboard."""
 
+import re
 import time
 
 import pytest
-from tests.report.browser import running
+from tests.workbench.conftest import serving
+from tests.workbench.steps import COMPLETE, DUTY, enter, middle, wait_for
 
-
-def wait_for(page, expression, patience=30.0):
-    """Waits until a JavaScript expression is true."""
-    ends = time.monotonic() + patience
-    while not page.ask(expression):
-        assert time.monotonic() < ends, (expression, page.ask("document.getElementById('state').textContent"))
-        time.sleep(0.03)
-
-
-COMPLETE = "document.getElementById('state')?.textContent === 'run complete'"
-DUTY = "document.getElementById('value-operation.duty_ratio')"
-
-
-@pytest.fixture(scope="module")
-def browser(chromium, tmp_path_factory):
-    with running(chromium, tmp_path_factory.mktemp("profile")) as page:
-        yield page
-
-
-@pytest.fixture
-def page(browser, server):
-    browser.call("Emulation.setDeviceMetricsOverride", width=1400, height=950, deviceScaleFactor=1, mobile=False)
-    browser.visit(server.url)
-    wait_for(browser, COMPLETE)
-    yield browser
-    assert not browser.named("Runtime.exceptionThrown")
-    assert [
-        each["entry"]["text"] for each in browser.named("Log.entryAdded") if each["entry"]["level"] == "error"
-    ] == []
-    hosts = {
-        each["request"]["url"].split("/")[2]
-        for each in browser.named("Network.requestWillBeSent")
-        if each["request"]["url"][:4] == "http"
-    }
-    assert hosts == {f"127.0.0.1:{server.port}"}
-
-
-def middle(page, expression):
-    box = "const b = e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2];"
-    return page.ask(f"(() => {{ const e = {expression}; e.scrollIntoView({{block: 'center'}}); {box} }})()")
+from vvdp.systems.system import source_text
 
 
 def test_a_drag_makes_drafts_and_its_release_a_whole_run(page):
@@ -124,6 +87,153 @@ def test_nothing_is_cut_off_or_too_small(page, width, scheme):
     assert page.ask(f"Math.min(...{sizes})") >= 9
     dark = "parseInt(/\\d+/.exec(getComputedStyle(document.body).backgroundColor)[0]) < 60"
     assert page.ask(dark) == (scheme == "dark")
+
+
+def hover(page, part):
+    """The pointer over the symbol of a part."""
+    x, y = middle(page, f"document.querySelector('#diagram [data-part={part}]')")
+    page.mouse("mouseMoved", x, y)
+    return x, y
+
+
+def test_the_diagram_has_mean_values_curves_and_tables(page):
+    assert page.ask("document.querySelector('[data-mean=pressure_mean_inlet_Pa]').textContent") == page.ask(
+        "`mean ${(state.runs[0].result.pressure_mean_inlet_Pa / 1e5).toPrecision(4).replace(/0+$/, '')} bar`"
+    )
+    x, y = hover(page, "pump")
+    wait_for(page, "!document.getElementById('peek').hidden")
+    assert page.ask("document.querySelectorAll('#peek polyline').length") == 1
+    assert "lpm" in page.ask("document.getElementById('peek').textContent")
+    page.click(x, y)
+    shown = "[...document.querySelectorAll('.value')].filter((e) => e.checkVisibility()).map((e) => e.dataset.key)"
+    keys = page.ask(shown)
+    assert keys and all(key.startswith("pump.") for key in keys)
+    assert page.ask("document.getElementById('peek').hidden")
+    page.ask("document.querySelector('#diagram [data-part=coupling][tabindex]').focus()")
+    page.press("Enter")
+    assert page.ask("document.getElementById('filter').value") == "coupling"
+    page.ask(
+        "(() => { const f = document.getElementById('filter'); f.value = ''; f.dispatchEvent(new Event('input')); })()"
+    )
+    assert len(page.ask(shown)) == page.ask("state.rows.length")
+
+
+def test_a_draft_shows_pressures_and_no_other_number(page):
+    enter(page, f"{DUTY}.closest('.value').querySelector('[type=range]')", 0.45)
+    wait_for(page, "document.body.classList.contains('is-draft')")
+    means = (
+        "Object.fromEntries([...document.querySelectorAll('[data-mean]')].map((e) => [e.dataset.mean, e.textContent]))"
+    )
+    for key, words in page.ask(means).items():
+        assert ("bar" in words) == key.startswith("pressure"), (key, words)
+
+
+def test_a_measured_channel_lies_over_the_scope_of_its_unit(page):
+    page.ask("document.getElementById('measured').open = true")
+    wait_for(page, "document.getElementById('channel').options.length === 3")
+    page.ask("document.getElementById('lay').click()")
+    lines = "live.get('cycle-time').chart.plots.map((plot) => plot.content.lines.map((line) => line.label))"
+    wait_for(page, f"{lines}[0].length === 3")
+    assert [len(each) for each in page.ask(lines)] == [3, 4, 2]
+    last = "live.get('cycle-time').chart.plots[0].content.lines.at(-1)"
+    assert page.ask(f"[{last}.label, {last}.y[1], {last}.x[1]]") == ["p_in (measured)", pytest.approx(62.0), 0.9001]
+    enter(page, "document.querySelector('#laid input')", 0.5, "change")
+    assert page.ask(f"{last}.x[1]") == pytest.approx(0.5001)
+    enter(page, "document.getElementById('channel')", "x", "change")
+    assert page.ask("document.getElementById('unit').checkVisibility()")
+    page.ask("document.querySelector('#laid button').click()")
+    assert [len(each) for each in page.ask(lines)] == [2, 4, 2]
+
+
+def test_many_changes_leave_nothing_waiting(page):
+    """200 changes in 3 s: fewer drafts than changes, and the last figure is that of the last value."""
+    slider = f"{DUTY}.closest('.value').querySelector('[type=range]')"
+    page.ask(
+        f"""new Promise((done) => {{ let n = 0; const timer = setInterval(() => {{
+        const e = {slider}; e.value = 0.3 + 0.001 * n; e.dispatchEvent(new Event('input'));
+        if (++n === 200) {{ clearInterval(timer); e.dispatchEvent(new Event('change')); done(); }} }}, 15); }})"""
+    )
+    wait_for(page, f"{COMPLETE} && state.answered === state.asked && !document.body.classList.contains('is-draft')")
+    assert "--set operation.duty_ratio=0.499" in page.ask("document.getElementById('line').textContent")
+    assert page.ask("state.runs.at(-1).words") == "operation.duty_ratio=0.499"
+
+
+def test_a_lost_server_is_told_and_found_again(browser, tmp_path):
+    (tmp_path / "pump.toml").write_text(source_text("prototype"))
+    with serving(tmp_path / "pump.toml") as first:
+        browser.visit("about:blank")
+        browser.visit(first.url)
+        wait_for(browser, COMPLETE)
+        browser.ask(f"{DUTY}.value = '0.4'; {DUTY}.dispatchEvent(new Event('change'))")
+        wait_for(browser, f"{COMPLETE} && state.runs.length === 2")
+        first.process.kill()
+        first.process.wait()
+    wait_for(browser, "document.getElementById('state').textContent.includes('server lost')")
+    assert browser.ask("document.querySelectorAll('.live-plot canvas').length") >= 3
+    assert browser.ask("document.querySelectorAll('#listings td').length") > 10
+    with serving(tmp_path / "pump.toml", "--port", str(first.port)) as second:
+        other = browser.call("Target.createTarget", url=second.url, background=True)  # its cookie is for both
+        wait_for(browser, f"{COMPLETE} && state.answered === state.asked")
+        assert "duty_ratio=0.4" in browser.ask("document.getElementById('line').textContent")
+        assert browser.ask("state.runs.length") == 2
+        browser.call("Target.closeTarget", targetId=other["targetId"])
+    assert not browser.named("Runtime.exceptionThrown")
+    browser.visit("about:blank")
+
+
+TEACH = "document.getElementById('teach')"
+
+
+def test_the_teach_view_shows_an_instant_of_the_period(page):
+    page.ask("document.getElementById('open-teach').click()")
+    wait_for(page, f"{TEACH}.open && document.getElementById('play').textContent === 'Pause'")
+    before = page.ask("teach.clock.share")
+    wait_for(page, f"teach.clock.share !== {before}")
+    page.ask("document.getElementById('play').click()")
+    seen = []
+    for place in (0.0, 0.45, 0.6):
+        enter(page, "document.getElementById('instant')", place)
+        words = page.ask("[...document.querySelectorAll('.port title')].map((e) => e.textContent).join()")
+        holes = page.ask("[...document.querySelectorAll('.port-hole')].map((e) => +e.getAttribute('r'))")
+        inlet = page.ask("document.querySelector('#teach-diagram [data-node=inlet]').style.color")
+        said = page.ask("document.getElementById('teach-pressures').textContent")
+        pressure = float(re.search(r"inlet ([\d.]+) bar", said)[1])
+        exact = page.ask("valueAt(teach.course.times, teach.course.nodes.inlet, teach.clock.time)")
+        assert pressure == pytest.approx(exact, abs=0.06)
+        seen.append((words, tuple(holes), inlet))
+    assert len({each[2] for each in seen}) > 1 and len({each[1] for each in seen}) > 1
+    assert seen[0][0].startswith("valve, load: 100 % open,valve, tank: 0 % open")
+    assert page.ask("document.querySelectorAll('#teach-values input').length") == 4
+    page.call("Input.dispatchKeyEvent", type="rawKeyDown", key="Escape", code="Escape", windowsVirtualKeyCode=27)
+    wait_for(page, f"!{TEACH}.open && !teach.clock.isRunning")
+
+
+def test_a_slider_of_the_teach_view_moves_the_value(page):
+    page.ask("document.getElementById('open-teach').click()")
+    before = page.ask("[...teach.course.nodes.inlet].join()")
+    page.ask("document.querySelector('#teach-values input').focus()")
+    page.press("ArrowRight")
+    wait_for(page, f"{COMPLETE} && state.runs.length === 2")
+    assert page.ask("[...teach.course.nodes.inlet].join()") != before
+    assert float(page.ask(f"{DUTY}.value")) > 0.5
+    page.ask("document.getElementById('close-teach').click()")
+
+
+def test_with_less_motion_nothing_moves_by_itself(page):
+    page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-reduced-motion", "value": "reduce"}])
+    page.ask("document.getElementById('open-teach').click()")
+    assert page.ask("document.getElementById('play').textContent") == "Play"
+    assert page.ask("[...document.querySelectorAll('.flow-marks')].every((e) => e.style.display === 'none')")
+    share = page.ask("teach.clock.share")
+    time.sleep(0.3)
+    assert page.ask("teach.clock.share") == share
+    page.ask("document.getElementById('play').click()")
+    places = set()
+    for _ in range(40):
+        places.add(round(12 * page.ask("teach.clock.share"), 6))
+        time.sleep(0.03)
+    assert len(places) > 2 and all(place == int(place) for place in places)
+    page.ask("document.getElementById('close-teach').click()")
 
 
 def test_a_column_folds(page):

@@ -1,11 +1,15 @@
 """What the server answers, and to whom."""
 
+import contextlib
 import json
+import re
+import secrets
 import shlex
 import struct
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
@@ -82,6 +86,10 @@ def test_python_is_not_run_from_the_page(server):
     assert not (server.folder / "was_run").exists()
 
 
+def test_the_first_page_is_small(server):
+    assert sum(len(server.ask("GET", path)[1]) for path in ("/", "/workbench.js", "/workbench.css")) < 200_000
+
+
 def test_systems_are_listed(server):
     found = server.ask("GET", "/api/systems")[1]
     names = {each["name"]: each["title"] for each in found["systems"]}
@@ -145,6 +153,110 @@ def test_a_change_on_the_disk_is_not_overwritten(server):
     assert status == 422 and "changed on the disk" in found["faults"][0]["message"]
     assert (server.folder / "pump.toml").read_text() == changed
     assert server.ask("POST", "/api/save", {"system": "prototype", "text": text, "before": text})[0] == 422
+
+
+def columns_of(packet, head, *names):
+    """Columns of a packet by their places."""
+    (size,) = struct.unpack_from("<Q", packet)
+    found = []
+    for place in names:
+        at, count, width = head["columns"][place]
+        found.append(np.frombuffer(packet, "<f8" if width == 8 else "<f4", count, 8 + size + at))
+    return found
+
+
+def channel_of(server, **asked):
+    status, content, _ = server.ask("POST", "/api/channel", asked)
+    assert status == 200, content
+    head = described(content)
+    return head["channel"], columns_of(content, head, head["channel"]["x"], head["channel"]["y"])
+
+
+def test_measured_channels_come_in_the_units_of_the_scopes(server):
+    assert server.ask("GET", "/api/systems")[1]["logs"] == ["rig.csv", "rig.tdms"]
+    known = server.ask("POST", "/api/log", {"log": "rig.csv"})[1]["channels"]
+    assert known == [{"name": "p_in", "unit": "bar"}, {"name": "q", "unit": "L/min"}, {"name": "x", "unit": ""}]
+    of_pressure, (times, values) = channel_of(server, log="rig.csv", channel="p_in")
+    assert of_pressure["unit"] == "bar"
+    assert times[:2] == pytest.approx([0.9, 0.9001]) and values[:3] == pytest.approx([60.0, 62.0, 64.0])
+    of_flow, (_, values) = channel_of(server, log="rig.csv", channel="q")
+    assert of_flow["unit"] == "lpm" and values[10] == pytest.approx(21.0)
+    _, (times, values) = channel_of(server, log="rig.tdms", channel="inlet")  # 6.1 MPa is 61 bar; 1 kHz
+    assert values[1] == pytest.approx(61.0) and times[1] - times[0] == pytest.approx(1e-3)
+    _, (_, values) = channel_of(server, log="rig.csv", channel="x", unit="bara")
+    assert values[2] == pytest.approx(2.0 - 1.01325)
+
+
+@pytest.mark.parametrize(
+    ("asked", "words"),
+    [
+        ({"log": "rig.csv", "channel": "x"}, "has no unit"),
+        ({"log": "rig.csv", "channel": "x", "unit": "kg"}, "no scope shows"),
+        ({"log": "rig.csv", "channel": "nonsense"}, "no channel"),
+        ({"log": "rig.csv", "channel": "q", "unit": "bar"}, "as the file says"),
+        ({"log": "secret.csv"}, "is no log"),
+        ({"log": "../rig.csv"}, "is no log"),
+        ({"log": 3}, "is no log"),
+    ],
+)
+def test_logs_that_cannot_be_laid_over(server, asked, words):
+    status, found, _ = server.ask("POST", "/api/channel", asked)
+    assert status == 422 and words in found["faults"][0]["message"]
+
+
+def answers(page, kind):
+    """The packets of a page up to the first of a kind."""
+    while True:
+        packet = page.recv(timeout=120)
+        yield packet
+        if described(packet)["kind"] in (kind, "faults"):
+            return
+
+
+def test_a_draft_has_only_what_is_on_view(server):
+    asked = {"n": 1, "kind": "draft", "system": "prototype", "set": []}
+    with socket_of(server) as page:
+        sizes = {}
+        for charts in (None, ["cycle-time", "spectrum"], ["cycle-time"], []):
+            page.send(json.dumps({**asked, "charts": charts}))
+            *_, packet = answers(page, "draft")
+            names = [each["name"] for each in described(packet).get("charts", [])]
+            assert charts is None or names == charts
+            sizes[str(charts)] = len(packet)
+        assert sizes["[]"] < 5000 < sizes["['cycle-time']"] < sizes["['cycle-time', 'spectrum']"] < sizes["None"]
+        page.send(json.dumps({**asked, "charts": [], "moves": True}))
+        *_, packet = answers(page, "draft")
+        assert {"times", "nodes", "flows", "openings"} <= described(packet)["course"].keys()
+
+
+def test_compiling_says_how_long_it_takes(server):
+    name = f"node{secrets.token_hex(4)}"  # a circuit that no cache knows
+    text = re.sub(r"\bnode\b", name, source_text("buck-converter"))
+    with socket_of(server) as page:
+        page.send(json.dumps({"n": 1, "kind": "whole", "system": "buck-converter", "text": text, "until": "0.05 s"}))
+        found = [described(packet) for packet in answers(page, "numbers")]
+    assert [each["kind"] for each in found] == ["words", "figures", "numbers"]
+    assert re.fullmatch(r"compiling .* about \d+ s", found[0]["words"])
+
+
+def test_four_pages_have_values_of_their_own(server):
+    with contextlib.ExitStack() as open_pages:
+        pages = [open_pages.enter_context(socket_of(server)) for _ in range(4)]
+        for n, page in enumerate(pages):
+            asked = {"kind": "draft", "system": "prototype", "set": [f"operation.duty_ratio=0.{3 + n}"]}
+            page.send(json.dumps({"n": 0, **asked}))
+            page.send(json.dumps({"n": 1, **asked, "kind": "whole", "until": "0.2 s"}))
+        flows = []
+        for n, page in enumerate(pages):
+            *_, last = answers(page, "numbers")
+            assert f"duty_ratio=0.{3 + n} " in described(last)["line"]
+            flows.append(described(last)["result"]["load_flow_fraction"])
+        pages[0].send(json.dumps({"n": 2, "kind": "whole", "system": "prototype", "set": [], "until": "9 s"}))
+    assert flows == sorted(flows) and len(set(flows)) == 4
+    with socket_of(server) as page:  # closed while it ran; the server goes on
+        page.send(json.dumps({"n": 1, "kind": "draw", "system": "prototype", "set": []}))
+        *_, last = answers(page, "drawing")
+        assert described(last)["kind"] == "drawing"
 
 
 def test_the_last_of_many_requests_wins(server):

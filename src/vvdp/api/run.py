@@ -11,6 +11,7 @@ from vvdp.base.display import key_suffix
 from vvdp.base.errors import RunError
 from vvdp.base.extras import require
 from vvdp.base.files import result_directory
+from vvdp.results.chart import Chart
 from vvdp.results.result import Result
 from vvdp.runs.findings import badges
 from vvdp.runs.result import run_result
@@ -134,12 +135,22 @@ class Run(RecordedRun):
         return "\n".join((words, *(f"warning: {each}" for each in self.warnings)))
 
     def _repr_html_(self) -> str:
+        from vvdp.report.notebook import Step, live_frame
         from vvdp.report.result_page import listing_html
 
         state = " · ".join(escape(badge.words) for badge in badges(self))
+        chart = chart_on_view(self)
+        frame = live_frame([Step("", chart, self.result.tables)]) if chart else ""
         listings = "".join(map(listing_html, screen_listings(self)))
         told = "".join(f"<p>warning: {escape(each)}</p>" for each in self.warnings)
-        return f"<b>{escape(self.system.title)}</b><p>{state}</p>{told}{listings}"
+        return f"<b>{escape(self.system.title)}</b><p>{state}</p>{told}{frame}{listings}"
+
+
+def chart_on_view(run: Run) -> Chart | None:
+    """The first chart of a run that can be live; None where it has none."""
+    from vvdp.report.interactive import is_live
+
+    return next(filter(is_live, run.result.charts.values()), None)
 
 
 def open_directory(directory: str | Path, *, trust: str = "") -> Run | Result:

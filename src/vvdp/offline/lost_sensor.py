@@ -143,10 +143,10 @@ def _silence(time: Array, angle: Array, piece: Array, i: int, pitch: float, hard
         turns=0.0,
         until=np.inf,
     )
-    later = slice(i + 1, i + 2 + RENUMBERED)
-    ahead = found.angle + found.travel + after * (time[later] - end) - angle[later]
+    behind = slice(i + 1, i + 2 + RENUMBERED)
+    ahead = found.angle + found.travel + after * (time[behind] - end) - angle[behind]
     turns = np.round(ahead / TURN) if found.is_lost else np.zeros(1)
-    right = np.flatnonzero((turns == 0.0) & (piece[later] == found.piece)) if turns[0] else ()
+    right = np.flatnonzero((turns == 0.0) & (piece[behind] == found.piece)) if turns[0] else np.zeros(0, int)
     return found._replace(turns=float(turns[0]), until=float(time[i + 1 + right[0]]) if len(right) else np.inf)
 
 

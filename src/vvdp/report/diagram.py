@@ -1,6 +1,6 @@
 """The diagram of a circuit, laid out from its graph: pumps below, loads above, nodes as lines between them."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from html import escape
 from types import MappingProxyType
 
@@ -28,18 +28,23 @@ COLUMN = 60.0
 FONTS = "Helvetica Neue, Arial, Liberation Sans, DejaVu Sans, sans-serif"
 
 
-def diagram(graph: Graph, values: Mapping[str, Lines] = NO_VALUES) -> str:
-    """The circuit diagram of a graph as one SVG element; `values` are further lines of text by name of the part."""
+def diagram(graph: Graph, values: Mapping[str, Lines] = NO_VALUES, *, named: bool = False) -> str:
+    """The circuit diagram of a graph as one SVG element; `values` are further lines of text by name of the part.
+
+    If `named`, scripts find what belongs to a part: a group around each symbol and label has `data-part`, around each
+    line `data-node`, and around the line of a port `data-owner` and `data-port` as well.
+    """
     made = laid_out(graph, values)
     width = max(LEAST_WIDTH, made.width)
     left = -0.5 * (width - made.width)
     title = escape(graph.title)
+    parts = _parts(made, _anchors(graph), _in_group if named else _plain)
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{left:.1f} 0 {width:.1f} {made.height:.1f}" role="img" '
         f'aria-label="{escape(graph.title, quote=True)}" font-family="{FONTS}" font-size="{SIZE:g}">\n'
         f"<title>{title}</title>\n"
         f'<g fill="none" stroke="{draw.INK}" stroke-width="1.7" stroke-linecap="round" stroke-linejoin="round">\n'
-        + "\n".join([*_parts(made, _anchors(graph)), *(_signal(*line) for line in signal_lines(graph, made))])
+        + "\n".join([*parts, *(_signal(*line) for line in signal_lines(graph, made))])
         + "\n</g>\n</svg>\n"
     )
 
@@ -96,20 +101,30 @@ def _anchors(graph: Graph) -> dict[str, str]:
     return {component.name: component.opens for component in graph.components if component.opens}
 
 
-def _parts(made: Plan, anchors: Mapping[str, str]) -> Iterator[str]:
+def _plain(svg: str, **names: str) -> str:
+    return svg
+
+
+def _in_group(svg: str, **names: str) -> str:
+    """A drawing in a group that has names as attributes; nothing where nothing is drawn."""
+    attributes = "".join(f' data-{key}="{escape(name, quote=True)}"' for key, name in names.items())
+    return f"<g{attributes}>{svg}</g>" if svg else ""
+
+
+def _parts(made: Plan, anchors: Mapping[str, str], mark: Callable[..., str]) -> Iterator[str]:
     for link in made.links:
         yield _double(link)
     for wire in made.wires:
-        yield from _wire(wire)
+        yield mark("\n".join(_wire(wire)), node=wire.node, owner=wire.owner, port=wire.port)
     for rail in made.rails:
-        yield _rail(rail)
+        yield mark(_rail(rail), node=rail.node)
     for piece in made.pieces:
         symbol = piece.symbol.draw_at(*piece.at, escape(piece.label.lines[0]))
         opens = anchors.get(piece.name)
-        yield f'<a href="#{escape(opens, quote=True)}">{symbol}</a>' if opens else symbol
-        yield _label(piece.label)
-    for label in made.names.values():
-        yield _label(label)
+        yield mark(f'<a href="#{escape(opens, quote=True)}">{symbol}</a>' if opens else symbol, part=piece.name)
+        yield mark(_label(piece.label), part=piece.name)
+    for node, label in made.names.items():
+        yield mark(_label(label), part=node)
 
 
 def _wire(wire: Wire) -> Iterator[str]:

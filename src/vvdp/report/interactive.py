@@ -89,7 +89,11 @@ def is_live(chart: Chart) -> bool:
 def interactive_data(charts: Iterable[Chart], tables: Mapping[str, Table]) -> str:
     """The data of live charts as JSON that can stand in a page; the same charts give the same text."""
     columns = Columns()
-    described = [described_chart(chart, tables, columns) for chart in charts]
+    return page_text([described_chart(chart, tables, columns) for chart in charts], columns)
+
+
+def page_text(described: list[dict[str, Any]], columns: "Columns") -> str:
+    """Described charts with their columns as JSON that can stand in a page."""
     packed = base64.b64encode(zlib.compress(bytes(columns.content), 6)).decode()
     page = {"charts": described, "columns": columns.described, "bytes": packed}
     return json.dumps(page, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")

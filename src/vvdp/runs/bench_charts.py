@@ -15,6 +15,8 @@ from vvdp.systems.spool_estimate import SETTLED, UNITS, of_what
 
 CYCLE, SPECTRUM = "cycle", "amplitudes"
 """Names of the tables beside that of the series."""
+CYCLE_CHART, SPECTRUM_CHART = "cycle-angle", "spectrum"
+"""Names of the charts that they are for."""
 SHOWN = 0.99
 """Share of the errors and of their bands to which the scale of their figure is fitted."""
 
@@ -32,7 +34,7 @@ def bench_charts(run: RecordedRun, bench: RotaryBench, series: Table, more: dict
             "repeats itself. Load and tank port are open in turn."
         )
         panels = cycle_panels("angle_rad")
-        yield Chart(name="cycle-angle", caption=caption, table=CYCLE, panels=panels, height=4.45)
+        yield Chart(name=CYCLE_CHART, caption=caption, table=CYCLE, panels=panels, height=4.45)
     yield _whole(run)
     yield _speed(run, bench)
     if bench.is_watched:
@@ -164,4 +166,4 @@ def _spectrum(table: Table) -> Chart:
     line = Line(x="frequency_Hz", y="amplitude_Pa", stroke=Stroke.STEMS, colour=Colour.LOAD, width=1.4)
     multiples = upright(base * k for k in range(1, round(float(table["order"][-1])) + 1))
     panel = Lines(lines=(line,), levels=multiples, low=0.0, left=0.0)
-    return Chart(name="spectrum", caption=caption, table=SPECTRUM, panels=(panel,), height=2.4)
+    return Chart(name=SPECTRUM_CHART, caption=caption, table=SPECTRUM, panels=(panel,), height=2.4)

@@ -1,5 +1,7 @@
 """The result of a run: what its page, its screen and a comparison show."""
 
+from collections.abc import Collection
+
 from vvdp.results.chart import Chart
 from vvdp.results.result import Finding, Grade, Listing, Result, Section, Table, sentences
 from vvdp.runs.bench import (
@@ -14,7 +16,7 @@ from vvdp.runs.bench import (
     loss_table_columns,
     spectrum_table,
 )
-from vvdp.runs.bench_charts import CYCLE, SPECTRUM, bench_charts
+from vvdp.runs.bench_charts import CYCLE, CYCLE_CHART, SPECTRUM, SPECTRUM_CHART, bench_charts
 from vvdp.runs.charts import SERIES, loss_chart, run_charts, with_faults
 from vvdp.runs.findings import badges, bench_in_words, bench_warnings, in_words, warnings
 from vvdp.runs.ranges import kept_ranges
@@ -61,18 +63,22 @@ def run_result(run: RecordedRun) -> Result:
     return result if ranges is None else result_with_ranges(result, ranges, quantities(run.system), "Computation")
 
 
-def course(run: RecordedRun) -> tuple[list[Chart], dict[str, Table]]:
-    """The charts of the course of a run, without losses and findings, and the tables that they show."""
+def course(run: RecordedRun, shown: Collection[str] | None = None) -> tuple[list[Chart], dict[str, Table]]:
+    """The charts of the course of a run, without losses and findings, and the tables that they show.
+
+    Of charts whose names are not among `shown`, nothing is worked out.
+    """
     extras, bench = run.system.extras, _bench(run)
     tables = {SERIES: recorded_series(run)}
     if bench is not None:
-        tables |= _bench_tables(run, bench, tables[SERIES])
+        tables |= _bench_tables(run, bench, tables[SERIES], shown)
     charts = list(run_charts(run, tables[SERIES])) if bench is None else []
     if bench is not None and run.times.size > 1:
         charts = list(bench_charts(run, bench, tables[SERIES], tables))
     for place, (chart, table) in enumerate(() if extras is None else extras.charts(run.record)):
         tables[chart.table or f"own-{place}"] = table
         charts.append(chart)
+    charts = [chart for chart in charts if shown is None or chart.name in shown]
     return [with_faults(chart, run.system.faults) for chart in charts], tables
 
 
@@ -115,8 +121,11 @@ def _findings(run: RecordedRun, bench: RotaryBench | None) -> tuple[Finding, ...
     return (*found, *bench_warnings(run, bench), *limits, *good, Finding(text=bench_in_words(run)))
 
 
-def _bench_tables(run: RecordedRun, bench: RotaryBench, series: Table) -> dict[str, Table]:
-    cycle, spectrum = cycle_table(run, bench, series), spectrum_table(run, series, bench)
+def _bench_tables(
+    run: RecordedRun, bench: RotaryBench, series: Table, shown: Collection[str] | None
+) -> dict[str, Table]:
+    cycle = cycle_table(run, bench, series) if shown is None or CYCLE_CHART in shown else None
+    spectrum = spectrum_table(run, series, bench) if shown is None or SPECTRUM_CHART in shown else None
     return {name: each for name, each in ((CYCLE, cycle), (SPECTRUM, spectrum)) if each is not None}
 
 

@@ -7,12 +7,14 @@ from typing import Any
 from vvdp.base.errors import ConfigError, Fault, unusable
 from vvdp.base.files import write_whole
 from vvdp.base.tables import LARGEST_FILE, Table, parsed_table, with_settings
+from vvdp.logs.source import FORMATS
 from vvdp.systems.circuits import circuit_names
 from vvdp.systems.options import lasting, without_other_position
 from vvdp.systems.own_programs import own_code
 from vvdp.systems.system import System, built_system, shipped_systems
 
 MOST_FILES = 200
+LARGEST_LOG = 200_000_000
 SUFFIX = ".toml"
 
 
@@ -50,6 +52,17 @@ class Offer:
         if Path(name).name != name or not name.endswith(SUFFIX) or "\\" in name or not _is_plain(place):
             raise unusable(name, f"is no system file of {self.folder} (links and files above 1 MB are not opened)")
         return place
+
+    def logs(self) -> list[str]:
+        """The measured logs of the folder."""
+        found = (path for path in self.folder.iterdir() if path.suffix.lower() in FORMATS)
+        return sorted(path.name for path in found if _is_plain(path, LARGEST_LOG))[:MOST_FILES]
+
+    def log(self, name: str) -> Path:
+        """The file of a log. Raises ConfigError for any other name."""
+        if name not in self.logs():
+            raise unusable(name, f"is no log of {self.folder} (links and files above 200 MB are not opened)")
+        return self.folder / name
 
     def text(self, name: str) -> str:
         """The text of a system. Raises ConfigError where it cannot be read."""
@@ -107,9 +120,9 @@ def offer_at(path: Path) -> Offer:
     return Offer(offer.folder, offer.first, code if isinstance(code, str) else "")
 
 
-def _is_plain(path: Path) -> bool:
-    """Whether this is a file, no link, of a size that a system file may have."""
-    return path.is_file() and not path.is_symlink() and path.stat().st_size <= LARGEST_FILE
+def _is_plain(path: Path, most: int = LARGEST_FILE) -> bool:
+    """Whether this is a file, no link, of at most so many bytes."""
+    return path.is_file() and not path.is_symlink() and path.stat().st_size <= most
 
 
 def _title(text: str, name: str) -> str:

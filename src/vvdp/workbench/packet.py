@@ -6,12 +6,12 @@
 import json
 import struct
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.report.interactive import described_chart, is_live
+from vvdp.report.interactive import Placed, described_chart, is_live
 from vvdp.results.chart import Chart
 from vvdp.results.result import Table
 from vvdp.results.store import finite
@@ -39,11 +39,26 @@ class RawColumns:
         return self._known[key]
 
 
-def packet(head: Mapping[str, Any], charts: Iterable[Chart] = (), tables: Mapping[str, Table] | None = None) -> bytes:
-    """A description with the charts among `charts` that can be live."""
+class Describing(Protocol):
+    """What describes itself, with its numbers among the columns."""
+
+    def describe(self, columns: Placed) -> dict[str, Any]:
+        """The description."""
+
+
+def packet(
+    head: Mapping[str, Any],
+    charts: Iterable[Chart] = (),
+    tables: Mapping[str, Table] | None = None,
+    **more: Describing | None,
+) -> bytes:
+    """A description with the charts among `charts` that can be live, and with `more` under its names."""
     columns = RawColumns()
     shown = [described_chart(chart, tables or {}, columns) for chart in charts if is_live(chart)]
-    whole = {**head, "charts": shown, "columns": columns.described} if shown else head
+    whole = {**head, **{name: each.describe(columns) for name, each in more.items() if each is not None}}
+    if shown:
+        whole["charts"] = shown
+    whole["columns"] = columns.described
     text = json.dumps(finite(whole), allow_nan=False).encode()
     text += b" " * (-len(text) % 8)
     return struct.pack("<Q", len(text)) + text + bytes(columns.content)

@@ -10,7 +10,7 @@ import uvicorn
 from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
-from starlette.routing import Route, WebSocketRoute
+from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
 from vvdp.base.errors import ConfigError, Fault, VvdpError
@@ -18,11 +18,16 @@ from vvdp.report.interactive import SCRIPTS, STYLES, asset
 from vvdp.results.store import finite
 from vvdp.runs.simulate import json_summary, run_system
 from vvdp.workbench.guard import Guard, Guarded
+from vvdp.workbench.measured import channels, measured_channel
 from vvdp.workbench.offer import Offer
+from vvdp.workbench.packet import packet
+from vvdp.workbench.palette import palette
 from vvdp.workbench.tab import LONGEST_MESSAGE, Tab, asked_by
 from vvdp.workbench.work import faults_of, text_drawing
 
 HOST = "127.0.0.1"
+OWN_SCRIPTS = ("motion.js", "schematic.js", "teach.js", "measured.js", "build.js", "workbench.js")
+"""In the order in which they are needed; the last one begins."""
 
 
 def own_asset(name: str) -> str:
@@ -32,10 +37,10 @@ def own_asset(name: str) -> str:
 
 def _page() -> dict[str, tuple[str, str]]:
     """Path, text and type of the three files that make the page."""
-    charts = "".join(f"{asset(name)}\n" for name in SCRIPTS)
+    scripts = "".join(f"{text}\n" for text in (*map(asset, SCRIPTS), *map(own_asset, OWN_SCRIPTS)))
     return {
         "/": (own_asset("page.html"), "text/html"),
-        "/workbench.js": (charts + own_asset("workbench.js"), "text/javascript"),
+        "/workbench.js": (scripts, "text/javascript"),
         "/workbench.css": ("".join(map(asset, STYLES)) + own_asset("workbench.css"), "text/css"),
     }
 
@@ -52,7 +57,10 @@ def application(offer: Offer, guard: Guard) -> Guarded:
     async def systems(request: Request) -> Response:
         found = await asyncio.to_thread(offer.names)
         listed = [{"name": name, "title": title} for name, title in found.items()]
-        return JSONResponse({"systems": listed, "first": offer.first})
+        return JSONResponse({"systems": listed, "first": offer.first, "logs": offer.logs()})
+
+    async def parts(request: Request) -> Response:
+        return JSONResponse({"types": await asyncio.to_thread(palette)})
 
     def text(message: Any) -> dict[str, Any]:
         name = asked_by(message).system
@@ -69,13 +77,22 @@ def application(offer: Offer, guard: Guard) -> Guarded:
     def draw(message: Any) -> dict[str, Any]:
         return {"svg": text_drawing(offer, asked_by({"system": offer.first, **message}))["svg"]}
 
+    def log(message: Any) -> dict[str, Any]:
+        return channels(offer.log(_word(message, "log")))
+
+    def channel(message: Any) -> bytes:
+        path, name = offer.log(_word(message, "log")), _word(message, "channel")
+        return packet({"kind": "channel"}, channel=measured_channel(path, name, _word(message, "unit") or None))
+
     async def drafts(page: WebSocket) -> None:
         await Tab(offer).serve(page)
 
-    posts = {"/api/run": run, "/api/draw": draw, "/api/text": text, "/api/save": save}
-    routes = [Route(path, answer(*each)) for path, each in _page().items()]
+    posts: dict[str, Any] = {"/api/run": run, "/api/draw": draw, "/api/text": text, "/api/save": save}
+    posts |= {"/api/log": log, "/api/channel": channel}
+    routes: list[BaseRoute] = [Route(path, answer(*each)) for path, each in _page().items()]
+    routes += [Route("/api/systems", systems), Route("/api/palette", parts), WebSocketRoute("/ws", drafts)]
     routes += [Route(path, _post(act), methods=["POST"]) for path, act in posts.items()]
-    return Guarded(Starlette(routes=[*routes, Route("/api/systems", systems), WebSocketRoute("/ws", drafts)]), guard)
+    return Guarded(Starlette(routes=routes), guard)
 
 
 def _post(act: Any) -> Any:
@@ -86,13 +103,22 @@ def _post(act: Any) -> Any:
             message = json.loads(await _body(request))
             if not isinstance(message, dict):
                 raise ValueError
-            return JSONResponse(finite(await asyncio.to_thread(act, message)))
+            found = await asyncio.to_thread(act, message)
+            if isinstance(found, bytes):
+                return Response(found, media_type="application/octet-stream")
+            return JSONResponse(finite(found))
         except VvdpError as problem:
             return JSONResponse({"faults": faults_of(problem)}, 422)
         except (ValueError, RecursionError):
             return JSONResponse({"faults": faults_of(ConfigError([Fault("request", 0, "", "expected JSON")]))}, 422)
 
     return respond
+
+
+def _word(message: dict[str, Any], key: str) -> str:
+    """A text of a message; empty where it has none."""
+    found = message.get(key)
+    return found if isinstance(found, str) else ""
 
 
 async def _body(request: Request) -> bytes:

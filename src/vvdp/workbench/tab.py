@@ -2,7 +2,7 @@
 
 import asyncio
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
@@ -12,7 +12,7 @@ from vvdp.results.store import finite
 from vvdp.simulation.run import Run
 from vvdp.workbench.offer import Asked, Offer
 from vvdp.workbench.packet import packet
-from vvdp.workbench.work import draft, faults_of, text_drawing, whole
+from vvdp.workbench.work import View, draft, faults_of, text_drawing, whole
 
 LONGEST_MESSAGE = 1_200_000
 
@@ -62,11 +62,22 @@ class Tab:
             self._waiting.clear()
             self._superseded.clear()
             message = self._newest
-            answers = self._answers(message)
+            answers = self._answers(message, self._speaker(socket, message.get("n")))
             while (answer := await asyncio.to_thread(next, answers, None)) is not None:
                 await socket.send_bytes(answer)
 
-    def _answers(self, message: Mapping[str, Any]) -> Iterator[bytes]:
+    def _speaker(self, socket: WebSocket, number: Any) -> Callable[[str], None]:
+        """Sends words on the way, such as how long compiling takes, from any thread."""
+        loop = asyncio.get_running_loop()
+
+        def say(words: str) -> None:
+            asyncio.run_coroutine_threadsafe(
+                socket.send_bytes(packet({"kind": "words", "n": number, "words": words})), loop
+            )
+
+        return say
+
+    def _answers(self, message: Mapping[str, Any], say: Callable[[str], None]) -> Iterator[bytes]:
         """The packets that answer one message; each begins with its number, so that a page knows which one it was."""
         kind = message.get("kind")
         number = message.get("n")
@@ -77,9 +88,9 @@ class Tab:
                 return
             system = self._offer.system(asked)
             if kind == "draft":
-                yield self._draft(system, number)
+                yield self._draft(system, message, say)
             else:
-                yield from whole(system, asked, self._superseded.is_set, number)
+                yield from whole(system, asked, self._superseded.is_set, number, say)
         except VvdpError as problem:
             yield packet({"kind": "faults", "n": number, "faults": finite(faults_of(problem))})
         except KeyboardInterrupt:  # stopped before its first step
@@ -88,9 +99,15 @@ class Tab:
             told = VvdpError(f"a mistake of vvdp: {type(problem).__name__}: {problem}")
             yield packet({"kind": "faults", "n": number, "faults": finite(faults_of(told))})
 
-    def _draft(self, system: Any, number: Any) -> bytes:
+    def _draft(self, system: Any, message: Mapping[str, Any], say: Callable[[str], None]) -> bytes:
         """A draft that goes on from the last one, if that had the same circuit."""
         before = self._last[1] if self._last is not None and self._last[0] == system.circuit.digest else None
-        done, found = draft(system, before, lambda: False, number)
+        done, found = draft(system, before, _view(message), message.get("n"), say)
         self._last = system.circuit.digest, done
         return found
+
+
+def _view(message: Mapping[str, Any]) -> View:
+    """What the page shows."""
+    charts = message.get("charts")
+    return View(frozenset(map(str, charts)) if isinstance(charts, list) else None, message.get("moves") is True)

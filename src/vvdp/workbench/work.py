@@ -5,16 +5,13 @@ import shlex
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from vvdp.base import kinds
 from vvdp.base.errors import ConfigError, VvdpError
 from vvdp.base.kinds import Kind
 from vvdp.base.tables import Sourced
 from vvdp.base.units import in_unit
-from vvdp.report.circuit import graph_of
-from vvdp.report.diagram import diagram
-from vvdp.report.drawing import INK
 from vvdp.report.result_page import listing_html
 from vvdp.runs.result import course, run_result
 from vvdp.runs.run import RecordedRun
@@ -26,6 +23,7 @@ from vvdp.systems.summary import run_summary
 from vvdp.systems.system import System
 from vvdp.workbench.offer import Asked, Offer
 from vvdp.workbench.packet import packet
+from vvdp.workbench.schematic import course_of, drawing, mean_texts
 
 DRAFT = 0.15
 """Length of a draft, as a share of the duration of the whole run."""
@@ -44,12 +42,6 @@ def faults_of(problem: VvdpError) -> list[dict[str, Any]]:
     return [{"key": "", "line": 0, "message": str(problem)}]
 
 
-def drawing(system: System) -> str:
-    """The circuit diagram as SVG in the colour of the text around it."""
-    made = diagram(graph_of(system.circuit.network, system.title), {})
-    return made[made.index("<svg") :].replace(f'"{INK}"', '"currentColor"')
-
-
 def value_rows(system: System) -> list[dict[str, Any]]:
     """The values of a system with unit, origin and the ends of a slider."""
     return [
@@ -65,15 +57,22 @@ def value_rows(system: System) -> list[dict[str, Any]]:
     ]
 
 
-def _slider(row: Sourced) -> dict[str, Any]:
-    """Number, unit and ends of a value that a slider can set; nothing of others."""
+def slider_ends(row: Sourced) -> tuple[float, float] | None:
+    """The ends [SI] of a slider on a value: those that the file gives, or a tenth to ten times; None of no number."""
     value = row.nominal
     if not math.isfinite(value) or value == 0.0:
+        return None
+    low, high = row.range or sorted((value / SPAN, value * SPAN))
+    return max(low, row.kind.low), min(high, row.kind.high)
+
+
+def _slider(row: Sourced) -> dict[str, Any]:
+    """Number, unit and ends of a value that a slider can set; nothing of others."""
+    if (ends := slider_ends(row)) is None:
         return {}
     unit = _unit(row.kind)
-    low, high = row.range or sorted((value / SPAN, value * SPAN))
-    ends = [_in(each, row.kind, unit) for each in (max(low, row.kind.low), min(high, row.kind.high))]
-    return {"number": _in(value, row.kind, unit), "unit": unit, "low": ends[0], "high": ends[1]}
+    low, high = (_in(each, row.kind, unit) for each in ends)
+    return {"number": _in(row.nominal, row.kind, unit), "unit": unit, "low": low, "high": high}
 
 
 def _unit(kind: Kind) -> str:
@@ -96,7 +95,14 @@ def command_line(asked: Asked) -> str:
     return shlex.join(words + ([] if asked.until is None else ["--until", asked.until]))
 
 
-def draft(system: System, before: Run | None, stop: Callable[[], bool], number: Any) -> tuple[Run, bytes]:
+class View(NamedTuple):
+    """What a page shows of a draft: names of charts (None: all), and whether its diagram moves."""
+
+    charts: frozenset[str] | None = None
+    moves: bool = False
+
+
+def draft(system: System, before: Run | None, view: View, number: Any, say: Callable[[str], None]) -> tuple[Run, bytes]:
     """A short run that goes on from the last draft, and the packet of its figures."""
     length, begin = DRAFT * system.stepping.until, 0.0 if before is None else before.end
     until = begin + length
@@ -109,20 +115,26 @@ def draft(system: System, before: Run | None, stop: Callable[[], bool], number: 
         system.case,
         stepping,
         continue_from=before,
-        stop=lambda: stop() or time.perf_counter() > ends,
+        stop=lambda: time.perf_counter() > ends,
+        say=say,
     )
     run = RecordedRun(system, record_of(done), run_summary(system, done), {})
-    charts, tables = course(run)
-    return done, packet({"kind": "draft", "n": number, "rows": int(done.times.size)}, charts, tables)
+    charts, tables = course(run, view.charts)
+    head = {"kind": "draft", "n": number, "rows": int(done.times.size)}
+    head["means"] = mean_texts(system, run.summary, is_draft=True)
+    return done, packet(head, charts, tables, course=course_of(run) if view.moves else None)
 
 
-def whole(system: System, asked: Asked, stop: Callable[[], bool], number: Any) -> Iterator[bytes]:
+def whole(
+    system: System, asked: Asked, stop: Callable[[], bool], number: Any, say: Callable[[str], None]
+) -> Iterator[bytes]:
     """The packets of a whole run: figures and diagram at once, then its numbers, findings and warnings."""
-    done = simulate(system.model, system.case, system.stepping, stop=stop)
+    done = simulate(system.model, system.case, system.stepping, stop=stop, say=say)
     run = recorded_run(system, done)
     charts, tables = course(run)
     head = {"kind": "figures", "n": number, "svg": drawing(system), "title": system.title, "values": value_rows(system)}
-    yield packet({**head, "finished": done.finished, "rows": int(done.times.size)}, charts, tables)
+    head |= {"means": mean_texts(system, run.summary, is_draft=False), "finished": done.finished}
+    yield packet({**head, "rows": int(done.times.size)}, charts, tables, course=course_of(run))
     yield packet({"kind": "numbers", "n": number, "line": command_line(asked), **numbers(run)})
 
 

@@ -5,17 +5,30 @@ const live = new Map();
 const state = { system: "", text: "", saved: "", saves: false, changes: new Map(), past: [], rows: [], asked: 0, answered: 0, runs: [], shown: null, wanted: null, figures: null };
 let socket = null;
 let timer = 0;
+let counting = 0;
 
 /** Sends a request; only the newest is worked out. */
 function ask(kind, more = {}) {
   state.asked += 1;
   const text = state.text === state.saved ? {} : { text: state.text };
-  const message = { n: state.asked, kind, system: state.system, set: [...state.changes.values()], ...text, ...more };
+  const view = kind === "draft" ? { charts: [...live.keys()], moves: $("teach").open } : {};
+  const message = { n: state.asked, kind, system: state.system, set: [...state.changes.values()], ...view, ...text, ...more };
+  clearInterval(counting);
   if (kind === "whole") say("running …");
-  if (kind === "whole") setTimeout(() => { if (state.answered < message.n && state.asked === message.n) say("running or compiling; a new circuit takes a few seconds"); }, 900);
   $("stop").disabled = kind !== "whole";
   if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
   return message.n;
+}
+
+/** Words on the way; a time that is left counts down. */
+function sayWhile(words) {
+  clearInterval(counting);
+  const [, what, seconds] = /^(compiling).* about (\d+) s$/.exec(words) ?? [];
+  if (!what) { say(words); return; }
+  const ends = performance.now() + 1000 * seconds;
+  const tick = () => say(`${what}, about ${Math.max(1, Math.ceil((ends - performance.now()) / 1000))} s left`);
+  tick();
+  counting = setInterval(tick, 500);
 }
 
 function say(words) { $("state").textContent = words; }
@@ -37,11 +50,15 @@ function unpack(data) {
 }
 
 function receive(head, column) {
+  if (head.kind === "words") { if (head.n === state.asked) sayWhile(head.words); return; }
   state.answered = head.n;
   if (head.kind !== "draft" && head.n !== state.asked) return;
+  clearInterval(counting);
   showFaults(head.faults ?? []);
   if (head.faults) { document.body.classList.add("is-old"); say("not valid"); $("stop").disabled = true; return; }
   if (head.svg) showDiagram(head.svg);
+  if (head.means) showMeans(head.means);
+  if (head.course) showCourse(unpackCourse(head.course, column));
   if (head.values) showValues(head.values);
   if (head.title) document.title = `${head.title} · vvdp workbench`;
   if (head.kind === "drawing") { document.body.classList.add("is-old"); say("drawn; not yet run"); }
@@ -49,11 +66,6 @@ function receive(head, column) {
   if (head.kind === "draft") document.body.classList.add("is-draft");
   if (head.kind === "figures") { document.body.classList.remove("is-draft"); document.body.classList.add("is-old"); }
   if (head.kind === "numbers") showNumbers(head);
-}
-
-function showDiagram(svg) {
-  const parsed = new DOMParser().parseFromString(svg, "image/svg+xml").documentElement;
-  $("diagram").replaceChildren(document.importNode(parsed, true));
 }
 
 function showNumbers(head) {
@@ -69,18 +81,21 @@ function showNumbers(head) {
   keep(head);
 }
 
-/** Charts in place of those of the same form; only what is chosen is drawn. */
+/** Charts in place of those of the same form; only what is chosen is drawn, and a draft has no other. */
 function showCharts(charts, column) {
-  const names = charts.map((each) => each.name);
+  const names = state.figures?.charts.map((each) => each.name) ?? charts.map((each) => each.name);
   if (state.wanted === null || !names.some((name) => state.wanted.has(name))) state.wanted = new Set(names.slice(0, 1));
   $("chosen").replaceChildren(...names.map((name) => {
     const button = element("button", { type: "button", "aria-pressed": String(state.wanted.has(name)) }, name.replaceAll("-", " "));
-    button.addEventListener("click", () => { if (!state.wanted.delete(name)) state.wanted.add(name); showCharts(charts, column); });
+    button.addEventListener("click", () => { if (!state.wanted.delete(name)) state.wanted.add(name); redrawCharts(); });
     return button;
   }));
   for (const [name, { figure }] of live) if (!state.wanted.has(name) || !names.includes(name)) { figure.remove(); live.delete(name); }
-  for (const described of charts.filter((each) => state.wanted.has(each.name))) showChart(...withKept(described, column));
+  for (const described of charts.filter((each) => state.wanted.has(each.name))) showChart(...withOthers(described, column));
 }
+
+/** The charts of the last whole run again: what is chosen, or lies over them, has changed. */
+function redrawCharts() { if (state.figures) showCharts(state.figures.charts, state.figures.column); }
 
 function showChart(described, column) {
   const found = live.get(described.name);
@@ -95,17 +110,19 @@ function showChart(described, column) {
   live.set(described.name, { chart: new LiveChart(described, figure, column), figure });
 }
 
-/** The chart with the lines of the selected other runs, dashed, on the same axes. */
-function withKept(described, column) {
+/** The chart with the lines of the selected other runs, dashed, and measured ones, dotted, on the same axes. */
+function withOthers(described, column) {
   const others = state.runs.filter((run) => run.on && run.figures !== state.figures);
-  if (!others.length) return [described, column];
+  if (!others.length && !measured.laid.length) return [described, column];
   const stride = 100000;
+  const laid = [];
   const panels = described.panels.map((panel, i) => panel.kind !== "lines" ? panel : { ...panel, lines: [...panel.lines, ...others.flatMap((run, r) => {
     const own = run.figures.charts.find((each) => each.name === described.name)?.panels[i];
     const moved = (place) => place === undefined ? {} : place + stride * (r + 1);
     return (own?.lines ?? []).map((line) => ({ ...line, x: moved(line.x), y: moved(line.y), low: undefined, high: undefined, stroke: "--", label: `${line.label} (${run.name})` }));
-  })] });
-  return [{ ...described, panels }, (place) => (place < stride ? column(place) : others[Math.floor(place / stride) - 1].figures.column(place % stride))];
+  }), ...laidLines(panel, stride * (others.length + 1), laid)] });
+  const sources = [column, ...others.map((run) => run.figures.column), (place) => laid[place]];
+  return [{ ...described, panels }, (place) => sources[Math.floor(place / stride)](place % stride)];
 }
 
 function keep(head) {
@@ -120,7 +137,7 @@ function showRuns() {
   $("runs").replaceChildren(...state.runs.map((run) => {
     const box = element("input", { type: "checkbox", "aria-label": `Compare ${run.name}` });
     box.checked = run.on;
-    box.addEventListener("change", () => { run.on = box.checked; showCompared(); if (state.figures) showCharts(state.figures.charts, state.figures.column); });
+    box.addEventListener("change", () => { run.on = box.checked; showCompared(); redrawCharts(); });
     return element("label", { class: "kept" }, box, element("b", {}, run.name), element("span", {}, run.words), element("small", {}, run.finished ? (run.result.trusted === false ? "not valid" : run.result.settled === false ? "not settled" : "") : "interrupted"));
   }));
   showCompared();
@@ -288,10 +305,25 @@ async function open(name) {
   Object.assign(state, { system: name, saved: found.text, saves: found.saves, changes: new Map(), past: [], wanted: null });
   for (const { figure } of live.values()) figure.remove();
   live.clear();
+  schematic.course = null;
+  $("joints").hidden = true;
+  $("filter").value = "";
   setText(found.text);
   $("values").dataset.form = "";
   markChanged();
   ask("whole");
+}
+
+/** Shows the values of the part of that name, or, where there is none, those in whose keys all words stand. */
+function filterValues() {
+  const wanted = $("filter").value.trim();
+  const rows = [...document.querySelectorAll(".value")];
+  const ofPart = rows.filter((row) => new RegExp(`(^|\\.)${RegExp.escape?.(wanted) ?? wanted.replace(/[^\w-]/g, "\\$&")}\\.[^.]*$`).test(row.dataset.key));
+  const words = wanted.toLowerCase().replaceAll("_", " ").split(/\s+/);
+  const found = new Set(wanted && ofPart.length ? ofPart : rows.filter((row) => words.every((word) => row.dataset.key.toLowerCase().replaceAll("_", " ").includes(word))));
+  for (const row of rows) row.style.display = found.has(row) ? "" : "none";
+  for (const group of document.querySelectorAll(".group")) group.style.display = [...found].some((row) => row.dataset.key.startsWith(`${group.textContent}.`)) ? "" : "none";
+  $("filtered").hidden = found.size > 0;
 }
 
 function show(which) {
@@ -310,11 +342,10 @@ function listen() {
   $("tab-text").addEventListener("click", () => show("text"));
   $("text").addEventListener("input", () => { state.text = $("text").value; numberLines(); markChanged(); clearTimeout(timer); ask("draw"); });
   $("text").addEventListener("scroll", () => { $("numbers-of-lines").scrollTop = $("text").scrollTop; });
-  $("filter").addEventListener("input", () => {
-    const words = $("filter").value.toLowerCase().split(/\s+/);
-    for (const row of document.querySelectorAll(".value")) row.hidden = !words.every((word) => row.dataset.key.replaceAll("_", " ").includes(word));
-    for (const row of document.querySelectorAll(".value")) row.style.display = row.hidden ? "none" : "";
-  });
+  $("filter").addEventListener("input", filterValues);
+  listenMeasured();
+  listenTeach();
+  listenBuild();
   $("system").addEventListener("change", () => open($("system").value));
   $("run").addEventListener("click", () => ask("whole"));
   $("stop").addEventListener("click", () => socket.send(JSON.stringify({ kind: "stop" })));
@@ -325,15 +356,16 @@ function listen() {
   addEventListener("keydown", (event) => {
     const act = { Enter: () => ask("whole"), s: save, z: event.target === $("text") ? null : undo }[event.key];
     if ((event.ctrlKey || event.metaKey) && act) { event.preventDefault(); act(); }
-    else if (event.key === "Escape" && !$("stop").disabled) $("stop").click();
+    else if (event.key === "Escape") { hidePeek(); if (!$("stop").disabled && !$("teach").open) $("stop").click(); }
   });
 }
 
 async function start() {
   listen();
-  const { systems, first } = await (await fetch("/api/systems")).json();
+  const { systems, first, logs } = await (await fetch("/api/systems")).json();
   $("system").append(...systems.map(({ name, title }) => element("option", { value: name }, title === name ? name : `${name} · ${title}`)));
   $("system").value = first;
+  showLogs(logs);
   await open(first);
   connect();
 }
