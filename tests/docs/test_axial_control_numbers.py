@@ -15,12 +15,14 @@ from tests.systems.axial_texts import (
     backstepping_text,
     change,
     rename,
+    rows_from,
     run_of,
     sample_text,
     tracking,
     trapezoid_text,
 )
 from tests.systems.test_duty_control import SHIPPED, driven_text, errors, found_in, load_pressures
+from tests.systems.test_duty_control import SINE as SINE_DUTY
 from tests.systems.test_published_loop import aerated, sine_text
 
 from vvdp.systems.system import shipped_systems
@@ -31,7 +33,15 @@ MODELS = Path(__file__).parents[2] / "docs" / "models"
 TEXT = (MODELS / "axial-control.md").read_text("utf-8")
 PAGE = " ".join(TEXT.split())
 TRAPEZOID = trapezoid_text()
+SHORT = trapezoid_text(pause=0.15)
 SINE = sine_text(TRAPEZOID)
+
+
+def printed(text):
+    """The same with the published feedforward."""
+    return rename(text, "passivity", "printed_passivity")
+
+
 RIGHT = MILD | {"pressure_weight": "5e-13 m^3/Pa"}
 CASES = {
     "passivity law": TRAPEZOID,
@@ -40,10 +50,14 @@ CASES = {
     "and $\\lambda_2$ = 5e-13 m^3/Pa": backstepping_text(TRAPEZOID, RIGHT),
     "30 % of air, 10 % believed, 20 N s/m unknown: passive": aerated(TRAPEZOID),
     "the same: backstepping": aerated(backstepping_text(TRAPEZOID, TABLE)),
+    "passive with the published feedforward, pauses of 0.15 s": aerated(printed(SHORT)),
+    "backstepping, pauses of 0.15 s": aerated(backstepping_text(SHORT, TABLE)),
     "sampled every 0.2 ms": sample_text(TRAPEZOID, 0.2),
     "every 2 ms": sample_text(TRAPEZOID, 2.0),
     "every 3 ms": sample_text(TRAPEZOID, 3.0),
     "every 4 ms": sample_text(TRAPEZOID, 4.0),
+    "published feedforward, every 3 ms": sample_text(printed(TRAPEZOID), 3.0),
+    "published feedforward, every 4 ms": sample_text(printed(TRAPEZOID), 4.0),
 }
 SINES = {
     "sine of 1.5 mm, 5 Hz, velocity low-passed at 1 Hz: passive": SINE,
@@ -60,6 +74,19 @@ def row_of(name: str) -> list[float]:
 def test_figures_of_chapter_5(name):
     found = tracking(CASES[name]) if name in CASES else tracking(SINES[name], 1.0)
     assert row_of(name)[1] == pytest.approx(found, rel=0.01)
+
+
+def test_causes_on_the_page():
+    """Of what differs from the specified figures: the trapezoid's period and the feedforward; no valve at its end."""
+    short, long = (tracking(aerated(printed(text))) for text in (SHORT, TRAPEZOID))
+    assert long / short == pytest.approx(np.sqrt(0.4 / 0.5), abs=1e-3)
+    assert "= 0.894 times as large" in PAGE
+    exact = [tracking(aerated(text)) / tracking(aerated(printed(text))) for text in (SHORT, TRAPEZOID)]
+    assert [f"{ratio:.3f}" for ratio in exact] == ["1.058", "1.058"] and "has 1.058 times the error" in PAGE
+    for name in ("published feedforward, every 3 ms", "published feedforward, every 4 ms"):
+        specified, found = row_of(name)
+        assert abs(found / specified - 1.0) < 0.055
+    assert np.max(np.abs(rows_from(sample_text(TRAPEZOID, 3.0), 0.6).shown.drive)) < 0.999
 
 
 def test_every_row_is_worked_out():
@@ -93,7 +120,8 @@ def test_published_feedforward_on_the_page():
 
 def test_storage_on_the_page():
     raw = found_in(change(SHIPPED, "raw_feedback", **RAW))
-    assert f"and {raw['storage_rises']:.0f} of 1175 samples with raw feedback" in PAGE
+    samples = 1e3 * (raw["duration_s"] - raw["control_begin_s"] - 1.0)
+    assert f"and {raw['storage_rises']:.0f} of {samples:.0f} samples with raw feedback" in PAGE
     assert f"by up to {1e3 * raw['storage_rise_largest_J']:.2f} mJ" in PAGE
     assert f"at a storage of {1e3 * raw['storage_largest_J']:.2f} mJ" in PAGE
 
@@ -110,6 +138,17 @@ def test_ten_seeds_on_the_page():
     printed = errors(rename(SHIPPED, "passivity", "printed_passivity"), 10)
     worse = float(re.search(r"is (\d+) % worse in the mean", PAGE)[1])
     assert 100.0 * (np.mean(printed[:, 0]) / np.mean(held[:, 0]) - 1.0) == pytest.approx(worse, abs=1.5)
+
+
+def test_changing_duty_ratio_on_the_pages():
+    found = found_in(change(change(SHIPPED, "operation", duty_ratio=SINE_DUTY), "run", until="3 s", average_from="2 s"))
+    error, stated = (1e6 * found[f"spool_estimate_{word}_rms_m"] for word in ("error", "deviation"))
+    covered = 100.0 * found["spool_estimate_coverage"]
+    assert f"is {error:.0f} um rms and its stated deviation {stated:.0f} um, {covered:.0f} % of the errors" in PAGE
+    observer = " ".join((MODELS / "axial-observer.md").read_text("utf-8").split())
+    assert f"is off by {error:.0f} um rms and states {stated:.0f} um." in observer
+    filtered = " ".join((MODELS / "event-filter.md").read_text("utf-8").split())
+    assert f"cannot turn back within {1e3 * (138.0 / 7.034) ** 2 / 2e4:.0f} ms" in filtered
 
 
 def test_witness_on_the_page():

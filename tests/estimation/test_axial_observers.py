@@ -78,16 +78,16 @@ def pollution_at(angle):
 
 def rows_of(times, optical, angle, **seen):
     """Rows for a replay; what is not named is quiet."""
-    columns = {"speed": 0.0, "angle_deviation": 0.0, "pressure": 101325.0, "flow": 0.0, "held": 0.0, "margin": 1.0}
-    columns |= {"duty_ratio": np.nan, "age": 0.0, "deviation": 0.0} | seen
-    order = ("speed", "angle_deviation", "pressure", "flow", "held", "margin", "duty_ratio", "age", "deviation")
+    columns = {"speed": 0.0, "angle_deviation": 0.0, "slip": 0.0, "pressure": 101325.0, "flow": 0.0, "held": 0.0}
+    columns |= {"margin": 1.0, "duty_ratio": np.nan, "age": 0.0, "deviation": 0.0} | seen
+    order = ("speed", "angle_deviation", "slip", "pressure", "flow", "held", "margin", "duty_ratio", "age", "deviation")
     rest = [np.broadcast_to(columns[name], np.shape(times)) for name in order]
     return np.column_stack([times, optical, angle, *rest])
 
 
 def seen_of(row):
     r = [float(value) for value in row]
-    return AxialSeen(r[0], r[1], Phase(*r[2:5]), *r[5:9], DutySight(*r[9:]))
+    return AxialSeen(r[0], r[1], Phase(*r[2:6]), *r[6:10], DutySight(*r[10:]))
 
 
 @pytest.fixture(scope="module", params=sorted(DRIVES))
@@ -160,7 +160,7 @@ def dense_run(name, settings, rows):
     whole, both = np.eye(n), expm(A * PERIOD)
     whole[:m, :m] = both[:m, :m]
     for row in rows:
-        _, y, angle, _, _, pressure, flow, held, margin = row[:9]
+        _, y, angle, _, _, _, pressure, flow, held, margin = row[:10]
         u = driving_acceleration(pressure, settings.drive) if m == 2 else flow / settings.area
         if held:
             mean[:m], P[:m], P[:, :m] = 0.0, 0.0, 0.0
@@ -378,6 +378,80 @@ def test_uncertain_angle_makes_noise_of_the_pollution(drive, observers):
         found.append(shown["innovation_deviation"][-1] ** 2.0)
     slope = (pollution_at(angle[-1] + 1e-6) - pollution_at(angle[-1] - 1e-6)) / 2e-6
     assert found[1] - found[0] == pytest.approx((deviation * slope) ** 2.0, rel=0.05)
+
+
+def step_after_learning(drive, angle_deviation, **changes):
+    """The estimate of one sample after 0.5 s of learning at 22.5 turns a second, and the noise that the angle's
+    `angle_deviation` makes of the pollution then [m^2]; `changes` of the model in that sample."""
+    step, start, settings = DRIVES[drive]
+    settings, speed = replace(settings, stop_position=0.0), 2.0 * np.pi * 22.5
+    memory = start(settings, 0.0)
+    times = np.arange(500) * PERIOD
+    seen = {"speed": speed, "angle_deviation": angle_deviation, "pressure": spring_pressure(0.0)}
+    rows = rows_of(times, pollution_at(speed * times), speed * times, held=1.0, **(seen | {"angle_deviation": 0.0}))
+    for row in rows:
+        memory, _ = step(memory, seen_of(row), settings)
+    (last,) = rows_of(np.array([0.5]), 1e-4, speed * 0.5, **seen)
+    coefficients = memory.mean[-10:]
+    if np.isnan(angle_deviation):
+        noise = 0.5 * np.sum(coefficients**2 + np.diag(covariance_of(memory.factors))[-10:])
+    else:
+        k, angle = np.arange(1, 6), speed * 0.5
+        slope = k * np.cos(k * angle) @ coefficients[1::2] - k * np.sin(k * angle) @ coefficients[::2]
+        noise = (slope * angle_deviation) ** 2
+    pollution = replace(settings.pollution, **{name: value(noise) for name, value in changes.items()})
+    return step(memory, seen_of(last), replace(settings, pollution=pollution))[1], noise
+
+
+def test_noise_of_an_uncertain_angle_lasts(drive):
+    """A turn of 44.4 samples holds ten values of the pollution, as many as it has functions: each weighs 4.44 times as
+    much as white noise of its size, which is what the innovation shows."""
+    found, noise = step_after_learning(drive, 0.05)
+    plain, _ = step_after_learning(drive, 0.0)
+    white, lasting = POLLUTION.sensor_deviation**2, 1.0 / (22.5 * PERIOD * 10.0)
+    same, _ = step_after_learning(drive, 0.0, sensor_deviation=lambda _: np.sqrt(white + lasting * noise))
+    assert found.position == pytest.approx(same.position, rel=1e-9)
+    assert found.position_deviation == pytest.approx(same.position_deviation, rel=1e-9)
+    assert found.innovation_deviation**2 - plain.innovation_deviation**2 == pytest.approx(noise, rel=1e-6)
+
+
+def test_noise_of_an_unknown_angle_lasts_for_a_turn(drive):
+    """44.4 samples say as much as one. A single measurement of the position moves it by P/S, and leaves P (1 - P/S)."""
+    found, noise = step_after_learning(drive, np.nan)
+    S = found.innovation_deviation**2 + (1.0 / (22.5 * PERIOD) - 1.0) * noise
+    gain = found.position / found.innovation
+    assert 0.0 < gain < 1e-3
+    assert found.position_deviation**2 == pytest.approx(gain * S * (1.0 - gain), rel=1e-6)
+
+
+def test_slip_turns_the_coefficients_once(drive):
+    """A jump of the angle by some number of variance s makes of a pair (a, b) of harmonic k the same pair turned.
+
+    The mean squares of what changes, by quadrature over the Gaussian jump; the position is as certain as before.
+    """
+    step, start, settings = DRIVES[drive]
+    settings = replace(settings, stop_position=0.0)
+    memory = start(settings, 0.0)
+    leading = memory.mean.size - 10
+    mean = memory.mean.copy()
+    mean[leading:] = 1e-3 * np.linspace(0.2, 1.1, 10)
+    factors = memory.factors.copy()
+    factors[leading:, leading:] = np.diag(np.full(10, 1e-12))
+    memory = memory._replace(mean=mean, factors=factors)
+    found = []
+    for slip in (0.0, 0.2):
+        (row,) = rows_of(np.zeros(1), np.nan, 0.0, slip=slip, held=1.0)
+        found.append(np.diag(covariance_of(step(memory, seen_of(row), settings)[0].factors)))
+    points, weights = np.polynomial.hermite_e.hermegauss(60)
+    jumps, weights = np.sqrt(0.2) * points, weights / weights.sum()
+    for k in range(1, 6):
+        a, b = mean[leading + 2 * k - 2 : leading + 2 * k]
+        c, s = np.cos(k * jumps) - 1.0, np.sin(k * jumps)
+        exact = (weights @ (c * a + s * b) ** 2, weights @ (c * b - s * a) ** 2)
+        gained = (found[1] - found[0])[leading + 2 * k - 2 : leading + 2 * k]
+        assert np.sum(gained) == pytest.approx(np.sum(exact), rel=1e-3)  # variances are some 1e-4 of the squares
+        assert gained[0] == pytest.approx(gained[1], rel=1e-9)
+    np.testing.assert_array_equal(found[1][:leading], found[0][:leading])
 
 
 def test_pollution_is_learned_at_the_stop(drive, observers):

@@ -277,6 +277,18 @@ def test_generator_separates_what_the_lumped_filter_does_not():
     assert np.std(found[2000:]) == pytest.approx(expected, rel=1e-3)
 
 
+@pytest.mark.parametrize(("turns", "is_known"), [(25.0, True), (25.001, True), (25.5, False), (0.0, True)])
+def test_generator_knows_its_deviation_at_its_own_period_only(turns, is_known):
+    """25 turns a second are 20 samples of 2 ms; 2 % of another speed are 2.5 rad after 20 turns."""
+    settings = generator_observer(DESIGN)
+    memory = generator_start(settings, 5e-3)
+    phase = Phase(0.0, 2.0 * np.pi * turns, 0.0)
+    seen = AxialSeen(0.0, 5e-3, phase, REST, 0.0, 0.0, 1.0, DutySight(np.nan, 0.0, 0.0))
+    _, estimate = generator_observer_step(memory, seen, settings)
+    assert (estimate.position_deviation == settings.position_deviation) == is_known
+    assert np.isnan(estimate.position_deviation) != is_known
+
+
 def test_period_that_is_no_whole_number_of_samples_is_refused():
     assert samples_in_period(0.04, 2e-3) == 20
     with pytest.raises(ParameterError, match=r"0\.0444 s has 44\.4 samples of 0\.001 s.*every 0\.00100909 s"):

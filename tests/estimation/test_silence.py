@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.stats import betabinom
+from scipy.stats import betabinom, norm
 
 from vvdp.estimation import silence as module
 from vvdp.estimation.association import BURSTY, UNWATCHED, missed_in_a_row
-from vvdp.estimation.between_edges import inflate
+from vvdp.estimation.between_edges import inflate, silence_until
+from vvdp.estimation.event_memory import event_filter_start
+from vvdp.estimation.event_settings import event_filter
 from vvdp.estimation.silence import (
     DROPOUTS,
     LATE,
@@ -22,6 +24,7 @@ from vvdp.estimation.silence import (
     turned_back,
 )
 from vvdp.numerics.kalman import AngleSpeed, predict
+from vvdp.sensing.wheel import equal_wheel
 
 WIDTH = np.pi / 4.0
 CRUISE = AngleSpeed(0.0, 155.0, 2.6e-4, 4e-4, 0.03)
@@ -217,6 +220,20 @@ def test_a_wheel_that_turned_back_has_turned_through_anything_up_to_two_sectors(
     # STARTS p/(STARTS p + (1 - p) r) exceeds 1/20 where the edge was expected at a rate below 19 STARTS p/(1 - p).
     limit = 19.0 * STARTS * 0.1 / 0.9
     assert turned_back(0.1, 0.99 * limit, silence_of(0.1)) > 0.0 == turned_back(0.1, 1.01 * limit, silence_of(0.1))
+
+
+@pytest.mark.parametrize(("duration", "is_possible"), [(8e-3, False), (40e-3, True)])
+def test_turning_back_takes_a_deceleration(duration, is_possible):
+    """2e4 rad^2/s^3 change a speed by sqrt(2e4 x 8 ms) = 12.6 rad/s, an eleventh of 138 rad/s; by 28 in 40 ms, a fifth.
+
+    Beyond seven deviations (1e-12) an edge that is late says that the wheel slows down, not that it turned back.
+    """
+    settings = event_filter(equal_wheel(8))
+    memory = event_filter_start(settings, 0.0, 0.0, 138.0)._replace(belief=AngleSpeed(0.0, 138.0, 2.6e-4, 0.0, 1.0))
+    silence = silence_until(memory, duration, 1.0, settings)
+    share = norm.cdf(-138.0 / np.sqrt(1.0 + 2e4 * duration))
+    assert silence.reversal == pytest.approx(share, rel=1e-6, abs=1e-15)
+    assert (turned_back(1.0, 0.0, silence) > 0.0) == is_possible
 
 
 @pytest.mark.parametrize("irregular", [0.001, 0.05, 0.4])

@@ -7,6 +7,8 @@ import pytest
 
 from vvdp.base.errors import ParameterError
 from vvdp.control.reference import ReferenceFilter
+from vvdp.estimation.estimator import Estimate
+from vvdp.programs.axial_loop import HOME, RUN, AxialSequence, Stage, is_known, known_phase, next_stage
 from vvdp.programs.axial_sensor import AXIAL_SENSOR, AxialSensorTable, sensor_step
 from vvdp.programs.chamber_laws import (
     BacksteppingTable,
@@ -151,13 +153,13 @@ OBSERVER = ChamberObserverTable(
 )
 
 
-def watched(samples: int, pressure: float = ATMOSPHERE, speed_deviation: float = 0.0):
+def watched(samples: int, pressure: float = ATMOSPHERE, deviations: tuple[float, float] = (0.0, 0.0)):
     """What the observer gives over samples at the stop, the sensor off by 0.3 mm times the sine of the angle."""
     settings = chamber_observer_settings(OBSERVER)
     memory, found = chamber_observer_program_start(settings), []
     for k in range(samples):
         t, angle = 1e-3 * k, 140.0e-3 * k
-        sight = WatchedSpool(t, -6.2e-3 + 0.3e-3 * math.sin(angle), 0.5, angle, 140.0, pressure, 0.0, speed_deviation)
+        sight = WatchedSpool(t, -6.2e-3 + 0.3e-3 * math.sin(angle), 0.5, angle, 140.0, pressure, *deviations)
         memory, seen = chamber_observer_program_step(t, memory, sight, settings)
         found.append(seen)
     return found
@@ -175,8 +177,11 @@ def test_it_homes_learns_and_releases():
 
 
 def test_it_does_not_learn_while_the_angle_is_not_known():
-    found = watched(120, speed_deviation=6.0)
+    """0.6 rad are too much of the angle, 6 rad/s of the speed are not."""
+    found = watched(120, deviations=(0.6, 6.0))
     assert (found[-1].stage, found[-1].known, found[-1].released) == (1.0, 0.0, 0.0)
+    found = watched(120, deviations=(0.4, 6.0))
+    assert (found[-1].stage, found[-1].known, found[-1].released) == (2.0, 1.0, 1.0)
 
 
 def test_it_does_not_home_while_the_chamber_lifts_the_spool():
@@ -198,3 +203,25 @@ def test_the_reference_rests_until_it_is_released():
         assert found == (-2.0, 0.0, 0.0, 0.0)
     memory, found = smooth_step(0.03, memory, Led(1.0, 1.0, -2.0), settings)
     assert found.value == pytest.approx(-2.0 + 3.0 * (1.0 - math.exp(-1.0) * (8.0 / 3.0)), rel=1e-12)
+
+
+def test_known_time_is_added_up():
+    """Known at every other sample of 1 ms from 20 ms on: 300 ms of it are there after 600 ms."""
+    stage, sequence = Stage(HOME, 0.0, 1.0), AxialSequence(home_time=0.02, learn_time=0.3)
+    for k in range(1, 1000):
+        stage = next_stage(stage, 1e-3 * k, 1.0, k % 2 == 0, 1e-3, sequence)
+        if stage.number == RUN:
+            break
+    assert k == pytest.approx(620, abs=2)
+
+
+def test_slip_is_no_deviation_of_the_angle():
+    """0.5 rad are 0.25 rad^2, of which two suspected slips are 0.2056 and 0.0344: 0.1 rad are left, one is new."""
+    estimate = Estimate(1.0, 150.0, 0.5, 3.0, 0.0, 0.0, 0.0, 0.0)
+    phase = known_phase(estimate, 0.24, 0.2056)
+    assert phase.angle_deviation == pytest.approx(0.1)
+    assert phase.slip == pytest.approx(0.0344)
+    assert is_known(known_phase(estimate._replace(angle_deviation=0.8), 0.5, 0.5))
+    assert not is_known(known_phase(estimate._replace(angle_deviation=0.8), 0.0, 0.0))
+    assert not is_known(known_phase(estimate._replace(speed=15.0), 0.24, 0.0))
+    assert known_phase(estimate, 0.0, 0.24).slip == 0.0

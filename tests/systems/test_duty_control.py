@@ -1,5 +1,7 @@
 """`vvdp-duty-control`: what has to be true of a duty ratio that is held, and what happens when something fails."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tests.systems.axial_texts import (
@@ -16,8 +18,10 @@ from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.simulation.record import record_of
+from vvdp.simulation.run import simulate
 from vvdp.systems.summary import summary
 from vvdp.systems.system import shipped_systems
+from vvdp.systems.validity import broken_bounds
 
 pytestmark = pytest.mark.heavy
 
@@ -41,7 +45,7 @@ def errors(text: str, seeds: int) -> np.ndarray:
 
 @pytest.mark.parametrize("seeds", [2, pytest.param(10, marks=pytest.mark.slow)])
 def test_duty_ratio_is_held(seeds):
-    """Of ten seeds: position 4.0 um, 4.6 at most; estimate 14 um, 16 at most; raw feedback 184 um."""
+    """Of ten seeds: position 3.7 um, 4.1 at most; estimate 13 um, 15 at most; raw feedback 184 um."""
     held, raw = errors(SHIPPED, seeds), errors(change(SHIPPED, "raw_feedback", **RAW), seeds)
     assert np.all(held[:, 0] < 6.0)
     assert np.all(held[:, 1] < 20.0)
@@ -52,7 +56,7 @@ def test_duty_ratio_is_held(seeds):
 
 @pytest.mark.slow
 def test_published_feedforward_is_worse():
-    """By 8 % in the mean of ten seeds; what is left are errors of the estimate."""
+    """By 4 % in the mean of ten seeds; what is left are errors of the estimate."""
     exact, printed = errors(SHIPPED, 10)[:, 0], errors(rename(SHIPPED, "passivity", "printed_passivity"), 10)[:, 0]
     assert 1.03 * np.mean(exact) < np.mean(printed) < 1.2 * np.mean(exact)
 
@@ -149,15 +153,68 @@ def test_lost_sensor():
     assert found["storage_rises"] == 0.0
     deviation = np.interp([1.59, 1.79, 2.4], run.times, run.command.axial.position_deviation)
     assert deviation[1] == pytest.approx(0.15e-3, rel=0.1)
-    assert deviation[0] < 25e-6 > deviation[2]
+    assert deviation[0] < 30e-6 > deviation[2]
 
 
 def test_frozen_sensor():
-    """A signal that stands still is taken for a spool that moves against its pollution: 0.44 mm; the storage tells."""
-    found = found_in(change(SHIPPED, "axial_sensor", freeze_begin="1.6 s", freeze_end="1.8 s"))
-    assert found["spool_position_error_max_m"] == pytest.approx(0.44e-3, rel=0.2)
-    assert found["spool_estimate_coverage"] < 0.7
-    assert found["storage_rises"] > 50.0
+    """A signal that stands still is taken for a spool that moves against its pollution: by 0.24 to 1.0 mm, by where in
+    its turn it froze. The storage tells."""
+    largest = []
+    for begin in (1.6, 1.605, 1.625):  # three places in a turn of 40 ms
+        text = change(SHIPPED, "axial_sensor", freeze_begin=f"{begin} s", freeze_end=f"{begin + 0.2} s")
+        found = found_in(text)
+        largest.append(1e3 * found["spool_position_error_max_m"])
+        assert found["spool_estimate_coverage"] < 0.7
+        assert found["storage_rises"] > 50.0
+    assert 0.2 < min(largest) < 0.5 and 0.8 < max(largest) < 1.1
+
+
+SINE = '{ sine = "0.5", amplitude = "0.3", frequency = "1 Hz" }'
+"""A duty ratio that changes; the spool then turns with 85 to 180 rad/s."""
+
+
+@pytest.mark.parametrize("seeds", [1, pytest.param(6, marks=pytest.mark.slow)])
+def test_changing_duty_ratio_keeps_the_position(seeds):
+    """The estimate is off by 27 um rms, stated 32 um; of six seeds 30 um at most. The angle is known throughout."""
+    text = change(change(SHIPPED, "operation", duty_ratio=SINE), "run", until="3 s", average_from="2 s")
+    for seed in range(1, seeds + 1):
+        found = found_in(seeded(text, seed))
+        assert found["spool_estimate_error_rms_m"] < (30e-6 if seeds == 1 else 32e-6)
+        assert 0.93 <= found["spool_estimate_coverage"] < 0.995
+        assert found["storage_rises"] == 0.0
+        _, run = run_of(seeded(text, seed))
+        assert np.mean(run.command.axial.known[run.times > 1.4]) > 0.98
+
+
+def test_drive_that_is_never_controlled_is_reported():
+    """A motor turns the spool with 9.4 rad/s, too slow for its angle to be known: 2.5 s at the stop, 0.64 s at most."""
+    text = change(change(SHIPPED, "spool_drive", coupling="1 N*m*s"), "operation", spool_motor_speed="90 rpm")
+    system, run = run_of(change(text, "initial", spool_speed="90 rpm"))
+    found = summary(system, run)
+    assert "control_begin_s" not in found
+    assert found["uncontrolled_time_axial_s"] == 2.5
+    assert not found["within_validity"] and not found["trusted"]
+    (told,) = broken_bounds(system, found)
+    assert "2.5 s, above 0.64 s; control never began" in told
+    short = simulate(system.model, system.case, replace(system.stepping, until=0.6, average_from=0.5))
+    assert "uncontrolled_time_axial_s" not in summary(system, short)
+
+
+BEGINS = {
+    "32 sectors": (("encoder", "sectors", "32"), ("encoder", "spot_width", "1.25 mm")),
+    "density": (("spool_filter", "acceleration_density", "2e3 rad^2/s^3"),),
+}
+
+
+@pytest.mark.parametrize("name", BEGINS)
+def test_control_begins_whatever_the_speed_is_known_to(name):
+    """5 rad/s of deviation of the speed are 0.005 rad of the angle in a millisecond: it is the angle that counts."""
+    text = change(SHIPPED, "operation", duty_ratio=SINE)
+    for table, key, value in BEGINS[name]:
+        text = change(text, table, **{key: value})
+    found = found_in(text)
+    assert found["control_begin_s"] < 0.4 and found["trusted"]
+    assert found["spool_estimate_error_rms_m"] < 30e-6
 
 
 def test_biased_sensor():

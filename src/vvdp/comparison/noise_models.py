@@ -196,8 +196,9 @@ def record(shape: Array, trial: NoiseTrial) -> tuple[Array, Array, Array]:
     none = np.zeros_like(times)
     optical = position + pollution + white
     speed = none + trial.spool_speed
+    margin, unseen = none + 1.0, none * np.nan
     return (
-        np.column_stack([times, optical, angles, speed, none, none, flow, none, none + 1.0, none * np.nan, none, none]),
+        np.column_stack([times, optical, angles, speed, none, none, none, flow, none, margin, unseen, none, none]),
         position,
         pollution,
     )

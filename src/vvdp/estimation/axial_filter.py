@@ -15,6 +15,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import (
     NUMBER,
     Angle,
+    AngularVariance,
     Count,
     Duration,
     Flow,
@@ -30,8 +31,9 @@ from vvdp.base.kinds import (
     Velocity,
 )
 from vvdp.base.params import Params
+from vvdp.base.select import maximum
 from vvdp.estimation.duty import DutyEstimate
-from vvdp.estimation.noise_basis import NoiseBasis, basis_slope, function_count, write_basis
+from vvdp.estimation.noise_basis import TURN, NoiseBasis, basis_slope, function_count, turned_variance, write_basis
 from vvdp.estimation.observability import FREEZE_BELOW, WARN_BELOW
 from vvdp.estimation.pressure_edges import PressureReading
 from vvdp.numerics.kalman import add_variance, consider, factors_of, know_leading, observe, variance_of
@@ -40,15 +42,21 @@ KNOWN_ANGLE = 0.5
 """Deviation of the spool angle above which the pollution counts as noise without a pattern [rad]; assumed."""
 
 
+SLOWEST_TURN = 1.0
+"""Speed below which a turn counts as lasting no longer [rad/s]; assumed."""
+
+
 class Phase(NamedTuple):
     """Where the pollution is in its period, and how fast it goes through it: the spool's estimate, or a clock's.
 
-    A deviation above `KNOWN_ANGLE`, or NaN: the angle is not known.
+    A deviation above `KNOWN_ANGLE`, or NaN: the angle is not known. `slip` is the variance of a jump that the angle may
+    have made since the last sample, and that no later edge tells.
     """
 
     angle: Angle
     speed: Speed
     angle_deviation: Angle
+    slip: AngularVariance = 0.0
 
 
 class DutySight(NamedTuple):
@@ -195,6 +203,18 @@ def drift_in_turn(draft: Draft, turn: float, pollution: PollutionModel) -> float
     return (turn + 1.0) % n
 
 
+def doubt_pollution(draft: Draft, slip: float, pollution: PollutionModel) -> None:
+    """Let the coefficients be those of another angle, in place.  slip: variance of what it is off by [rad^2]."""
+    first = draft.leading
+    squares = np.empty(draft.mean.size - first)
+    for i in range(squares.size):
+        squares[i] = draft.mean[first + i] * draft.mean[first + i] + variance_of(draft.factors, first + i)
+    for i in range(squares.size):
+        draft.gain[:] = 0.0
+        draft.gain[first + i] = 1.0
+        add_variance(draft.factors, draft.gain, turned_variance(i, squares, slip, pollution.basis), first + i)
+
+
 def take_in(draft: Draft, innovation: float, variance: float, frozen: bool) -> float:
     """Take in a measurement with the draft's row, in place, and return the variance of its innovation.
 
@@ -208,32 +228,36 @@ def take_in(draft: Draft, innovation: float, variance: float, frozen: bool) -> f
     return S
 
 
-def take_optical(draft: Draft, seen: AxialSeen, pollution: PollutionModel) -> OpticalSight:
+def take_optical(draft: Draft, seen: AxialSeen, pollution: PollutionModel, period: float) -> OpticalSight:
     """Take in the optical signal, in place.
 
     Where the angle is not known the pollution counts as noise; where it is uncertain, what that does to the pollution.
+    Either noise lasts longer than the `period` of the samples [s], so that it counts for more than a sample of it says.
     """
     phase, mean, row, first = seen.phase, draft.mean, draft.row, draft.leading
+    if phase.slip > 0.0:
+        doubt_pollution(draft, phase.slip, pollution)
     row[:first] = 0.0
     row[0] = 1.0
-    R = pollution.sensor_deviation * pollution.sensor_deviation
-    believed = 0.0
+    believed, noise = 0.0, 0.0
+    lasting = TURN / (maximum(phase.speed, SLOWEST_TURN) * period)
     if phase.angle_deviation < KNOWN_ANGLE:
         angle = phase.angle - phase.speed * pollution.optical_delay
         write_basis(angle, pollution.basis, row, first)
         for i in range(first, mean.size):
             believed += mean[i] * row[i]
         off = basis_slope(angle, pollution.basis, mean, row, first) * phase.angle_deviation
-        R += off * off
+        noise, lasting = off * off, lasting / (mean.size - first)
     else:
         row[first:] = 0.0
         for i in range(first, mean.size):
-            R += 0.5 * (mean[i] * mean[i] + variance_of(draft.factors, i))
+            noise += 0.5 * (mean[i] * mean[i] + variance_of(draft.factors, i))
     if seen.optical != seen.optical:
         return OpticalSight(believed, 0.0, 0.0)
-    innovation = seen.optical - mean[0] - believed
-    S = take_in(draft, innovation, R, is_frozen(seen))
-    return OpticalSight(believed, innovation, np.sqrt(S))
+    innovation, more = seen.optical - mean[0] - believed, noise * maximum(lasting - 1.0, 0.0)
+    R = pollution.sensor_deviation * pollution.sensor_deviation + noise
+    S = take_in(draft, innovation, R + more, is_frozen(seen))
+    return OpticalSight(believed, innovation, np.sqrt(S - more))
 
 
 def needs_duty(seen: AxialSeen) -> bool:

@@ -10,7 +10,7 @@ from vvdp.estimation.association import sector
 from vvdp.estimation.event_memory import EventFilterMemory
 from vvdp.estimation.event_settings import EventFilter
 from vvdp.estimation.ripple import Ripple, of_the_instant, predict_ripple, without_covariance
-from vvdp.estimation.silence import Heard, Silence, after_silence, is_late
+from vvdp.estimation.silence import Heard, Silence, after_silence, is_late, reversed_share
 from vvdp.numerics.kalman import AngleSpeed, predict
 from vvdp.sensing.wheel import edge_angle
 
@@ -89,8 +89,9 @@ def suspected_density(memory: EventFilterMemory, period: float, settings: EventF
 def silence_until(memory: EventFilterMemory, time: float, edges: float, settings: EventFilter) -> Silence:
     """The silence between the last edge and `time` [s], in which fewer than `edges` came; those may be bounce."""
     last, wheel = memory.last, settings.wheel
+    duration = maximum(time - last.time, SHORTEST)
     return Silence(
-        duration=maximum(time - last.time, SHORTEST),
+        duration=duration,
         last_edge=edge_angle(last.number, wheel),
         next_edge=edge_angle(last.number + edges, wheel),
         edge_variance=settings.edge_variance,
@@ -98,6 +99,7 @@ def silence_until(memory: EventFilterMemory, time: float, edges: float, settings
         watched=memory.tally.watched,
         stop_rate=settings.stop_rate,
         start_variance=settings.speed_variance,
+        reversal=reversed_share(inflate(memory.belief, duration, settings.manoeuvre_density)),
     )
 
 

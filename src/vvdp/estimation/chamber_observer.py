@@ -139,7 +139,7 @@ def chamber_observer_step(
         move_chamber(draft, memory.drive_input, a, settings)
     if not is_frozen(seen):
         turn = drift_in_turn(draft, turn, settings.pollution)
-    sight = take_optical(draft, seen, settings.pollution)
+    sight = take_optical(draft, seen, settings.pollution, settings.sample_period)
     if needs_duty(seen):
         travelled = look_back(draft, seen.duty.age, a, settings.drive)
         take_duty(draft, seen, travelled, settings.pollution)

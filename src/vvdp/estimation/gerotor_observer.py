@@ -72,7 +72,7 @@ def gerotor_observer_step(
         draft.factors[0, 0] += settings.position_drift * settings.position_drift
     if not is_frozen(seen):
         turn = drift_in_turn(draft, turn, settings.pollution)
-    sight = take_optical(draft, seen, settings.pollution)
+    sight = take_optical(draft, seen, settings.pollution, settings.sample_period)
     if needs_duty(seen):
         draft.row[:] = 0.0
         draft.row[0] = 1.0

@@ -89,6 +89,27 @@ def write_basis(phase: float, basis: NoiseBasis, row: Array, first: int) -> None
             row[place + i] = np.exp(-z * z) - mean
 
 
+def turned_variance(number: int, squares: Array, slip: float, basis: NoiseBasis) -> float:
+    """By how much the square of coefficient `number` may change where the angle is off by a Gaussian number.
+
+    The pair of harmonic k turns by k times as much: (a^2 + b^2)(1 - exp(-k^2 s/2)) for each of the two. Bells become
+    others of that size: 2 c^2 (1 - exp(-s/(2 w^2))), c^2 their mean square.
+
+    squares  of all coefficients, as far as they are known (n,)
+    slip     variance s of what the angle is off by [rad^2]
+    """
+    pairs = int(basis.harmonics)
+    if number < 2 * pairs:
+        k, first = number // 2 + 1, number - number % 2
+        turned: float = (squares[first] + squares[first + 1]) * -np.expm1(-0.5 * k * k * slip)
+        return turned
+    whole = 0.0
+    for i in range(2 * pairs, squares.size):
+        whole += squares[i]
+    changed: float = -2.0 * whole / (squares.size - 2 * pairs) * np.expm1(-0.5 * slip / basis.bump_width**2.0)
+    return changed
+
+
 def from_centre(phase: float, number: int, basis: NoiseBasis) -> float:
     """Distance of `phase` [rad] to the nearest centre of bell `number`, counted in widths [1]."""
     turns = phase / TURN - number / basis.bumps

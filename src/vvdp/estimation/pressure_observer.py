@@ -100,7 +100,7 @@ def pressure_observer_step(
         take_in(draft, gauge - draft.mean[2], variance, is_frozen(seen))
     if not is_frozen(seen):
         turn = drift_in_turn(draft, turn, settings.pollution)
-    sight = take_optical(draft, seen, settings.pollution)
+    sight = take_optical(draft, seen, settings.pollution, settings.sample_period)
     if needs_duty(seen):
         a = driving_acceleration(seen.pressure, settings.drive)
         take_duty(draft, seen, look_back(draft, seen.duty.age, a, settings.drive), settings.pollution)

@@ -15,6 +15,12 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import NUMBER, Area, Length, Number, Position, Speed, Time
 from vvdp.base.params import Params
 from vvdp.estimation.axial_filter import AxialEstimate, AxialSeen
+from vvdp.estimation.noise_basis import TURN
+
+SAME = 1e-4
+"""Share by which the turn of a spool may differ from the period that a generator is made for [1]; assumed.
+
+A generator of 20 states remembers some 20 turns: the pollution is then where it was within 0.01 rad."""
 
 
 class GeneratorDesign(Params):
@@ -131,6 +137,8 @@ def generator_observer_step(
 ) -> tuple[GeneratorMemory, AxialEstimate]:
     """Memory and estimate after a sample. It sees no angle: the period is that of its design, whatever the speed.
 
+    Its deviation holds for that period alone: it is NaN where the spool turns with another speed.
+
     Source  wang2017, eq. 4.13
     """
     n, velocity = memory.mean.size, seen.flow / settings.area
@@ -149,7 +157,10 @@ def generator_observer_step(
     else:
         for i in range(n):
             mean[i] += settings.gain[i] * innovation
-    estimate = plain_estimate(mean[0], velocity, mean[1], innovation, seen, settings.position_deviation)
+    turned = seen.phase.speed * n * settings.sample_period / TURN
+    is_its_own = turned == 0.0 or abs(turned - 1.0) < SAME
+    deviation = settings.position_deviation if is_its_own else np.nan
+    estimate = plain_estimate(mean[0], velocity, mean[1], innovation, seen, deviation)
     return GeneratorMemory(mean=mean, drive_input=velocity), estimate
 
 

@@ -43,7 +43,8 @@ class Silence(NamedTuple):
 
     `edge_variance` is the part of an edge's noise that is an angle; `irregular`, the share of edges that were missed or
     ignored of late, rests on `watched` ones. Stops, slow passages, and manoeuvres not yet known of begin at
-    `stop_rate`; a wheel that starts again does so with `start_variance`.
+    `stop_rate`; a wheel that starts again does so with `start_variance`. `reversal` is the chance that a manoeuvre from
+    the speed at the last edge ends below 0 by now, as that of a wheel that turned back has to.
     """
 
     duration: Time
@@ -54,6 +55,7 @@ class Silence(NamedTuple):
     watched: Count
     stop_rate: Frequency
     start_variance: SpeedVariance
+    reversal: Fraction = 1.0
 
 
 class Heard(NamedTuple):
@@ -188,12 +190,14 @@ def start_speed(silence: Silence, standstill: float) -> tuple[float, float]:
 def turned_back(stood: float, arrival: float, silence: Silence) -> float:
     """Variance of the angle turned through that a wheel leaves which may have turned back meanwhile [rad^2]: w^2/3.
 
-    Forward, a sector w passes; back, up to two of them or none. Where that is unlikely, once the edge has come, nothing
-    is reckoned with.
+    Forward, a sector w passes; back, up to two of them or none. Where that is unlikely, once the edge has come, or no
+    deceleration that a manoeuvre has can have done it in the time, nothing is reckoned with.
 
     stood    probability that the wheel stood, or slowed down until it would turn back, just before the edge [1]
     arrival  density in time with which the edge was expected of a wheel that goes on [1/s]
     """
+    if silence.reversal < LEAST:
+        return 0.0
     width = silence.next_edge - silence.last_edge
     turned = stood * STARTS / (stood * STARTS + (1.0 - stood) * arrival)
     return width * width / 3.0 if turned > UNLIKELY else 0.0

@@ -24,8 +24,9 @@ from vvdp.base.kinds import (
     Velocity,
 )
 from vvdp.base.params import Params
+from vvdp.base.select import maximum
 from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step
-from vvdp.estimation.axial_filter import NO_DUTY, AxialEstimate, AxialSeen, Phase, PollutionModel
+from vvdp.estimation.axial_filter import KNOWN_ANGLE, NO_DUTY, AxialEstimate, AxialSeen, Phase, PollutionModel
 from vvdp.estimation.estimator import Estimate
 from vvdp.estimation.noise_basis import fourier_basis
 from vvdp.sensing.axial_sensor import AxialReading
@@ -39,8 +40,8 @@ HOME, LEARN, RUN, STOP = 0.0, 1.0, 2.0, 3.0
 SETTLED = 1.0
 """From so long after the start of control on errors count [s]."""
 
-SLOWEST, LARGEST_DEVIATION = 20.0, 5.0
-"""Spool speed from which on, and deviation up to which, its angle is taken to be known [rad/s]."""
+SLOWEST = 20.0
+"""Spool speed from which on its angle may be known [rad/s]; assumed."""
 
 
 class AxialPlace(NamedTuple):
@@ -185,14 +186,21 @@ def pollution_model(table: AxialObserverTable, helix_length: float) -> Pollution
     )
 
 
-def known_phase(estimate: Estimate) -> Phase:
-    """The phase of the pollution as an encoder's estimate has it; unknown while its speed is, or the spool stands."""
-    return seen_phase(estimate.angle, estimate.speed, estimate.angle_deviation, estimate.speed_deviation)
+def known_phase(estimate: Estimate, slip: float, before: float) -> Phase:
+    """The phase of the pollution as an encoder's estimate has it; unknown while its angle is, or the spool stands.
+
+    slip    part of the angle's variance that no later edge can tell: jumps by sectors, each of which turns the
+            pollution by a constant angle, once [rad^2]
+    before  the same at the last sample [rad^2]
+    """
+    deviation = np.sqrt(maximum(estimate.angle_deviation * estimate.angle_deviation - slip, 0.0))
+    phase = seen_phase(estimate.angle, estimate.speed, deviation, estimate.speed_deviation)
+    return Phase(phase.angle, phase.speed, phase.angle_deviation, maximum(slip - before, 0.0))
 
 
 def seen_phase(angle: float, speed: float, angle_deviation: float, speed_deviation: float) -> Phase:
     """The phase of a spool at an angle [rad] and speed [rad/s], with their deviations; 0: known, as with a motor."""
-    turns = speed > SLOWEST and speed_deviation < LARGEST_DEVIATION
+    turns = speed > SLOWEST and angle_deviation < KNOWN_ANGLE
     return Phase(angle, speed, angle_deviation if turns or speed_deviation == 0.0 else np.nan)
 
 
@@ -240,14 +248,16 @@ def next_reference(
     return reference_at_rest(target.stop)
 
 
-def next_stage(stage: Stage, time: float, held: float, known: bool, sequence: AxialSequence) -> Stage:
+def next_stage(stage: Stage, time: float, held: float, known: bool, period: float, sequence: AxialSequence) -> Stage:
     """The stage at a sample.
 
-    It homes until it has rested at the stop for the home time, then learns for the learn time while the angle is known.
+    It homes until it has rested at the stop for the home time, then learns until the angle was known for the learn
+    time in all.
 
-    time   of the sample [s]
-    held   1 while the spool is pressed against its stop
-    known  whether the spool's angle is known
+    time    of the sample [s]
+    held    1 while the spool is pressed against its stop
+    known   whether the spool's angle is known
+    period  of the samples [s]
     """
     number, since = stage.number, stage.since
     if number == HOME:
@@ -255,7 +265,8 @@ def next_stage(stage: Stage, time: float, held: float, known: bool, sequence: Ax
         if time - since >= sequence.home_time:
             number, since = LEARN, time
     if number == LEARN:
-        since = since if known or sequence.learn_time == 0.0 else time
+        waits = stage.number == LEARN and not known and sequence.learn_time > 0.0
+        since = since + period if waits else since
         if time - since >= sequence.learn_time:
             number, since = RUN, time
     if time >= sequence.stop_time and number != STOP:

@@ -226,5 +226,6 @@ def watched_step(
     shaft = Shaft(place.time, place.angle, place.speed)
     watch, estimate = watch_step(t, memory.watch, shaft, settings.watch)
     wanted = signal_value(t, settings.loop.wanted)
-    loop, command = passive_axial_step(memory.loop, place, known_phase(estimate), wanted, settings.loop)
+    phase = known_phase(estimate, watch.filter.slip, memory.watch.filter.slip)
+    loop, command = passive_axial_step(memory.loop, place, phase, wanted, settings.loop)
     return WatchedMemory(watch, loop), command

@@ -66,7 +66,7 @@ def look(belief: ChamberBelief, sight: ChamberSight, observer: ChamberObserver, 
     near = belief.stage.held > 0.0 or belief.stage.number == HOME
     near = near or belief.filter.mean[0] < observer.stop_position + AT_STOP
     held = 1.0 if near and is_pressed(sight.pressure, observer) else 0.0
-    stage = next_stage(belief.stage, sight.signal.time, held, is_known(sight.phase), sequence)
+    stage = next_stage(belief.stage, sight.signal.time, held, is_known(sight.phase), observer.sample_period, sequence)
     margin = 1.0
     if is_known(sight.phase):
         frequency = np.sqrt(observer.drive.stiffness / observer.drive.moving_mass)

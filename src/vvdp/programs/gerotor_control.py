@@ -115,8 +115,9 @@ def gerotor_observer_program_step(
     settled = 0.0
     if memory.stage.number == RUN:
         settled = gerotor_flow(reading.command, settings.belief)
-    flow = flow_after(settled, memory.flow, settings.observer.sample_period, settings.belief.lag)
-    stage = stage_at_stop(memory.stage, reading.time, is_known(phase), settings.sequence)
+    period = settings.observer.sample_period
+    flow = flow_after(settled, memory.flow, period, settings.belief.lag)
+    stage = stage_at_stop(memory.stage, reading.time, is_known(phase), period, settings.sequence)
     signal = AxialReading(reading.time, reading.measured, reading.light)
     seen = sight_of(signal, phase, stage, flow, 0.0, ALWAYS_SEEN)
     after, estimate = gerotor_observer_step(memory.filter, seen, settings.observer)

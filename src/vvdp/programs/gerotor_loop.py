@@ -153,9 +153,9 @@ def gerotor_loop_start(settings: GerotorLoop) -> GerotorMemory:
     return GerotorMemory(drive_start(settings), gerotor_observer_start(settings.observer, settings.stop_position))
 
 
-def stage_at_stop(stage: Stage, time: float, known: bool, sequence: AxialSequence) -> Stage:
-    """The stage at a sample [s] of a drive that is taken to be at its stop until it is controlled."""
-    after = next_stage(stage, time, 1.0, known, sequence)
+def stage_at_stop(stage: Stage, time: float, known: bool, period: float, sequence: AxialSequence) -> Stage:
+    """The stage at a sample [s] of a drive that is taken to be at its stop until it is controlled; `period` [s]."""
+    after = next_stage(stage, time, 1.0, known, period, sequence)
     return Stage(after.number, after.since, 1.0 if after.number == HOME or after.number == LEARN else 0.0)
 
 
@@ -179,7 +179,7 @@ def gerotor_view(
         memory.sensor, SpoolPlace(place.time, place.position, place.angle), settings.sensor
     )
     period = settings.sample_period
-    stage = stage_at_stop(memory.stage, place.time, is_known(phase), settings.sequence)
+    stage = stage_at_stop(memory.stage, place.time, is_known(phase), period, settings.sequence)
     flow = flow_after(memory.settled, memory.flow, period, settings.calibration.lag)
     target = Target(wanted, settings.stop_position)
     return GerotorView(
@@ -248,5 +248,6 @@ def watched_gerotor_step(
     shaft = Shaft(place.time, place.angle, place.speed)
     watch, estimate = watch_step(t, memory.watch, shaft, settings.watch)
     wanted = signal_value(t, settings.loop.wanted)
-    loop, command = gerotor_axial_step(memory.loop, place, known_phase(estimate), wanted, settings.loop)
+    phase = known_phase(estimate, watch.filter.slip, memory.watch.filter.slip)
+    loop, command = gerotor_axial_step(memory.loop, place, phase, wanted, settings.loop)
     return WatchedGerotorMemory(watch, loop), command

@@ -116,7 +116,8 @@ def watched_raw_step(
     shaft = Shaft(place.time, place.angle, place.speed)
     watch, estimate = watch_step(t, memory.watch, shaft, settings.watch)
     wanted = signal_value(t, settings.loop.wanted)
-    loop, command = raw_passive_axial_step(memory.loop, place, known_phase(estimate), wanted, settings.loop)
+    phase = known_phase(estimate, watch.filter.slip, memory.watch.filter.slip)
+    loop, command = raw_passive_axial_step(memory.loop, place, phase, wanted, settings.loop)
     return WatchedMemory(watch, loop), command
 
 
@@ -127,5 +128,6 @@ def watched_printed_step(
     shaft = Shaft(place.time, place.angle, place.speed)
     watch, estimate = watch_step(t, memory.watch, shaft, settings.watch)
     wanted = signal_value(t, settings.loop.wanted)
-    loop, command = printed_axial_step(memory.loop, place, known_phase(estimate), wanted, settings.loop)
+    phase = known_phase(estimate, watch.filter.slip, memory.watch.filter.slip)
+    loop, command = printed_axial_step(memory.loop, place, phase, wanted, settings.loop)
     return WatchedMemory(watch, loop), command

@@ -22,6 +22,7 @@ from vvdp.fluid.dissolving import FREE_AIR
 from vvdp.network.nodes import HydraulicNode, Rod, Shaft, can_boil, free_air_name, has_free_air
 from vvdp.network.paths import flows_of, moving_parts
 from vvdp.results.result import Number
+from vvdp.systems.control_stages import sequences
 from vvdp.systems.heat_numbers import heat_quantities
 from vvdp.systems.system import System
 from vvdp.systems.tank_levels import reservoirs
@@ -55,7 +56,7 @@ def quantities(system: System) -> dict[str, tuple[Kind, str]]:
     """Kind and label of every key that a summary of the system may have."""
     own = {} if system.extras is None else dict(system.extras.QUANTITIES)
     of_network = dict(_of_nodes(system)) | dict(_of_parts(system)) | dict(_of_tanks(system))
-    of_network |= dict(heat_quantities(system))
+    of_network |= dict(heat_quantities(system)) | dict(_of_drives(system))
     return dict(OF_ANY_RUN) | of_network | dict(valve_quantities(system)) | own
 
 
@@ -113,6 +114,12 @@ def _of_parts(system: System) -> Iterator[tuple[str, tuple[Kind, str]]]:
         yield f"flow_actual_mean_{whole}_m3_s", (FLOW, f"{whole.replace('_', ' ')} actual flow, mean")
         yield f"loss_{whole}_W", (MEAN_POWER, f"{whole.replace('_', ' ')} loss")
         yield f"wave_roughness_{whole}", (RATIO, f"roughness of the waves in {whole.replace('_', ' ')}")
+
+
+def _of_drives(system: System) -> Iterator[tuple[str, tuple[Kind, str]]]:
+    for name in sequences(system.circuit.network):
+        label = f"time in which {name.replace('_', ' ')} did not control its drive"
+        yield f"uncontrolled_time_{name}_s", (DURATION, label)
 
 
 def _of_tanks(system: System) -> Iterator[tuple[str, tuple[Kind, str]]]:

@@ -24,6 +24,7 @@ from vvdp.simulation.balance import LIMIT, balance_between
 from vvdp.simulation.outcome import SETTLED, Outcome, outcome
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves
+from vvdp.systems.control_stages import waiting_numbers
 from vvdp.systems.extras import Summary as Summary
 from vvdp.systems.heat_numbers import heat_numbers, temperature_numbers
 from vvdp.systems.pipe_waves import wave_numbers
@@ -70,6 +71,7 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
         **part_numbers(system, means),
         **level_numbers(run, system),
         **heat_numbers(run, system),
+        **waiting_numbers(run, system),
     }
     found |= valve_numbers(system, means, found)
     balances = _balances(run)

@@ -57,7 +57,8 @@ def led_step(
         reading=before.reading,
     )
     seen = AxialPlace(place.time, place.angle, place.speed, place.position, place.pressure)
-    loop, command = passive_axial_step(loop, seen, known_phase(estimate), place.wanted, settings.loop)
+    phase = known_phase(estimate, watch.filter.slip, memory.watch.filter.slip)
+    loop, command = passive_axial_step(loop, seen, phase, place.wanted, settings.loop)
     return WatchedMemory(watch, loop), command
 
 
@@ -77,7 +78,8 @@ def led_gerotor_step(
     )
     seen = GerotorPlace(place.time, place.angle, place.speed, place.position)
     memory_then = GerotorMemory(drive, memory.loop.observer)
-    loop, command = gerotor_axial_step(memory_then, seen, known_phase(estimate), place.wanted, settings.loop)
+    phase = known_phase(estimate, watch.filter.slip, memory.watch.filter.slip)
+    loop, command = gerotor_axial_step(memory_then, seen, phase, place.wanted, settings.loop)
     return WatchedGerotorMemory(watch, loop), command
 
 

@@ -1,0 +1,62 @@
+"""Axial drives that are never controlled: they wait at their stop, and the duty ratio is not what is asked.
+
+Source  ours, docs/models/axial-control.md
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from vvdp.base.kinds import DURATION
+from vvdp.network.network import Network
+from vvdp.programs.axial_loop import HOME, LEARN, AxialSequence, Stage
+from vvdp.simulation.outcome import Outcome
+from vvdp.systems.bound import Bound
+from vvdp.systems.extras import LoadedSystem
+
+PATIENCE = 2.0
+"""Multiple of the time for homing and learning after which control counts as never begun [1]; assumed."""
+
+
+def sequences(network: Network) -> dict[str, AxialSequence]:
+    """The programs of a network that home and learn before they control a drive, and how long they do."""
+    settings = {name: program.settings for name, program in network.programs.items()}
+    found = {name: getattr(getattr(each, "loop", each), "sequence", None) for name, each in settings.items()}
+    return {name: each for name, each in found.items() if isinstance(each, AxialSequence)}
+
+
+def stage_of(memory: Any) -> Stage | None:
+    """The stage in a program's memory, however deep; None without one."""
+    if isinstance(memory, Stage):
+        return memory
+    parts = memory if isinstance(memory, tuple) else ()
+    return next((found for found in map(stage_of, parts) if found is not None), None)
+
+
+def waiting_numbers(run: Outcome, system: LoadedSystem) -> dict[str, float]:
+    """How long each drive waited that is not controlled at the end of a run, by key; none that may still begin."""
+    found = {}
+    for name, sequence in sequences(system.circuit.network).items():
+        stage = stage_of(run.memory.get(name))
+        if stage is not None and stage.number in (HOME, LEARN) and run.end > patience(sequence):
+            found[f"uncontrolled_time_{name}_s"] = run.end
+    return found
+
+
+def waiting_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
+    """The bounds of these times."""
+    for name, sequence in sequences(system.circuit.network).items():
+        if waited := found.get(f"uncontrolled_time_{name}_s"):
+            yield Bound(
+                label=f"time in which {name.replace('_', ' ')} did not control its drive",
+                kind=DURATION,
+                low=waited,
+                high=waited,
+                most=patience(sequence),
+                otherwise="control never began: the spool was not at its stop for home_time, or its angle was not "
+                "known for learn_time in all",
+            )
+
+
+def patience(sequence: AxialSequence) -> float:
+    """From how long a wait on control never begins [s]."""
+    return PATIENCE * (sequence.home_time + sequence.learn_time)
