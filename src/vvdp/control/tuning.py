@@ -89,7 +89,7 @@ class SamplingLimits(NamedTuple):
 def sampling_limits(flow_gain: float, compliance: float) -> SamplingLimits:
     """What lambda_3 asks of the sample period, over which the flow is held: the pressure's pole is lambda_3 beta/V.
 
-    flow_gain   lambda_3 [m^3/(s Pa)]
+    flow_gain   lambda_3, with the exact feedforward lambda_3 - alpha_P V/beta [m^3/(s Pa)]
     compliance  V/beta, the least that occurs [m^3/Pa]
     """
     pole = flow_gain / compliance
@@ -100,7 +100,7 @@ def sampling_warning(limits: SamplingLimits, period: float) -> str:
     """What to say of a sample period [s]; empty where it is short enough."""
     if period <= limits.recommended:
         return ""
-    loop = f"the pressure loop has a pole of {limits.pole:.0f} 1/s (lambda_3 beta/V)"
+    loop = f"the pressure loop has a pole of {limits.pole:.0f} 1/s"
     if period <= limits.limit:
         return (
             f"{loop}; a sample period of {1e3 * period:.3g} ms is above the {1e3 * limits.recommended:.3g} ms advised"

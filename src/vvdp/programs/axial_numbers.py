@@ -10,7 +10,14 @@ from vvdp.base.arrays import Array
 from vvdp.base.kinds import COUNT, DUTY_RATIO, EFFICIENCY, ENERGY, LENGTH, NUMBER, TIME
 from vvdp.base.select import maximum
 from vvdp.control.backstepping import backstepping_law
-from vvdp.control.chamber import ChamberDrive, ChamberReading, chamber_volume, desired_pressure, volume_compliance
+from vvdp.control.chamber import (
+    ChamberDrive,
+    ChamberReading,
+    chamber_volume,
+    desired_pressure,
+    desired_rate_sensitivities,
+    volume_compliance,
+)
 from vvdp.control.orifice import valve_flow
 from vvdp.control.passivity import PassivityGains, exact_feedforward, passivity_law, pressure_error_gain
 from vvdp.control.storage import StorageBalance, pressure_balance, storage_excess
@@ -181,7 +188,10 @@ def control_warnings(law: ExactLaw, position: float, period: float, found: Mappi
     pressure = drive.oil.reference_pressure + (drive.preload + drive.stiffness * position) / drive.area
     compliance = volume_compliance(position, pressure, drive)
     is_passive = isinstance(gains, PassivityGains)
-    gain = pressure_error_gain(position, pressure, gains, drive) if is_passive else gains.flow_gain
+    gain = gains.flow_gain
+    if is_passive:  # the exact feedforward adds what the errors add to the rate of the desired pressure
+        damping = -desired_rate_sensitivities(gains, drive).pressure
+        gain = pressure_error_gain(position, pressure, gains, drive) + damping * compliance
     if warning := sampling_warning(sampling_limits(gain, compliance), period):
         yield warning
     if rises := found.get("storage_rises"):
