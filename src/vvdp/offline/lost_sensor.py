@@ -144,11 +144,12 @@ def _silence(time: Array, angle: Array, piece: Array, i: int, pitch: float, hard
         turns=0.0,
         until=np.inf,
     )
-    known = slice(i + 1, i + 2 + RENUMBERED)
+    known = np.arange(i + 1, min(i + 2 + RENUMBERED, time.size))
     ahead = found.angle + found.travel + after * (time[known] - end) - angle[known]
-    turns = np.round(ahead / TURN) if found.is_lost else np.zeros(1)
-    right = np.flatnonzero((turns == 0.0) & (piece[known] == found.piece)) if turns[0] else ()
-    return found._replace(turns=float(turns[0]), until=float(time[i + 1 + right[0]]) if len(right) else np.inf)
+    turns: Array = np.round(ahead / TURN) * float(found.is_lost)
+    right = (turns == 0.0) & (piece[known] == found.piece) & bool(turns[0])
+    until = float(time[known][right][0]) if np.any(right) else np.inf
+    return found._replace(turns=float(turns[0]), until=until)
 
 
 def _speeds(time: Array, angle: Array) -> Array:
