@@ -14,17 +14,16 @@ from vvdp.offline.noise_fit import (
     Likelihood,
     Noise,
     Passage,
-    Passed,
     careful_drift,
     fit,
     fit_noise,
     fitted_filter,
-    longest_pieces,
     passage_start,
     passage_step,
     speed_errors,
     time_resolution,
 )
+from vvdp.offline.passed_edges import Passed, longest_pieces
 from vvdp.offline.turn_pattern import SpeedRipple
 from vvdp.sensing.wheel import TURN, equal_wheel
 from vvdp.simulation.replay import Replay

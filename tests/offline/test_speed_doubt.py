@@ -5,7 +5,8 @@ import pytest
 from tests.offline.rippling import passing_times
 from tests.words import wording
 
-from vvdp.offline.noise_fit import Noise, Passed, fit_noise
+from vvdp.offline.noise_fit import Noise, fit_noise
+from vvdp.offline.passed_edges import Passed
 from vvdp.offline.speed_doubt import NO_DOUBT, Doubt, doubt_of, ripple_doubt
 from vvdp.offline.turn_pattern import EXPECTED, Candidate, SpeedRipple, candidates
 

@@ -29,7 +29,8 @@ from vvdp.offline.facts import ripple_words
 from vvdp.offline.findings import explain_no_result, findings
 from vvdp.offline.interrupt import catch_interrupt
 from vvdp.offline.lost_sensor import settle_silences, silences
-from vvdp.offline.noise_fit import Explained, fit_noise, fitted_filter, longest_pieces
+from vvdp.offline.noise_fit import Explained, fit_noise, fitted_filter
+from vvdp.offline.passed_edges import longest_pieces
 from vvdp.offline.passes import FilteringPass, GatheringPass, pascals
 from vvdp.offline.result import Outcome, estimate_result
 from vvdp.offline.second_pass import SecondPass

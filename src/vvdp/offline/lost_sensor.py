@@ -105,32 +105,33 @@ def silences(
 def _edge_portions(file: Any) -> Iterator[tuple[Array, Array, Array, int, int]]:
     """Times, angles and pieces of the edges that were used, with some of the portions beside; the first at which a
     silence may begin, and the one after the last."""
-    kept: tuple[Array, ...] = tuple(np.empty(0) for _ in range(3))
+    kept: list[Array] = [np.empty(0) for _ in range(3)]
     done = 0
     for columns in (*portions(file, "edges/", "time", "angle", "piece"), None):
         if columns is not None:
             used = np.isfinite(columns[1])
-            kept = tuple(np.concatenate([old, new[used]]) for old, new in zip(kept, columns, strict=True))
+            kept = [np.concatenate([old, new[used]]) for old, new in zip(kept, columns, strict=True)]
         last = kept[0].size - 1 - (RENUMBERED + 1 if columns is not None else 0)
         if last > done:
-            yield (*kept, done, last)  # type: ignore[misc]
+            time, angle, piece = kept
+            yield time, angle, piece, done, last
             cut = max(last - SEEN - 1, 0)
-            kept, done = tuple(each[cut:] for each in kept), last - cut
+            kept, done = [each[cut:] for each in kept], last - cut
 
 
 def _silence(time: Array, angle: Array, piece: Array, i: int, pitch: float, hardest: float | None) -> Silence | None:
     """The silence after edge `i`; None where a stop is all that is reckoned with."""
     sides = slice(max(i - SEEN, 0), i + 1), slice(i + 1, i + 2 + SEEN)
     earlier, later = (_speeds(time[side], angle[side]) for side in sides)
-    speeds = earlier[::-1], later
+    speeds = (earlier[::-1], later)
     begin, end = float(time[i]), float(time[i + 1])
     if min(each.size for each in speeds) < NEAR or not end > begin:
         return None
     before, after = (float(np.median(each)) for each in speeds)
-    lost = lost_probability(*speeds, pitch, hardest) if before * after > 0.0 else 0.0
+    lost = lost_probability(earlier[::-1], later, pitch, hardest) if before * after > 0.0 else 0.0
     if lost < UNLIKELY:
         return None
-    error = float(np.hypot(*(np.std(each) / np.sqrt(each.size) for each in speeds)))
+    error = float(np.sqrt(sum(np.var(each) / each.size for each in speeds)))
     found = Silence(
         begin=begin,
         end=end,
@@ -143,11 +144,12 @@ def _silence(time: Array, angle: Array, piece: Array, i: int, pitch: float, hard
         turns=0.0,
         until=np.inf,
     )
-    behind = slice(i + 1, i + 2 + RENUMBERED)
-    ahead = found.angle + found.travel + after * (time[behind] - end) - angle[behind]
-    turns = np.round(ahead / TURN) if found.is_lost else np.zeros(1)
-    right = np.flatnonzero((turns == 0.0) & (piece[behind] == found.piece)) if turns[0] else np.zeros(0, int)
-    return found._replace(turns=float(turns[0]), until=float(time[i + 1 + right[0]]) if len(right) else np.inf)
+    known = np.arange(i + 1, min(i + 2 + RENUMBERED, time.size))
+    ahead = found.angle + found.travel + after * (time[known] - end) - angle[known]
+    turns: Array = np.round(ahead / TURN) * float(found.is_lost)
+    right = (turns == 0.0) & (piece[known] == found.piece) & bool(turns[0])
+    until = float(time[known][right][0]) if np.any(right) else np.inf
+    return found._replace(turns=float(turns[0]), until=until)
 
 
 def _speeds(time: Array, angle: Array) -> Array:

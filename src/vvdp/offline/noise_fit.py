@@ -4,18 +4,17 @@ The innovations of a constant-speed Kalman filter are independent and Gaussian w
 likelihood of a log is a product over its edges. Derived in docs/logs.md.
 """
 
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.estimation.event_settings import EventFilter
 from vvdp.numerics.kalman import AngleSpeed, predict, update
-from vvdp.offline.estimate_result import portions
+from vvdp.offline.passed_edges import Passed
 from vvdp.offline.turn_pattern import (
     Candidate,
     SpeedRipple,
@@ -29,10 +28,6 @@ from vvdp.sensing.wheel import TURN
 from vvdp.simulation.link import quiet
 from vvdp.simulation.replay import Replay
 
-MOST_EDGES = 4096
-"""Edges that a fit is made of, at most."""
-FEWEST_EDGES = 64
-"""Edges below which nothing is fitted."""
 TURNS_OF_A_WHEEL = 8
 """A wheel's edges are placed from so many turns, at least."""
 MOST_PLACES = 256
@@ -108,51 +103,6 @@ def passage_step(memory: PassageMemory, passage: Passage, noise: Noise) -> tuple
     b = update(prior, innovation, R)
     after = AngleSpeed(b.angle - passage.angle, b.speed, b.angle_variance, b.covariance, b.speed_variance)
     return PassageMemory(after, 2.0), Surprise(innovation, prior.angle_variance + R)
-
-
-class Passed(NamedTuple):
-    """Edges of a log that have numbers: arrays of one length, in the order of time within each piece."""
-
-    times: Array  # [s]
-    numbers: Array
-    angles: Array  # where the wheel has them [rad]
-    sampling_variances: Array  # [rad^2]
-    pieces: Array
-
-
-def longest_pieces(file: Any, edge_variance: float) -> Passed | None:
-    """The settled edges of the longest pieces of result.h5, `MOST_EDGES` at most; None where they are too few.
-
-    edge_variance  is taken off their variances [rad^2]: what is left is from sampling
-    """
-    sizes, firsts, before = Counter[float](), dict[float, int](), 0
-    for piece, settled, number in portions(file, "edges/", "piece", "settled", "number"):
-        chosen = np.flatnonzero((settled > 0.0) & np.isfinite(number))
-        each, places, lengths = np.unique(piece[chosen], return_index=True, return_counts=True)
-        sizes.update(dict(zip(each.tolist(), lengths.tolist(), strict=True)))
-        firsts = dict(zip(each.tolist(), (before + chosen[places]).tolist(), strict=True)) | firsts
-        before += piece.size
-    found: list[Passed] = []
-    total, room = 0, MOST_EDGES
-    for longest in sorted(sizes, key=lambda each: -min(sizes[each], MOST_EDGES)):
-        if total >= MOST_EDGES:
-            break
-        own = _first_edges(file, firsts[longest], longest, room, edge_variance)
-        found += [own] if own.times.size > 2 else []
-        total, room = total + min(sizes[longest], MOST_EDGES), room - (own.times.size if own.times.size > 2 else 0)
-    return Passed(*map(np.concatenate, zip(*found, strict=True))) if MOST_EDGES - room >= FEWEST_EDGES else None
-
-
-def _first_edges(file: Any, first: int, wanted: float, most: int, edge_variance: float) -> Passed:
-    """The first edges of the piece `wanted` that can be used; the first of them stands in row `first`."""
-    names = ("time", "number", "angle", "variance", "piece")
-    columns = [file[f"edges/{name}"][first : first + 4 * MOST_EDGES] for name in names]
-    own = np.flatnonzero((columns[4] == wanted) & np.isfinite(columns[1]))[:MOST_EDGES]
-    own = own[np.diff(columns[0][own], prepend=-np.inf) > 0.0][:most]
-    t, numbers, angles, variances, pieces = (column[own] for column in columns)
-    sampled = np.fmax(variances - edge_variance, 0.0)
-    sampled[sampled < 1e-9 * edge_variance] = 0.0  # a difference's rounding
-    return Passed(t, numbers, angles, sampled, pieces)
 
 
 def time_resolution(times: Array, share: float = 1.0) -> float:
