@@ -3,6 +3,7 @@
 import ctypes
 import re
 import subprocess
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -149,7 +150,8 @@ def rows_of(machine, expected):
 def test_no_number_of_a_whole_run_differs(name, tmp_path):
     """Every row, command, memory and mark of the first half second, recorded as `vvdp run` does, and all counts."""
     system = load_system(name, (), "0.5 s")
-    expected = expected_of(simulate(system.model, system.case, system.stepping))
+    stepping = replace(system.stepping, average_from=None)  # where means begin, a run ends a step
+    expected = expected_of(simulate(system.model, system.case, stepping))
     for number, (compiler, flags) in enumerate(
         [(compiler, ("-O2",)) for compiler in compilers()] + [(compilers()[0], ("-O3", "-march=native"))]
     ):
@@ -157,11 +159,8 @@ def test_no_number_of_a_whole_run_differs(name, tmp_path):
         folder.mkdir()
         found = rows_of(Machine(system, folder, compiler, flags), expected)
         for key in found:
-            if key != "last_clock":
-                assert found[key].tobytes() == expected.numbers[key].tobytes(), (key, compiler, flags)
-        differs = np.flatnonzero(found["last_clock"] != expected.numbers["last_clock"].ravel())
-        assert set(differs.tolist()) <= {places.SPANS}  # spans of means are not exported
-        assert expected.times.size > 5000
+            assert found[key].tobytes() == expected.numbers[key].tobytes(), (key, compiler, flags)
+        assert expected.times.size > 2000
 
 
 @pytest.mark.skipif(not compilers(), reason="no C compiler")
