@@ -4,6 +4,7 @@ import ctypes
 import re
 import subprocess
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -44,6 +45,15 @@ def test_the_folder_repeats_a_run_to_the_last_bit(name, tmp_path):
     assert int(found[2]) > 31 * 40
     assert make(tmp_path, "example").stderr == ""
     assert len(subprocess.run(["./example"], cwd=tmp_path, capture_output=True, check=True).stdout.splitlines()) == 3
+
+
+def test_the_page_shows_what_the_folder_reports():
+    """The number of compared numbers, for the default number of samples."""
+    vectors = exported_folder(load_system("prototype"), MACHINE, 100).files["vectors.h"]
+    counts = {name: int(count) for name, count in re.findall(r"COUNT_(\w+) = (\d+)", vectors)}
+    total = sum(counts.values()) - counts["until"] - counts["times"]
+    page = (Path(__file__).parents[2] / "docs" / "c-export.md").read_text("utf-8")
+    assert f"prototype_machine: 0 of {total} numbers differ from vvdp\n" in page
 
 
 @pytest.mark.thorough
