@@ -6,6 +6,7 @@ import shutil
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -271,6 +272,14 @@ def test_no_parameter_without_effect_is_shown():
     assert reasons["motor.rated_power"] == "nothing that is simulated follows it"
     assert not reasons.keys() & {each.key for each in model.settables}
     assert {row.setting for row in model.system.rows} == reasons.keys() | {each.key for each in model.settables}
+
+
+def test_the_guide_shows_what_the_command_prints():
+    model = fmu_model(load_system("prototype"), ["load.area=area"])
+    free = len(model.settables) - len(model.inputs)
+    guide = (Path(__file__).parents[2] / "docs" / "command-line.md").read_text("utf-8")
+    line = f"{len(model.inputs)} inputs, {len(model.outputs)} outputs, {free} free parameters, {len(model.fixed)} fixed"
+    assert f"FMI 2: {line} values\n" in guide
 
 
 def test_inputs_and_outputs_are_chosen_and_renamed():

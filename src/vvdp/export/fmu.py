@@ -59,7 +59,7 @@ class Fmu:
             "inputs": model.inputs,
             "outputs": [each.name for each in model.outputs],
             "free_parameters": [each.name for each in model.settables if each.name not in model.inputs],
-            "fixed_parameters": dict(model.fixed),
+            "fixed_parameters": [{"key": key, "reason": why} for key, why in model.fixed],
             "compiler": self.compiler,
             "bytes": len(self.content),
             "binary_bytes": sum(map(len, binary)),
