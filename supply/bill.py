@@ -22,8 +22,8 @@ NAMESPACE = uuid.UUID("6d1f3f0e-5f5a-5a53-9d7e-0f7d1c3ad0f1")
 """Of the serial numbers, which follow from the locks."""
 
 STALE = "the bill is not that of the locks; write it with: make sbom"
-STATED = {"graphemeu": "MIT"}
-"""Licences of packages whose metadata have the words of a licence and not its name."""
+STATED = {"fmpy": "BSD-2-Clause", "graphemeu": "MIT"}
+"""Licences of packages whose metadata have the words of a licence and not its name, or only its file."""
 
 
 class Pin(NamedTuple):

@@ -81,7 +81,7 @@ def test_the_notice_names_every_dependency_and_marks_the_lgpl():
 
 def test_the_readme_says_what_each_extra_is_for():
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    rows = {row[1]: row[0] for row in re.finditer(r"^\| `(\w+)` \|.*$", readme, re.MULTILINE)}
+    rows = {row[1]: row[0] for row in re.finditer(r"^\| `([\w-]+)` \|.*$", readme, re.MULTILINE)}
     for extra, lines in EXTRAS.items():
         for package in map(_name, lines):
             assert package in rows[extra].lower(), (extra, package)

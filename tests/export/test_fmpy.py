@@ -1,13 +1,13 @@
 """FMUs in FMPy: no problem is found in the description, and all states have the bits of a run."""
 
+import fmpy
+import fmpy.validation as validation
 import numpy as np
 import pytest
 from tests.export.test_fmu import PERIOD, made, paths_of, pytestmark, run_of
 
 from vvdp.systems.system import load_system
 
-fmpy = pytest.importorskip("fmpy", reason="NOT TESTED: FMUs in FMPy, since it is not installed")
-validation = pytest.importorskip("fmpy.validation")
 __all__ = ["pytestmark"]
 
 

@@ -24,6 +24,8 @@ OPENS = {
     "daq": "estimate, of TDMS and MDF4",
     "data": "estimate, of Parquet",
     "docs": "make docs, the documentation as a site",
+    "fmi": "FMUs run in Python",
+    "fmi-cross": "export fmu without a C compiler",
     "geometry": "geometry",
     "notebook": "Run.to_xarray",
     "opt": "design, its pareto and tolerance",

@@ -163,7 +163,7 @@ def write_fmu(
     if made.compiler:
         tell(f"{facts['bytes']} bytes, {facts['binary_bytes']} of them the binary by {made.compiler}")
     else:
-        tell("no C compiler was found: the FMU has sources only; install one, or the package ziglang")
+        tell("no C compiler was found: the FMU has sources only; install one, or the extra `fmi-cross`")
     tell(f"FMU: {out}")
 
 
