@@ -96,6 +96,7 @@ def _answer(attack: Callable[[], Reading], folder: Path, pipe: int) -> None:
     _limit()
     tempfile.tempdir = str(folder)
     touched: list[str] = []
+    sys.dont_write_bytecode = True  # byte code that Python keeps is no file that an attack has touched
     sys.addaudithook(_watch(folder, touched))
     try:
         code, complaint = attack()

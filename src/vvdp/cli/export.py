@@ -18,7 +18,7 @@ Parquet = Annotated[
 
 @app.callback()
 def export() -> None:
-    """Export tables, a model as C or as an FMU, or a page that runs a system."""
+    """Export tables, C code, an FMU, or a page that runs."""
 
 
 @app.command("data", cls=Verb)

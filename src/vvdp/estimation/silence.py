@@ -28,6 +28,9 @@ LEAST = 1e-12
 DROPOUTS = 0.01
 """Losses of the sensor, for however long, for each stop of the wheel [1]; assumed."""
 
+REGULAR = 0.02
+"""Share of missed or ignored edges up to which a late edge hides no other [1]; assumed."""
+
 UNLIKELY = 0.05
 """Probability below which the wheel is not taken to have turned back [1]; assumed."""
 
@@ -191,12 +194,13 @@ def turned_back(stood: float, arrival: float, silence: Silence) -> float:
     """Variance of the angle turned through that a wheel leaves which may have turned back meanwhile [rad^2]: w^2/3.
 
     Forward, a sector w passes; back, up to two of them or none. Where that is unlikely, once the edge has come, or no
-    deceleration that a manoeuvre has can have done it in the time, nothing is reckoned with.
+    deceleration that a manoeuvre has can have done it in the time, nothing is reckoned with. If edges are missed, a
+    late edge may also hide some, and the same variance covers what they come to.
 
     stood    probability that the wheel stood, or slowed down until it would turn back, just before the edge [1]
     arrival  density in time with which the edge was expected of a wheel that goes on [1/s]
     """
-    if silence.reversal < LEAST:
+    if silence.reversal < LEAST and silence.irregular < REGULAR:
         return 0.0
     width = silence.next_edge - silence.last_edge
     turned = stood * STARTS / (stood * STARTS + (1.0 - stood) * arrival)
