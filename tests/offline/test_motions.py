@@ -1,5 +1,7 @@
 """Stated deviations of recorded logs on records of an own generator: coverage and squared errors, class by class."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from tests.offline.motions import CLASSES, record_of, score
@@ -16,6 +18,17 @@ CONFIDENT = {"stop": 0.02, "missed": 0.1}
 tells of the first milliseconds of a stop, and where many edges are missed a multiple of the sector passes for it."""
 SQUARES = {"stop": 100.0}
 """Largest mean square of errors of the speed over the stated variance, 3 of other classes, for the same reason."""
+NAMES = {
+    "uneven": "uneven sectors",
+    "stop": "stop and start",
+    "creep": "creep to a halt",
+    "ripple": "ripple (2, 3 or 5)",
+    "ripple, uneven": "ripple 3, uneven",
+    "missed": "2 to 40 % missed",
+    "double": "double edges",
+    "drift": "clock that drifts by 0.2 %",
+}
+"""Of classes that the page of logs calls otherwise."""
 COUNT_IN_DOUBT = {"missed"}
 """With many edges missed some turns are lost: the angle is not compared."""
 
@@ -60,3 +73,21 @@ def test_stated_deviations_cover_the_errors_of_each_class(estimated, numbers):
 def test_stated_deviations_cover_the_errors_of_600_records(estimated, kind, fit):
     numbers = range(kind, RECORDS, len(CLASSES))
     check(*scores(estimated, numbers, [fit] * len(numbers)))
+
+
+def table_row(name, default, fitted):
+    """A class in the table of docs/logs.md: coverage of speed and angle, and squares of the speed, both ways."""
+    cells = (
+        f"{mean(each, 'speed_covered'):.2f}/{mean(each, 'angle_covered'):.2f}; {mean(each, 'speed_nees'):.2g}"
+        for each in (default, fitted)
+    )
+    return f"| {name} | {' | '.join(cells)} |"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("place", range(len(CLASSES)), ids=[kind.__name__ for kind in CLASSES])
+def test_the_table_of_the_page_is_what_four_records_of_each_class_come_to(estimated, place):
+    page = (Path(__file__).parents[2] / "docs" / "logs.md").read_text("utf-8")
+    name, default = scores(estimated, SHORT[place], [False] * 4)
+    _, fitted = scores(estimated, SHORT[place], [True] * 4)
+    assert table_row(NAMES.get(name, name), default, fitted) in page
