@@ -30,6 +30,12 @@ def at(grey, x, y):
     [
         ('<polyline points="0,10 40,10"/>', (20, 10), (20, 14)),
         ('<g transform="translate(5 20)"><polyline points="0,10 40,10"/></g>', (25, 30), (25, 10)),
+        (
+            '<g transform="translate(5 40)"><g transform="scale(1 -1)"><path d="M 0 10 H 40"/></g></g>',
+            (25, 30),
+            (25, 50),
+        ),
+        ('<g transform="translate(40 20) scale(-1 1)"><path d="M 0 10 H 30"/></g>', (25, 30), (50, 30)),
         ('<polygon points="10,10 30,10 20,30" fill="#000000" stroke="none"/>', (20, 15), (12, 25)),
         ('<circle cx="20" cy="20" r="10"/>', (30, 20), (20, 20)),
         ('<rect x="10" y="10" width="20" height="15"/>', (10, 18), (20, 18)),

@@ -10,20 +10,23 @@ import numpy as np
 
 if TYPE_CHECKING:
     from matplotlib.patches import Patch
+    from matplotlib.transforms import Transform
 
 POINTS = 0.72
 """Of a pixel of the drawing, a hundredth of an inch [pt]."""
 DOTS = 150
 NUMBERS = re.compile(r"-?\d+(?:\.\d+)?")
 INHERITED = ("fill", "stroke", "stroke-width", "stroke-dasharray", "font-size", "text-anchor", "font-weight")
+TRANSFORMS = re.compile(r"(translate|scale)\(([^)]*)\)")
 Styles = Mapping[str, str]
-Offset = tuple[float, float]
+Point = tuple[float, float]
 
 
 def diagram_png(svg: str) -> bytes:
     """The diagram as a picture of 1.5 dots a pixel."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.transforms import Affine2D
 
     root = ElementTree.fromstring(svg[svg.index("<svg") :])
     left, top, width, height = _numbers(root.attrib["viewBox"])
@@ -32,8 +35,8 @@ def diagram_png(svg: str) -> bytes:
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set(xlim=(left, left + width), ylim=(top + height, top))
     axes.axis("off")
-    for order, (element, styles, offset) in enumerate(_leaves(root, {"font-size": "13"}, (0.0, 0.0))):
-        _draw(axes, element, styles, offset, order)
+    for order, (element, styles, place) in enumerate(_leaves(root, {"font-size": "13"}, Affine2D())):
+        _draw(axes, element, styles, place, order)
     content = io.BytesIO()
     figure.savefig(content, format="png", dpi=DOTS, metadata={"Software": None})
     return content.getvalue()
@@ -43,27 +46,35 @@ def _numbers(text: str) -> list[float]:
     return [float(each) for each in NUMBERS.findall(text)]
 
 
-def _leaves(node: ElementTree.Element, styles: Styles, offset: Offset) -> Iterator[tuple[Any, Styles, Offset]]:
-    """Everything that is drawn, in its order, with what it inherits."""
+def _leaves(node: ElementTree.Element, styles: Styles, place: "Transform") -> Iterator[tuple[Any, Styles, "Transform"]]:
+    """Everything that is drawn, in its order, with what it inherits and where its own coordinates lie."""
     own = {**styles, **{key: node.attrib[key] for key in INHERITED if key in node.attrib}}
-    if "transform" in node.attrib:
-        x, y = _numbers(node.attrib["transform"])
-        offset = offset[0] + x, offset[1] + y
+    for name, numbers in TRANSFORMS.findall(node.attrib.get("transform", "")):
+        place = _placement(name, _numbers(numbers), place)
     if _tag(node) not in ("g", "svg"):
-        yield node, own, offset
+        yield node, own, place
         return
     for child in node:
-        yield from _leaves(child, own, offset)
+        yield from _leaves(child, own, place)
+
+
+def _placement(name: str, numbers: list[float], place: "Transform") -> "Transform":
+    """Coordinates that lie shifted, or scaled and mirrored, in others."""
+    from matplotlib.transforms import Affine2D
+
+    own = Affine2D()
+    (own.translate if name == "translate" else own.scale)(*numbers)
+    return own + place
 
 
 def _tag(node: ElementTree.Element) -> str:
     return node.tag.rpartition("}")[2]
 
 
-def _draw(axes: Any, node: ElementTree.Element, styles: Styles, offset: Offset, order: int) -> None:
+def _draw(axes: Any, node: ElementTree.Element, styles: Styles, place: "Transform", order: int) -> None:
     tag = _tag(node)
     if tag == "text":
-        _write(axes, node, styles, offset, order)
+        _write(axes, node, styles, place, order)
     elif tag != "title":
         patch = _patch(tag, {key: node.attrib[key] for key in node.attrib})
         patch.set(
@@ -75,15 +86,9 @@ def _draw(axes: Any, node: ElementTree.Element, styles: Styles, offset: Offset, 
             joinstyle="round",
             snap=False,
             zorder=order,
-            transform=_shift(offset) + axes.transData,
+            transform=place + axes.transData,
         )
         axes.add_patch(patch)
-
-
-def _shift(offset: Offset) -> Any:
-    from matplotlib.transforms import Affine2D
-
-    return Affine2D().translate(*offset)
 
 
 def _dashes(styles: Styles) -> Any:
@@ -131,7 +136,7 @@ def _path(text: str) -> Any:
     return Path(points, codes)
 
 
-def _arc(begin: Offset, end: Offset, radius: float, left: bool) -> list[tuple[float, float]]:
+def _arc(begin: Point, end: Point, radius: float, left: bool) -> list[tuple[float, float]]:
     """Points of a circle's arc; `left` is on which side of the way to its end the centre lies."""
     a, b = complex(*begin), complex(*end)
     half, away = 0.5 * (b - a), np.sqrt(max(radius**2 - abs(0.5 * (b - a)) ** 2, 0.0))
@@ -142,10 +147,10 @@ def _arc(begin: Offset, end: Offset, radius: float, left: bool) -> list[tuple[fl
     return [(float(point.real), float(point.imag)) for point in around]
 
 
-def _write(axes: Any, node: ElementTree.Element, styles: Styles, offset: Offset, order: int) -> None:
+def _write(axes: Any, node: ElementTree.Element, styles: Styles, place: "Transform", order: int) -> None:
     """A text of one line, or of lines one below the other."""
     anchors = {"start": "left", "middle": "center", "end": "right"}
-    x, y = offset[0] + float(node.attrib["x"]), offset[1] + float(node.attrib["y"])
+    x, y = place.transform((float(node.attrib["x"]), float(node.attrib["y"])))
     for line in [node, *node]:
         if not line.text:
             continue
