@@ -130,19 +130,21 @@ def _path(text: str) -> Any:
             points += [(n[0], n[1]), (n[2], n[3])]
             codes += [Path.CURVE3, Path.CURVE3]
         else:
-            arc = _arc(points[-1], (n[5], n[6]), n[0], n[3] != n[4])
+            arc = _arc(points[-1], (n[5], n[6]), n[0], is_large=bool(n[3]), is_rising=bool(n[4]))
             points += arc
             codes += [Path.LINETO] * len(arc)
     return Path(points, codes)
 
 
-def _arc(begin: Point, end: Point, radius: float, left: bool) -> list[tuple[float, float]]:
-    """Points of a circle's arc; `left` is on which side of the way to its end the centre lies."""
+def _arc(begin: Point, end: Point, radius: float, *, is_large: bool, is_rising: bool) -> list[tuple[float, float]]:
+    """Points of a circle's arc, of which two are possible on each side: more than half of the circle where it
+    `is_large`, with the angle growing from the first axis to the second where it `is_rising`.
+    """
     a, b = complex(*begin), complex(*end)
     half, away = 0.5 * (b - a), np.sqrt(max(radius**2 - abs(0.5 * (b - a)) ** 2, 0.0))
-    centre = a + half + (1.0 if left else -1.0) * away * 1j * half / abs(half)
+    centre = a + half + (1.0 if is_large != is_rising else -1.0) * away * 1j * half / abs(half)
     first, last = np.angle(a - centre), np.angle(b - centre)
-    turn = (last - first) % (2.0 * np.pi) if left else -((first - last) % (2.0 * np.pi))
+    turn = (last - first) % (2.0 * np.pi) if is_rising else -((first - last) % (2.0 * np.pi))
     around = centre + abs(a - centre) * np.exp(1j * (first + turn * np.linspace(0.0, 1.0, 24)[1:]))
     return [(float(point.real), float(point.imag)) for point in around]
 
