@@ -1,5 +1,6 @@
 """Exercises of a course: a question about a circuit, the answer by simulation, the usual mistakes in words."""
 
+import math
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -15,13 +16,13 @@ from vvdp.base.units import parse
 from vvdp.results.result import Number
 
 Mistake = tuple[Callable[[float], float], str]
-"""What is found instead of the right number [SI], and in words what went wrong."""
+"""The wrong number [SI] that a mistake gives instead of the right one, and a sentence on the mistake."""
 ALWAYS: tuple[Mistake, ...] = (
     (lambda right: -right, "The number is right, its sign is not: look at which way is positive."),
     (lambda right: 60.0 * right, "That is 60 times too large: seconds and minutes are mixed up."),
     (lambda right: right / 60.0, "That is 60 times too small: seconds and minutes are mixed up."),
-    (lambda right: 6.2831853 * right, "That is 2 pi times too large: radians and revolutions are mixed up."),
-    (lambda right: right / 6.2831853, "That is 2 pi times too small: radians and revolutions are mixed up."),
+    (lambda right: math.tau * right, "That is 2 pi times too large: radians and revolutions are mixed up."),
+    (lambda right: right / math.tau, "That is 2 pi times too small: radians and revolutions are mixed up."),
     (lambda right: 2.0 * right, "That is twice as much as it should be."),
     (lambda right: 0.5 * right, "That is half of what it should be."),
     (lambda right: 10.0 * right, "That is 10 times too large: is the unit the one that you meant?"),
@@ -29,13 +30,13 @@ ALWAYS: tuple[Mistake, ...] = (
     (lambda right: 1e3 * right, "That is 1000 times too large: look at the powers of ten of the units."),
     (lambda right: 1e-3 * right, "That is 1000 times too small: look at the powers of ten of the units."),
 )
-"""What goes wrong in any exercise."""
+"""Mistakes that are possible in every exercise."""
 USAGE = 2
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What is to be said of an answer."""
+    """Whether an answer is right, and the sentence on it."""
 
     is_right: bool
     words: str
