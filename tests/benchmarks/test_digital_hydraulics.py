@@ -140,10 +140,12 @@ def test_codes_of_the_flow_control_unit_by_counting():
 
 @pytest.mark.parametrize("case", REFERENCES)
 def test_hard_circuits_by_closed_form_or_another_integration(case):
-    found, wanted = REFERENCES[case](given(case)), expected(case)
-    assert {*found} == {*wanted} and {*REFERENCES} == {*hard_circuits.HARD}
-    for quantity, value in wanted.items():
-        assert float(found[quantity]) == pytest.approx(value, rel=2e-6, abs=1e-9), quantity
+    """Within a fiftieth of the bounds: another processor's rounding alone moves an integration by a quarter of that."""
+    found, table = REFERENCES[case](given(case)), CHECK.read_table(SET / case / "expected.csv")
+    assert {*found} == {row["quantity"] for row in table} and {*REFERENCES} == {*hard_circuits.HARD}
+    for row in table:
+        bound = 0.5 * (float(row["upper"]) - float(row["lower"]))
+        assert float(found[row["quantity"]]) == pytest.approx(float(row["expected"]), abs=0.02 * bound), row["quantity"]
 
 
 def test_a_circuit_whose_balances_do_not_close_has_no_answer(monkeypatch):
