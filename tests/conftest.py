@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -23,9 +24,20 @@ settings.register_profile("search", deadline=None)
 settings.load_profile("same")
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Put heavy files first: the light ones fill what time is left at the end of a run."""
+    """Put heavy files first: the light ones fill what time is left at the end of a run.
+
+    Of the cases of a test that is sampled(n), every nth stays in the short tests and the others are thorough ones.
+    """
     items.sort(key=lambda item: item.get_closest_marker("heavy") is None)
+    cases: Counter[str] = Counter()
+    for item in items:
+        if sampled := item.get_closest_marker("sampled"):
+            test = item.nodeid.partition("[")[0]
+            if cases[test] % sampled.args[0]:
+                item.add_marker("thorough")
+            cases[test] += 1
 
 
 def required_program(name: str) -> str:

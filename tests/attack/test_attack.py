@@ -19,6 +19,7 @@ def command(*words):
     return subprocess.run([sys.executable, "-m", "tests.attack", *words], cwd=ROOT, capture_output=True, text=True)
 
 
+@pytest.mark.thorough
 def test_a_sixtieth_of_the_files_is_refused_or_read_as_it_stands():
     done = command("--share", "0.0166")
     assert done.returncode == 0, done.stdout

@@ -11,6 +11,7 @@ SAID = {"wave sampled too slowly": "samples|alias"}
 seeds = pytest.mark.parametrize("seed", [0, *(pytest.param(each, marks=pytest.mark.slow) for each in range(1, 8))])
 
 
+@pytest.mark.sampled(4)
 @seeds
 @pytest.mark.parametrize("name", MISTAKES)
 def test_no_speed_is_wrong_by_a_factor_unless_the_first_warning_says_so(name, seed):

@@ -62,6 +62,7 @@ def order(valve) -> RailOrder:
     return RailOrder(valve, given_shape(valve, None, [])[0], Fluid(876.0, 0.0387), 40.0 / 60e3, 8.0)
 
 
+@pytest.mark.thorough
 def test_drop_split_and_balance_are_what_they_were(made):
     told = made.told
     assert told["pressure_drop_Pa"] == pytest.approx(DROP, rel=0.02)
@@ -86,6 +87,7 @@ def test_two_cores_find_what_one_finds(made, tmp_path):
         assert read_result(folder).conditions[wording.cfd.cores_for_each] == cores
 
 
+@pytest.mark.thorough
 def test_areas_are_those_of_formula_surface_and_mesh(made, valve, order):
     told = made.told
     assert told["opening_area_m2"] == pytest.approx(valve.nozzle_area, rel=1e-3)
@@ -95,15 +97,18 @@ def test_areas_are_those_of_formula_surface_and_mesh(made, valve, order):
     assert told["discharge_coefficient"] == pytest.approx(coefficient)
 
 
+@pytest.mark.thorough
 def test_every_key_is_described(made, keys_as_described):
     keys_as_described("cfd rail", made.told)
 
 
+@pytest.mark.thorough
 def test_it_tells_how_far_it_is(made):
     assert wording.cfd.mesher.format(program="snappyHexMesh") in made.err
     assert wording.cfd.second_order in made.err
 
 
+@pytest.mark.thorough
 def test_a_finished_run_is_read_and_not_repeated(made):
     logs = {path: path.stat().st_mtime_ns for path in (made.folder / "case").glob("log.s*")}
     said = say("prototype", "--flow", "40 lpm", "--out", str(made.folder), "--json")
@@ -113,12 +118,14 @@ def test_a_finished_run_is_read_and_not_repeated(made):
     assert said.err == ""
 
 
+@pytest.mark.thorough
 def test_another_flow_needs_another_place(made):
     said = say("prototype", "--flow", "20 lpm", "--out", str(made.folder))
     assert said.code == 2
     assert wording.cfd.holds_another_case in said.err
 
 
+@pytest.mark.thorough
 def test_the_page_shows_geometry_sections_and_how_it_settled(made):
     page = (made.folder / "report.html").read_text("utf-8")
     assert {path.stem for path in (made.folder / "figures").glob("*.svg")} == {
@@ -135,12 +142,14 @@ def test_the_page_shows_geometry_sections_and_how_it_settled(made):
     assert read_result(made.folder).verb == "cfd rail"
 
 
+@pytest.mark.thorough
 def test_the_disk_is_bounded(made):
     """Surface and mesh, the start and a few states: under a kilobyte for each cell and state."""
     size = sum(path.stat().st_size for path in made.folder.rglob("*") if path.is_file())
     assert size < 20e6
 
 
+@pytest.mark.thorough
 def test_a_terminal_is_told_the_same(made):
     said = say("prototype", "--flow", "40 lpm", "--out", str(made.folder))
     assert wording.cfd.pressure_drop in said.out

@@ -166,6 +166,7 @@ def test_a_mesh_is_copied_from_a_case_that_has_it(pipe, openfoam, tmp_path):
     assert found.judgement.value == pytest.approx(2.0 * first.judgement.value, rel=1e-3)
 
 
+@pytest.mark.thorough
 def test_two_cores_give_the_same(pipe, openfoam, tmp_path):
     one, two = (solve(pipe, tmp_path / str(cores), openfoam, cores, silent) for cores in (1, 2))
     assert two.judgement.value == pytest.approx(one.judgement.value, rel=1e-6)

@@ -26,6 +26,7 @@ def errors(make, exact, counts, openfoam, folder):
     return found
 
 
+@pytest.mark.thorough
 def test_a_laminar_pipe_has_the_drop_of_hagen_and_poiseuille(openfoam, tmp_path):
     """Force on the wall of a slice; measured 2.3, 0.62 and 0.16 % at 5, 10 and 20 cells along the radius."""
     exact = pipe_force(PIPE, OIL) * WEDGE / (2.0 * math.pi)
@@ -36,6 +37,7 @@ def test_a_laminar_pipe_has_the_drop_of_hagen_and_poiseuille(openfoam, tmp_path)
     assert found[-1] < 2e-3
 
 
+@pytest.mark.thorough
 def test_turning_cylinders_have_the_torque_of_couette(openfoam, tmp_path):
     """Measured 3.1, 0.67 and 0.15 % at 4, 8 and 16 cells across the gap."""
     exact = cylinders_torque(PAIR, OIL)

@@ -24,6 +24,7 @@ def test_what_there_is_is_listed(vvdp, here):
     assert list(here.iterdir()) == []
 
 
+@pytest.mark.thorough
 def test_files_and_page(vvdp, here):
     answer = vvdp("compare", "controllers", *QUICK, "--out", "found")
     assert answer.code == 0, answer.err

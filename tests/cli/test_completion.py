@@ -29,6 +29,7 @@ def offered(tmp_path):
     return ask
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     ("words", "expected"),
     [

@@ -105,6 +105,7 @@ def test_a_wave_taken_for_a_counter_is_told(vvdp, here):
     assert done.code == 0 and wording.estimate.counts_not_whole in done.out
 
 
+@pytest.mark.thorough
 def test_a_wave_with_pressure_and_all_options(vvdp, bench, keys_as_described):
     options = ("--wave", "photodiode", "--pressure", "inlet", "--sections", "3", "--output-rate", "500 Hz", "--smooth")
     done = vvdp("estimate", bench, *options, "--json", "--out", "r")

@@ -161,6 +161,7 @@ UNTOLD = ("package beside", "code on record in it", "an installed function", "a 
 ALL = [*((name, "run") for name in RUNS), *((name, "result") for name in RESULTS)]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("name", "kind"), ALL, ids=[name for name, _ in ALL])
 def test_no_command_runs_or_writes_what_a_hostile_directory_asks_for(
     vvdp, here, outside, sound_run, sound_result, name, kind

@@ -123,6 +123,7 @@ def test_an_interrupt_in_a_callback_is_not_lost():
     assert (answer.stdout, answer.stderr) == ("again\n", "")
 
 
+@pytest.mark.thorough
 def test_names_that_are_not_utf_8(here):
     """Written with backslash escapes, on the screen and in the results, which are kept."""
     text = (Path(package.__file__).parent / "systems" / "data" / "buck-converter.toml").read_bytes()

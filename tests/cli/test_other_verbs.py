@@ -39,6 +39,7 @@ def test_list_names_shipped_systems_and_those_in_the_folder(vvdp, here):
         assert other not in listed.out
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", list(shipped_systems()))
 def test_show_names_every_value_with_its_origin(vvdp, name):
     shown, system = vvdp("show", name), load_system(name)

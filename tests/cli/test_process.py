@@ -77,6 +77,7 @@ def test_a_reader_that_leaves_early_is_no_error(process):
         assert "Traceback" not in running.stderr.read()
 
 
+@pytest.mark.thorough
 def test_file_names_that_are_no_text(process, tmp_path):
     source = (Path(vvdp.__file__).parent / "systems" / "data" / "prototype.toml").read_bytes()
     (tmp_path / os.fsdecode(b"odd\xff.toml")).write_bytes(source)

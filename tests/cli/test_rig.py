@@ -60,6 +60,7 @@ def test_table_pictures_and_page(vvdp, here, keys_as_described, verb, system, ta
     assert wording.files.already_exists in refused.err
 
 
+@pytest.mark.thorough
 def test_pressures_are_said_to_be_gauge_where_there_are_levels(vvdp, here):
     """Of drops and gains there is none; the table of a sweep of the ripple has the mean load pressure."""
     vvdp("rig", "pressure-drop", "prototype", "--out", "drop")
@@ -154,6 +155,7 @@ def test_the_page_can_be_written_anew(vvdp, here):
     assert "ISO 4411" in Path("drop/report.html").read_text("utf-8")
 
 
+@pytest.mark.thorough
 def test_the_page_of_a_design_can_be_written_anew(vvdp, here):
     vvdp("design", "temperature", "prototype", "--out", "warm")
     page = Path("warm/report.html")

@@ -134,6 +134,7 @@ def test_force_replaces_results_and_only_those(vvdp, here):
     assert (here / "out" / "meta.json").stat().st_mtime_ns != before
 
 
+@pytest.mark.thorough
 def test_default_directories_do_not_collide(vvdp, here):
     outs = {json.loads(vvdp("run", "prototype", *SHORT, "--json").out)["out"] for _ in range(3)}
     assert len(outs) == 3

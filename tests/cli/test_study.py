@@ -83,6 +83,7 @@ def test_engine_of_the_guide():
     assert scope["found"] == {item: divmod(item, cores) for item in (7, 8, 9)}
 
 
+@pytest.mark.thorough
 def test_a_study_on_dask_is_the_study_here(vvdp, here):
     (here / "duty.toml").write_text(blocks("toml")[0])
     at_home = json.loads(vvdp("study", "duty.toml", "--json", "--out", "one").out)

@@ -45,6 +45,7 @@ def stands_in(said: str, shown: list[float]) -> bool:
     return any(abs(each * scale - value) <= last for each in shown for scale in (1.0, 100.0))
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
 def test_the_page_does_what_it_says(path, vvdp, here, is_shown, capsys):
     left, ran = {}, 0

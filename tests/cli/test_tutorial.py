@@ -5,6 +5,7 @@ import re
 import shlex
 from pathlib import Path
 
+import pytest
 from tests.words import wording
 
 from vvdp.generator.source import known_text
@@ -35,6 +36,7 @@ def run_blocks(page, vvdp, capsys):
     return ran, said
 
 
+@pytest.mark.thorough
 def test_the_crankshaft_does_what_is_said(vvdp, here, capsys):
     ran, said = run_blocks((FOLDER / "crank-wheel.md").read_text("utf-8"), vvdp, capsys)
     assert ran == ["python", "python", "sh", "python", "python"]

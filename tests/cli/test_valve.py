@@ -86,6 +86,7 @@ def test_what_must_add_up(vvdp):
     assert found["torque_friction_N_m"] == pytest.approx(turning, rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_flow_and_temperature_come_from_the_system(vvdp):
     """22.8 cc at 900 rpm are 20.52 lpm; the pump leaks 2.45e-12 m^3/(s Pa) at the mean pressure of its outlet."""
     found = asked(vvdp, "--set", "operation.pump_speed=900 rpm", "--set", "operation.oil_temperature=50 degC")
@@ -95,12 +96,14 @@ def test_flow_and_temperature_come_from_the_system(vvdp):
     assert found["temperature_K"] == pytest.approx(323.15)
 
 
+@pytest.mark.thorough
 def test_units_of_the_option_do_not_matter(vvdp):
     one, other = asked(vvdp, "--flow", "60 lpm"), asked(vvdp, "--flow", "1e-3 m^3/s")
     numbers = [key for key, value in one.items() if isinstance(value, float)]
     assert [one[key] for key in numbers] == pytest.approx([other[key] for key in numbers], rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_several_points_give_one_list_per_key(vvdp):
     found = asked(vvdp, "--flow", "20 lpm", "--flow", "40 lpm", "--temperature", "30 degC", "--temperature", "40 degC")
     whole = ("verb", "system", "finished")
@@ -120,6 +123,7 @@ def test_one_point_gives_plain_numbers(vvdp):
     assert all(isinstance(value, float) for value in found.values())
 
 
+@pytest.mark.thorough
 def test_the_load_pressure_used_is_said(vvdp):
     assert wording.valve.initial_load_pressure.format(pressure="100 bar") in vvdp("valve", "prototype").out
     constant = vvdp("valve", "prototype-constant-load", "--set", "load.pressure=80 bar")
@@ -198,6 +202,7 @@ def test_ranges_hold_each_number_and_each_other(constant_load):
         assert each["low"] <= constant_load[key] <= each["high"], key
 
 
+@pytest.mark.thorough
 def test_the_length_of_the_helix_sets_the_transition_loss(vvdp, constant_load):
     """By an independent program: 1416, 1333, 1245 and 1179 W at 18, 20.32, 23.3 and 26 mm."""
     found = (

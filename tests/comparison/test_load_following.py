@@ -99,6 +99,7 @@ def test_load_sensing_gives_the_flow_at_a_margin_above_the_load(sensing):
         assert sensing.valve_loss(0, way[0]) == pytest.approx(MARGIN * sensing.flow(0, way), rel=1e-2)
 
 
+@pytest.mark.thorough
 def test_three_loads_lose_the_margin_and_what_each_lies_below_the_highest(three):
     """margin Q + (P_max - P_i) Q_i over the valves of each, and (Q + G P) P from the drive."""
     for way in three.ways:

@@ -29,6 +29,7 @@ def table():
     return noise_model_table(scratched(0.2e-3), NoiseTrial())
 
 
+@pytest.mark.thorough
 def test_models_states_and_margins(table):
     assert list(table["model"]) == [
         "lumped",
@@ -68,6 +69,7 @@ def test_generator_refuses_a_period_between_samples():
         noise_model_table(SHAPE, NoiseTrial(spool_speed=2.0 * np.pi * 9.7), ())
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(("hertz", "harmonics"), [(22.5, 5), (13.0, 5), (11.6, 5), (22.5, 20)])
 def test_margin_of_a_basis_is_the_analytic_one(hertz, harmonics):
     speed, own = 2.0 * np.pi * hertz, np.sqrt(2594.0 / 0.5)

@@ -122,6 +122,7 @@ def variants():
             yield pytest.param(name, settings, id=f"{name}, {word}")
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("name", "settings"), [*variants()])
 def test_right_hand_side_is_independent_of_units(name, settings):
     """Rates scale as state over time. Rounding, and the still flow: flows above 1e-6 m^3/s, so 1e-11 of the rates.

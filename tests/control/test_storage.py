@@ -161,6 +161,7 @@ def test_trapezoid_of_5_mm(drive, passive, law):
     assert np.max(excesses) < 1e-7
 
 
+@pytest.mark.thorough
 def test_trapezoid_by_backstepping(drive, passive, backstepping):
     """9.16 um with the table's gains, 18.4 um with the passive ones, 7.45 um with them and lambda_2 = V/beta."""
     mild = replace(backstepping, position_gain=55.0, velocity_gain=4.0)

@@ -64,6 +64,7 @@ def test_what_a_person_sees(designing, tmp_path):
     assert "optimum" in (next((tmp_path / "results").iterdir()) / "optimum.toml").read_text("utf-8")
 
 
+@pytest.mark.thorough
 def test_least_loss_keeps_the_frequency_and_holds_in_simulation(designing, tmp_path):
     code, out, err = designing("prototype", "--starts", "2", "--json", "--out", "there")
     assert code == 0, err
@@ -79,6 +80,7 @@ def test_least_loss_keeps_the_frequency_and_holds_in_simulation(designing, tmp_p
     assert wording.design.analytic_map in page
 
 
+@pytest.mark.thorough
 def test_an_optimum_that_only_closed_forms_believe_in(designing, tmp_path):
     """5.5 Hz against an accumulator of 50 cc: two fifths of the loss in closed form, four fifths in the simulation."""
     code, out, _ = designing("prototype", "--starts", "2", "--no-usual-limits", "--out", "there")
@@ -99,6 +101,7 @@ def test_an_optimum_that_only_closed_forms_believe_in(designing, tmp_path):
     assert wording.design.not_borne_out in page
 
 
+@pytest.mark.thorough
 def test_shape_that_cannot_be_built_with_usual_lengths_is_told(designing, tmp_path):
     code, out, _ = designing("prototype", *FIXED, *CLEARANCE, "--no-simulation", "--starts", "1", "--json")
     assert code == 0
@@ -107,6 +110,7 @@ def test_shape_that_cannot_be_built_with_usual_lengths_is_told(designing, tmp_pa
     assert wording.design.root_length.format(length="15.37 mm", limit="8.852 mm") in warnings
 
 
+@pytest.mark.thorough
 def test_options_may_stand_first(designing):
     code, out, _ = designing("--no-simulation", "--starts", "1", "--json", *FIXED, "prototype")
     assert code == 0
@@ -147,6 +151,7 @@ def test_interrupted_before_anything_is_found_leaves_nothing(designing, tmp_path
     assert not (tmp_path / "there").exists()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("where", ["vvdp.design.optimise._global_search", "vvdp.design.proof.simulate"])
 def test_interrupted_later_keeps_what_was_found(designing, tmp_path, monkeypatch, where):
     """In the global search, and in the simulation of the optimum."""
@@ -163,6 +168,7 @@ def test_interrupted_later_keeps_what_was_found(designing, tmp_path, monkeypatch
     assert (tmp_path / "there" / "report.html").is_file()
 
 
+@pytest.mark.thorough
 def test_interrupted_while_limits_are_moved_keeps_the_simulations(designing, tmp_path, monkeypatch):
     """In the first of the optima with a limit moved: no curve is whole, all else is there."""
 
@@ -182,6 +188,7 @@ def test_interrupted_while_limits_are_moved_keeps_the_simulations(designing, tmp
     assert (tmp_path / "there" / "report.html").is_file()
 
 
+@pytest.mark.thorough
 def test_a_limit_of_zero_is_shown_without_an_elasticity(designing, tmp_path):
     arguments = ("prototype", "--minimise", "load_pulsation", "--subject-to", "relief_margin >= 0 bar", *CLEARANCE)
     code, out, err = designing(*arguments, "--no-simulation", "--starts", "1", "--out", "there")
@@ -204,6 +211,7 @@ def test_a_limit_of_zero_is_shown_without_an_elasticity(designing, tmp_path):
     assert not any(wording.design.relief_margin in words for words in result.tables["curves"]["moved"])
 
 
+@pytest.mark.thorough
 def test_cycle(designing, tmp_path):
     (tmp_path / "cycle.toml").write_text(
         '[[points]]\nweight = 2\n"operation.duty_ratio" = "0.4"\n'

@@ -140,6 +140,7 @@ def test_gradients_are_those_of_differences():
                 assert exact[quantity][k] / scale == pytest.approx(slope / scale, abs=1e-7), (quantity, name)
 
 
+@pytest.mark.thorough
 def test_multipliers_are_what_a_moved_limit_does(prototype):
     """Elasticity by solving again with the limit 1 % up and down; its error is of second order, 1e-4."""
     limits, bounds = [FAST, "transition_fraction <= 0.4"], ["radial_clearance <= 22.5 um"]

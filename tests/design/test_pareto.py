@@ -142,6 +142,7 @@ def test_command_for_a_front(designing, tmp_path, keys_as_described):
     assert len((tmp_path / "there" / "front.csv").read_text("utf-8").splitlines()) == count + 1
 
 
+@pytest.mark.thorough
 def test_command_for_a_front_and_a_person(designing):
     code, out, err = designing("pareto", "prototype", "--points", "8", "--generations", "2")
     assert code == 0
@@ -150,6 +151,7 @@ def test_command_for_a_front_and_a_person(designing):
     assert wording.design.generations in err
 
 
+@pytest.mark.thorough
 def test_a_front_over_a_cycle(designing, tmp_path):
     """The usual frequency is one demand on the mean; transition, shut relief valve and motor are demanded at each of
     two points: 7 numbers, and 2 of the geometry."""
@@ -208,6 +210,7 @@ def test_interrupted_front_keeps_its_designs(prototype):
         assert np.all(is_undominated(found.costs))
 
 
+@pytest.mark.thorough
 def test_only_what_the_simulation_confirms_is_on_the_front(designing, tmp_path):
     """The front of loss, ripple, size and frequency keeps the usual limits, and what is refused stands apart."""
     arguments = ("pareto", "prototype", "--points", "12", "--generations", "6")
@@ -238,6 +241,7 @@ def test_only_what_the_simulation_confirms_is_on_the_front(designing, tmp_path):
     assert wording.design.relief_margin_limit.format(margin="0 bar") + wording.design.usual in page
 
 
+@pytest.mark.thorough
 def test_without_simulation_nothing_is_confirmed(designing, tmp_path):
     arguments = ("--points", "12", "--generations", "6", "--no-usual-limits", "--no-simulation", "--out", "there")
     code, out, err = designing("pareto", "prototype", *arguments, "--json")
@@ -293,6 +297,7 @@ def test_a_batch_simulates_as_single_runs_do(prototype):
     assert crawling.doubts
 
 
+@pytest.mark.thorough
 def test_interrupted_in_the_simulation_keeps_the_front(designing, tmp_path, monkeypatch):
     def stopped(*_, **__):
         raise KeyboardInterrupt

@@ -104,6 +104,7 @@ def test_a_chamber_of_constant_pressure_by_quadrature(at):
     assert found.loss == pytest.approx(at.flow * (tank + load), rel=5e-3)
 
 
+@pytest.mark.thorough
 def test_the_best_precharge_lies_between_its_neighbours(at):
     bypass = usual_bypass(FLOW)
     best = best_chamber(at, bypass)

@@ -150,6 +150,7 @@ def test_faults_of_spreads_are_told_together(bench):
         tolerance(bench, spreads(bench), runs=100)
 
 
+@pytest.mark.thorough
 def test_command(designing, tmp_path, keys_as_described):
     code, out, err = designing("tolerance", NAME, "--samples", "256", "--runs", "32", "--json", "--out", "there")
     assert code == 0, err
@@ -170,6 +171,7 @@ def test_command(designing, tmp_path, keys_as_described):
     assert found["runs"] == 32
 
 
+@pytest.mark.thorough
 def test_command_for_a_person(designing):
     code, out, _ = designing(
         "tolerance", NAME, "--no-simulation", "--samples", "64", "--spread", "air_fraction: 1 % to 2 %"
@@ -179,6 +181,7 @@ def test_command_for_a_person(designing):
     assert any(line.split()[5:9] == ["1", "%", "2", "%"] for line in out.splitlines())
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("setting", "told"),
     [
@@ -202,6 +205,7 @@ def test_closed_forms_out_of_their_range_are_told(designing, tmp_path, setting, 
     assert told[:1].upper() + told[1:] in page
 
 
+@pytest.mark.thorough
 def test_no_efficiency_where_nothing_is_delivered(designing):
     """Prototype: the transitions cost the load 0.0689 of the pump's flow, leakage and compression the rest to 0.0786:
     26 W + 38 W of 40 lpm times 100 bar, 6667 W, are 0.0097."""
@@ -218,6 +222,7 @@ def test_no_efficiency_where_nothing_is_delivered(designing):
     assert code == 0
 
 
+@pytest.mark.thorough
 def test_few_samples_are_told(designing):
     code, out, _ = designing("tolerance", NAME, "--no-simulation", "--samples", "16")
     assert code == 0
@@ -296,6 +301,7 @@ def test_ends_of_each_input_alone_are_in_the_result(simulated):
     assert set(simulated.ranges.nominal) == {key(name, WORDS[name][0]) for name in simulated.scatter}
 
 
+@pytest.mark.thorough
 def test_an_input_that_contradicts_the_system_is_told(bench):
     """An ideal relief valve has no opening time, whatever the draw."""
     taken = spreads(
@@ -309,6 +315,7 @@ def test_an_input_that_contradicts_the_system_is_told(bench):
         tolerance(bench, alone, samples=16, runs=16)
 
 
+@pytest.mark.thorough
 def test_without_simulation_what_no_closed_form_knows_is_named(designing, tmp_path):
     code, _, err = designing("tolerance", NAME, "--no-simulation", "--samples", "16", "--out", "there", "--spread",
                              "relief_valve.opening_time: 1 ms to 15 ms")  # fmt: skip

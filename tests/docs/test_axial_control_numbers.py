@@ -70,6 +70,7 @@ def row_of(name: str) -> list[float]:
     return [float(re.search(r"[\d.]+", cell)[0]) for cell in row.split("|")]
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", [*CASES, *SINES])
 def test_figures_of_chapter_5(name):
     found = tracking(CASES[name]) if name in CASES else tracking(SINES[name], 1.0)
@@ -118,6 +119,7 @@ def test_published_feedforward_on_the_page():
     assert tracking(rename(slow, "passivity", "printed_passivity")) / tracking(slow) == pytest.approx(7.5, abs=0.1)
 
 
+@pytest.mark.thorough
 def test_storage_on_the_page():
     raw = found_in(change(SHIPPED, "raw_feedback", **RAW))
     samples = 1e3 * (raw["duration_s"] - raw["control_begin_s"] - 1.0)

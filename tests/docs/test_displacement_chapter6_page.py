@@ -62,6 +62,7 @@ def here(name: str) -> list[str]:
     return [cell.strip() for cell in row.split("|")][1::2]
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", CASES)
 def test_cases_of_the_chapter(name):
     found, run = ran(*CASES[name], until="64 s" if "mode 3" in name else "16 s")

@@ -42,6 +42,7 @@ def drifting() -> str:
     return change(change(constant(IDEAL), "operation", spool_speed=speed), "run", until="26 s")
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     ("case", "text"),
     [
@@ -62,6 +63,7 @@ def test_tracking_of_the_table(case, text):
         assert late_tracking(text) == pytest.approx(told[1], rel=0.05)
 
 
+@pytest.mark.thorough
 def test_estimates_and_commands_of_the_table():
     held, biased = rows(lumped(constant(TEXT))), rows(in_time(IDEAL, 9.5))
     assert cells("constant reference, dead band, lumped filter: estimate") == pytest.approx(
@@ -77,6 +79,7 @@ def test_estimates_and_commands_of_the_table():
     assert cells("the same, swing of the command, 20 seeds") == pytest.approx([swing], rel=0.05)
 
 
+@pytest.mark.thorough
 def test_numbers_of_the_shipped_systems():
     found = summary(*run_of(shipped_systems()["axial-gerotor"]))
     assert f"{1e6 * found['spool_position_error_rms_m']:.0f} um rms against the reference" in WORDS

@@ -49,6 +49,7 @@ def powers() -> dict:
     return mean_powers(run, *whole_periods(run, begin, 8.0))
 
 
+@pytest.mark.thorough
 def test_powers():
     """To the last figure of the table, or half a per cent; those specified within 3 % above 50 W, and within 2 W."""
     keys = ("pump_power", "full_open_loss", "transition_loss", "relief_loss", "leakage_loss", "directional_loss")

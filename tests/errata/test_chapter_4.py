@@ -105,6 +105,7 @@ def with_integral(harmonics):
     return A, lambda t: np.concatenate([[0.0], fourier_row(t, harmonics)])
 
 
+@pytest.mark.thorough
 def test_integral_of_the_position_is_seen_by_nothing(told):
     """C exp(A t) e_1 = 0 for all t: the first row of the Grammian is zero, its rank 5 of 6 for two harmonics, and the
     first variance grows for ever."""

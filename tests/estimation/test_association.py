@@ -172,6 +172,7 @@ def test_missed_edges_for_ten_minutes(edge_times, filtered, missed, speed):
     assert speed * rows[-1, 0] - counter > 0.9 * missed * speed * 600.0
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("frequency", [10.9, 20.3, 24.7, 33.1])
 @pytest.mark.parametrize("missed", [0.02, 0.2])
 def test_missed_edges_over_seeds(edge_times, filtered, missed, frequency):

@@ -164,6 +164,7 @@ def test_in_step_is_what_beats_longer_than_the_memory(rate, memory):
         assert beat_time(found) >= memory
 
 
+@pytest.mark.thorough
 def test_a_usual_warning_tells_where_the_filter_is_off_by_more_than_it_says(edge_times, filtered):
     """Rates from 60/s to 700/s on 1000/s, every 3.4/s and about all fractions, 8 phases each, edges without noise.
 

@@ -272,6 +272,7 @@ def test_step_as_built(edge_times, filtered, pump_steps, error):
     assert row.rms < 1.02 * np.sqrt(np.mean(squares))
 
 
+@pytest.mark.sampled(7)
 @pytest.mark.parametrize(
     ("name", "changes", "ninety", "lost"),
     [

@@ -336,6 +336,7 @@ def test_series_is_the_matrix_exponential(duration):
     np.testing.assert_allclose(G / scale / duration, exact[:3, 3:] / scale / duration, atol=1e-9)
 
 
+@pytest.mark.thorough
 def test_measured_pressure_keeps_the_position_at_the_resonance():
     """At 11.464 Hz: what is believed without the flow is worth a third of a millimetre, with it a few hundredths."""
     t = np.arange(4000) * PERIOD

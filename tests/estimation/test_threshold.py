@@ -260,6 +260,7 @@ def test_offset_needs_a_ramp():
 # The loop closed over an encoder
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("threshold", [0.65, 0.35, 0.80])
 @pytest.mark.parametrize(("gain", "published_time", "published_spread"), [(0.05, 0.18, 0.009), (0.02, 0.60, 0.004)])
 def test_threshold_is_found_in_the_published_time(adapted, threshold, gain, published_time, published_spread):

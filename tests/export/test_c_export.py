@@ -102,6 +102,7 @@ def test_objects_have_no_writable_memory_and_need_the_c_library_only(tmp_path):
     assert "erfc" in needed
 
 
+@pytest.mark.thorough
 def test_sanitisers_find_nothing(tmp_path):
     """Bounds of arrays, and all that C leaves undefined, over the samples of the vectors."""
     write_folder(tmp_path, "prototype", "encoder", 30)
@@ -152,6 +153,7 @@ def test_the_expected_bits_are_those_of_the_python_text():
             kept[name] = numbers.copy()
 
 
+@pytest.mark.thorough
 def test_the_text_is_the_same_every_time():
     system = load_system("prototype")
     first, again = (c_files(system, c_part(system, "encoder"), 3) for _ in range(2))

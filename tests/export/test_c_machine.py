@@ -193,6 +193,7 @@ def test_a_machine_is_carried_on_by_samples_and_copied(tmp_path):
     assert machine.member("clock")[: places.EVALUATIONS + 1].tobytes() == counts.tobytes()
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(not compilers(), reason="no C compiler")
 def test_a_run_that_cannot_go_on_says_why(tmp_path):
     machine = Machine(load_system("buck-converter"), tmp_path, compilers()[0])

@@ -35,6 +35,7 @@ NAMED = [(f"{number}-{function.__name__}", function, cases) for number, (functio
 needs_compiler = pytest.mark.skipif(not compilers(), reason="no C compiler")
 
 
+@pytest.mark.sampled(2)
 @needs_compiler
 @pytest.mark.parametrize("compiler", compilers())
 def test_every_construct_compiles_without_a_warning(compiler, tmp_path):
@@ -287,6 +288,7 @@ FAULTS = [
 ]
 
 
+@pytest.mark.sampled(4)
 @needs_compiler
 @pytest.mark.parametrize(("words", "place", "name", "fault"), FAULTS, ids=[row[0] for row in FAULTS])
 def test_a_planted_fault_is_found(monkeypatch, words, place, name, fault):

@@ -34,6 +34,7 @@ def test_many_programs_agree(first):
     assert failing(range(first, first + AT_ONCE)) == {}
 
 
+@pytest.mark.thorough
 def test_a_failing_program_is_cut_down_to_ten_lines(monkeypatch):
     monkeypatch.setitem(llvm_expressions.ORDERS, "<", "le")
     found = next(iter(failing(range(20)).values()))

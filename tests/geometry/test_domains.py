@@ -36,6 +36,7 @@ def oil(built_shape, built_valve):
 NAMES = ("rail", "centre", "turbine", "valve")
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", NAMES)
 def test_oil_is_enclosed(oil, name, closing, crossings):
     mesh = oil[name].mesh
@@ -176,6 +177,7 @@ def test_the_tanks_side_is_the_mirror_image(built_shape, built_valve):
     assert open_edges(tank.mesh) == 0
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("angle", np.linspace(-0.25, 0.25, 5))
 def test_the_coarsest_parts_overlap(built_shape, built_valve, angle):
     """ceil(2 pi 10) = 63 edges dip 1 - cos(pi/63) = 1.24e-3 of the radius inside, less than the overlap of 1.6e-3."""

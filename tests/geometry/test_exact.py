@@ -72,6 +72,7 @@ def test_rail_and_nozzles_agree_with_the_formula(built_shape, built_valve):
     assert shape_volume(fluid.shape()) == pytest.approx(rail_volume(built_shape, built_valve), rel=1e-6)
 
 
+@pytest.mark.thorough
 def test_step_of_the_spool_opens_again_with_its_volume(built_shape, built_valve, spool_mesh, tmp_path):
     path = tmp_path / "spool.step"
     written = write_step(path, spool_part(built_shape, built_valve, Exact()))
@@ -83,6 +84,7 @@ def test_step_of_the_spool_opens_again_with_its_volume(built_shape, built_valve,
     assert written == pytest.approx(volume(spool_mesh), rel=1e-3)
 
 
+@pytest.mark.thorough
 def test_step_of_the_sleeve_opens_again_with_its_volume(built_shape, built_valve, sleeve_mesh, tmp_path):
     path = tmp_path / "sleeve.step"
     written = write_step(path, sleeve_part(built_shape, built_valve, Exact()))

@@ -103,6 +103,7 @@ def test_meshes_are_closed_and_in_one_piece(name, spool_mesh, sleeve_mesh, closi
     assert (components(mesh), genus(mesh)) == (1, {"spool": 12, "sleeve": 6}[name])
 
 
+@pytest.mark.thorough
 def test_meshes_do_not_cross_themselves(built_shape, built_valve, crossings):
     assert crossings(spool(built_shape, built_valve, 10.0)) == 0
     assert crossings(sleeve(built_shape, built_valve, 10.0)) == 0
@@ -177,6 +178,7 @@ def test_inertia_of_the_spool(built_shape, built_valve, spool_mesh):
     assert 0.5 * built_shape.hub_radius**2 < inertia < 0.5 * built_valve.spool_radius**2
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     "changes",
     [

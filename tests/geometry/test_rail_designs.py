@@ -110,6 +110,7 @@ def opened(built_shape, built_valve) -> Domain:
     return open_domain(built_shape, built_valve, FINE)
 
 
+@pytest.mark.thorough
 def test_the_sleeve_without_spool_is_one_way(opened, closing, crossings):
     """Three nozzles join rail and bore, which makes two handles; collectors are open to the bore all round."""
     assert (components(opened.mesh), genus(opened.mesh), open_edges(opened.mesh)) == (1, 2, 0)
@@ -133,6 +134,7 @@ def test_the_sleeve_without_spool_by_formula(opened, built_shape, built_valve):
     assert opened.areas["bore"] == pytest.approx(wall, rel=5e-3)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", ["b", "final"])
 def test_a_whole_valve_takes_another_rail(designs, built_valve, name, tmp_path):
     """Everything is made of it, the ports of collectors beside that of the rail; described as all domains are."""

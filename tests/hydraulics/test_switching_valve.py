@@ -99,6 +99,7 @@ def test_a_spool_at_its_stop_leaves_when_called():
     assert max(spool_ends(SpoolState(2e-3, 0.1), 0.0, 0.0, valve)) < 1.0
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("frequency", [62.0, 72.0, 71.3, 100.0 / 3.0, 10.0 * np.pi, 1000.0, 0.7])
 @pytest.mark.parametrize("duty", [0.5, 0.1, 1.0 / 3.0, 0.999, 1e-3])
 def test_edges_are_exact(frequency, duty):

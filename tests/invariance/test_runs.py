@@ -135,6 +135,7 @@ print([sorted(numbers(name, *varied(name, 1)).items()) for name in CIRCUITS])
 """
 
 
+@pytest.mark.thorough
 def test_hash_seeds_change_no_bit():
     """In processes of their own, which find the compiled circuits by a hash of their text."""
     root = Path(__file__).parents[2]

@@ -608,6 +608,7 @@ print(most - before)
 """
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="memory is read from /proc")
 @pytest.mark.parametrize("name", ["a.tdms", "a.mf4", "a.h5", "a.parquet", "a.csv"])
 def test_memory_is_bounded(tmp_path, name):

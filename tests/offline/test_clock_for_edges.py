@@ -27,6 +27,7 @@ def written_coarsely_and_damaged(t):
     t[50] += 3.21e-7
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("damage", [nan, far_ahead, another_digit, cut_out, written_coarsely_and_damaged])
 def test_a_damaged_clock_is_reported(estimated, damage):
     times = CLOCK.copy()

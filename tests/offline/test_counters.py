@@ -12,6 +12,7 @@ from vvdp.offline.alignment import first_speed
 from vvdp.offline.edges import CountEdges
 
 
+@pytest.mark.sampled(2)
 @settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.floats(np.log(0.05), np.log(50.0)), st.sampled_from([None, 0.25]))
 @example(0.03, None)  # a little more than one edge a sample: the two that come now and then are no bounce

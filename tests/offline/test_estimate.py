@@ -231,6 +231,7 @@ def test_where_a_spool_stops_it_may_have_turned_back(estimated, fit):
     assert wording.estimate.turned_back not in titles(estimated(stamped(lost), sensor__edges="edge", filter__fit=fit))
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("late", [1.0, 20.0, 1e5, 1e9, 1e300])
 @pytest.mark.parametrize("lonely", [1, 2])
 def test_edges_long_after_the_last_change_nothing(estimated, late, lonely):
@@ -439,6 +440,7 @@ def swinging_times(amplitude, frequency, duration=10.0, jitter=0.02, seed=7):
     return np.interp(numbers * PITCH + np.random.default_rng(seed).normal(0.0, jitter, numbers.size), angle, t)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("amplitude", "frequency"), [(3.0, 2.0), (6.0, 2.0), (15.0, 0.5)])
 def test_a_speed_that_changes_asks_for_other_settings_and_no_other_wheel(estimated, amplitude, frequency):
     times = swinging_times(amplitude, frequency)
@@ -708,6 +710,7 @@ def test_a_time_range_holds_for_the_pressure(estimated):
         assert found[f"pressure_{which}_inlet_Pa"] == pytest.approx(100e5, rel=1e-12)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("portion", [1_000_000, 2_000, 501])
 @pytest.mark.parametrize(("rate", "duration"), [(500.0, 2.0), (500.0, 8.0), (5e3, 4.0)])
 def test_every_row_has_the_pressure_that_the_log_has_there(estimated, monkeypatch, portion, rate, duration):
@@ -900,6 +903,7 @@ def test_ctrl_c_is_heeded_in_the_midst_of_a_portion(estimated, monkeypatch):
     assert kept.summary["duration_s"] == pytest.approx(kept.column("time")[-1], abs=51.0)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("by", ["progress", "Ctrl-C"])
 def test_an_interruption_of_the_second_pass_keeps_all_but_what_it_had_to_come(estimated, monkeypatch, by):
     """20 s in pieces of 200 edges, 1.01 s each; after some of them it is stopped."""
@@ -1079,6 +1083,7 @@ def crankshaft(teeth=36, turns=40, ripple=0.0):
     return (angles + 0.5 * ripple * np.sin(2.0 * angles)) / (15.0 * TURN)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(("teeth", "first"), [(36, 0), (36, 33), (60, 7), (24, 47)])
 def test_a_wheel_that_lacks_a_tooth_is_known_by_its_gap(estimated, teeth, first):
     """The gap is no missed edge but the index, wherever the record begins, and the angle is that of the wheel."""

@@ -206,6 +206,7 @@ def test_exact_edges_are_no_surer_than_the_pattern_that_was_learnt_lets_them_be(
     assert even.wheel is None and even.advised.edge_variance < 1e-14
 
 
+@pytest.mark.thorough
 def test_offsets_that_were_learnt_leave_fewer_degrees_of_freedom():
     # 64 edges of a known wheel in 40 records; plain maximum likelihood would find 57/64 of the variance. What is
     # advised contains the mean square of the offsets as found, that of the true ones and 7/64 R of their errors.

@@ -58,6 +58,7 @@ def test_a_ripple_that_the_filter_is_not_told_of_is_told(estimated):
     assert found == pytest.approx([3.0, 0.032], rel=2e-3)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("order", "amplitude", "jitter"), [(3, 0.032, 0.0), (3, 0.032, 0.01), (2, 0.02, 0.003)])
 def test_with_fitted_settings_the_speed_within_the_ripple_is_known_as_well_as_is_stated(
     estimated, order, amplitude, jitter

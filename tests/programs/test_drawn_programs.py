@@ -381,6 +381,7 @@ KEYS = [
 ]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("name", "key"), KEYS)
 def test_odd_values_are_taken_or_refused(name, key):
     """Nothing but a ConfigError, each with the key's program."""

@@ -381,6 +381,7 @@ def blank(chart, tables):
     return Drawn(chart.name, chart.caption, '<svg viewBox="0 0 700 400"></svg>')
 
 
+@pytest.mark.thorough
 def test_million_points_open_and_zoom_without_lag(browser, tmp_path):
     """A second and 16 ms on a machine that does nothing else; here tests share it."""
     page = write_page(tmp_path / "long.html", CHARTS[:1], {"run": run_table(1_000_000)}, draw=blank)

@@ -114,6 +114,7 @@ def test_tables_hold_what_the_figures_draw(written):
     assert np.mean(alone["speed_rad_s"]) == pytest.approx(SPEED, rel=1e-3)
 
 
+@pytest.mark.thorough
 def test_a_long_record_is_thinned_and_its_page_stays_small(tmp_path):
     path = tmp_path / "long.csv"
     jitter = np.random.default_rng(3).normal(0.0, 0.05, 40_000)

@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pytest
+
 WITHOUT = """
 import importlib.util, sys
 found = importlib.util.find_spec
@@ -19,6 +21,7 @@ def reproduce(*words):
     )
 
 
+@pytest.mark.thorough
 def test_items_are_listed_and_those_without_solids_worked_out(tmp_path):
     listed = reproduce("--list")
     assert listed.returncode == 0 and "figure-3.9" in listed.stdout

@@ -56,6 +56,7 @@ def analytic(source_stand):
     return analytic_map(source_stand, default_axes(source_stand, 40, 30))
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", ["simulated", "with_orifice", "analytic"])
 def test_monotone_and_limited(request, name):
     """More duty ratio delivers more, more load pressure less; no efficiency above 1 or below 0; flow below derived."""
@@ -406,6 +407,7 @@ def test_whole_map_of_the_prototype_in_three_minutes(orifice_stand, tmp_path):
     assert time.perf_counter() - began < 180.0
 
 
+@pytest.mark.thorough
 def test_where_the_ripple_reaches_the_relief_valve(orifice_stand, tmp_path):
     """Averages at a constant load pressure miss what the crest of the ripple sends over the relief valve.
 

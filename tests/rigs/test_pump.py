@@ -30,6 +30,7 @@ def test_linearity_of_a_known_curve():
     assert apart == pytest.approx(1.0 / 6.0)
 
 
+@pytest.mark.thorough
 def test_whole_test_and_going_on(source_stand, tmp_path):
     axes = replace(
         pump_axes(source_stand), duty_ratios=(0.04, 0.1, 0.4, 0.6, 0.8), pump_speeds=(188.49555921538757,),

@@ -70,6 +70,7 @@ def mixed(prototype):
     return cases
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("method", [Method.AUTOMATIC, Method.EXPLICIT])
 @pytest.mark.parametrize("name", SHORT)
 def test_lanes_agree_with_single_runs(name, method):

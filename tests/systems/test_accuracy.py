@@ -50,6 +50,7 @@ UNTIL = {
 encoder 0.3 s end before it is controlled: one edge more or less moves what the control does."""
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", shipped_systems())
 def test_parts_are_exact_at_the_default(name):
     """Within 1e-5 of the converged value, relative to the part or to a thousandth of the largest of its unit; extremes,

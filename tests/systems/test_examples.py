@@ -240,6 +240,7 @@ def test_minimal_buck_converter_is_the_shipped_one(tmp_path):
     assert mine.supplied.supply[-1] == pytest.approx(its.supplied.supply[-1], rel=1e-7)
 
 
+@pytest.mark.thorough
 def test_oil_in_the_tube_costs_what_the_page_says():
     tube = ("type=pipe", "hose_compliance=0 1/Pa", "start=100 bar")
     _, efficiency = converter(0.3, *(f"components.tube.{setting}" for setting in tube))
@@ -321,6 +322,7 @@ def limit(kind: str, duty: float, loss: float) -> tuple[float, float]:
     return load / 50e5, by_hand / 50e5
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("kind", "duty", "ideal"), [("buck", 0.3, 0.3), ("boost", 0.6, 2.5)])
 def test_converters_become_ideal_as_their_losses_vanish(kind, duty, ideal):
     """Within 0.1 % of d and of 1/(1 - d). The drops over the valves by hand explain most of what is missing."""

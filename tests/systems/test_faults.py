@@ -82,6 +82,7 @@ def test_without_faults_nothing_is_different():
     assert "sensor" not in plain.circuit.text and "actuator" not in plain.circuit.text
 
 
+@pytest.mark.thorough
 def test_faults_that_never_begin_leave_every_bit():
     """Instruments and a brake stand in the text, and change nothing: not the steps, and no number."""
     plain, ready = run_of(SHORT)[1], run_of(faulty())[1]

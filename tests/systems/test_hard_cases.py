@@ -64,6 +64,7 @@ CASES = [
 SETTINGS = {**BOTH, **ORIFICE_ONLY, **SOURCE_ONLY, **MOVING}
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(("name", "label"), [*CASES, *((SOURCE, label) for label in MOVING)])
 def test_books_balance(name, label, ran):
     found, run = ran(name, SETTINGS[label], "0.2 s")

@@ -53,6 +53,7 @@ def closed_pipe(pieces, rise):
     return system, summary(system, simulate(system.model, system.case, system.stepping))
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("pieces", "transits"), [(5, 1e-3), (20, 1e-3), (40, 1e-3), (40, 0.25), (20, 0.5), (40, 1.0), (80, 1.0)]
 )

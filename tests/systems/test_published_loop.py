@@ -96,6 +96,7 @@ def compliance() -> float:
     return volume_compliance(MIDDLE * 1e-3, pressure, drive)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     ("gains", "published", "least"),
     [
@@ -188,6 +189,7 @@ def test_the_run_warns_before_it_limit_cycles():
     assert tracking(sample_text(stiff, 0.6)) > 100.0
 
 
+@pytest.mark.thorough
 def test_published_feedforward_lacks_what_damps_the_pressure():
     """Without the part of P_d' that the errors make, the pressure's pole is lambda_3 beta/V - 58 1/s: a lambda_3 of
     3e-11 leaves next to nothing of it. At the table's gain the difference is below 1 %."""

@@ -90,6 +90,7 @@ def random_pair(rng: np.random.Generator, folder: Path) -> tuple[System, System]
     )
 
 
+@pytest.mark.thorough
 def test_parts_draw_the_equations_and_values_of_the_circuit_without_them(tmp_path):
     rng = np.random.default_rng(33)
     for _ in range(NETWORKS):

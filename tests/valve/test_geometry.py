@@ -63,6 +63,7 @@ def sampled_openings(angle, axial_position, valve):
     return np.mean(beyond > barrier / 2.0), np.mean(beyond < -barrier / 2.0)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("lap", [0.3, 0.7, 1.0, 1.3, 2.0])
 @pytest.mark.parametrize("length", [6e-3, 20.32e-3, 60e-3])
 def test_openings_are_the_area_of_the_nozzle_between_the_barriers(prototype, lap, length):

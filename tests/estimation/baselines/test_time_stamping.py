@@ -64,6 +64,7 @@ def test_noise_of_the_slope_is_the_known_one(n):
     assert np.sum(weights[:, 0] ** 2) == pytest.approx(2.0 * (2.0 * n - 1.0) / (n * (n + 1.0)), rel=1e-12)
 
 
+@pytest.mark.thorough
 @given(frequency=st.floats(4.0, 150.0), phase=st.floats(0.0, TURN), order=st.integers(1, 3))
 def test_stamped_edges_at_constant_speed_give_it_exactly(sampled_edges, stepped, frequency, phase, order):
     omega = TURN * frequency

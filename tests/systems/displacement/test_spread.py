@@ -21,6 +21,7 @@ def drawn(count: int, seed: int, until: str | None = None):
     return replace(study, variations=replace(study.variations, count=count, seed=seed), until=until)
 
 
+@pytest.mark.thorough
 def test_the_study_runs_as_it_stands(tmp_path):
     found = run_study(drawn(2, 1, "0.2 s"), tmp_path / "kept")
     assert found.is_finished
