@@ -218,7 +218,7 @@ def _progress() -> "Iterator[Callable[[Progress], None]]":
                 return
             if "reach" not in state:
                 state["reach"] = stack.enter_context(report_reach(now.most, lambda done: _words(state["now"])))
-            state["reach"](now.done)
+            state["reach"].move(now.done)
 
         yield hear
 

@@ -127,9 +127,9 @@ def estimate(
         directory = output.directory(log.stem)
         with result_directory(directory, force=output.force) as folder:
             what = "both passes over the log" if wanted.smooth else "the log"
-            with report_reach(1.0, lambda share: f"{100.0 * share:.0f} % of {what}") as progress:
+            with report_reach(1.0, lambda share: f"{100.0 * share:.0f} % of {what}") as reach:
                 found = estimated(
-                    source, wanted, folder, progress=progress, say=say, more=_origin(files.config, options)
+                    source, wanted, folder, progress=reach.move, say=reach.say, more=_origin(files.config, options)
                 )
             if not found.finished:
                 say("interrupted; what was reached is kept")

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import NamedTuple
 
 from vvdp.base.display import long_time
 
@@ -45,8 +46,17 @@ def _time_left(elapsed: float, gone: float, still: float) -> str:
     return f", about {long_time(seconds)} left"
 
 
+class Reach(NamedTuple):
+    """What hears how far something is."""
+
+    move: Callable[[float], None]
+    """Hears how much is reached."""
+    say: Callable[[str], None]
+    """Hears notices, such as what is compiled first."""
+
+
 @contextmanager
-def report_reach(end: float, words: Callable[[float], str]) -> Iterator[Callable[[float], None]]:
+def report_reach(end: float, words: Callable[[float], str]) -> Iterator[Reach]:
     """What hears how much is reached, of `end`, which `words` puts into words.
 
     The pace counts from the first time on: what is compiled before takes no part in it.
@@ -55,18 +65,10 @@ def report_reach(end: float, words: Callable[[float], str]) -> Iterator[Callable
 
     screen = console(err=True)
     if screen.is_terminal:
-        from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+        from vvdp.cli.bars import reach_bar
 
-        shown = TextColumn("{task.description}")
-        with Progress(shown, BarColumn(), TimeRemainingColumn(), console=screen, transient=True) as bar:
-            task = bar.add_task(words(0.0), total=None)
-
-            def move(now: float) -> None:
-                if bar.tasks[task].total is None:  # until then it only pulses
-                    bar.reset(task, total=end)
-                bar.update(task, completed=now, description=words(now))
-
-            yield move
+        with reach_bar(screen, end, words) as bar:
+            yield Reach(*bar)
         return
     last, began = 0.0, None
 
@@ -79,4 +81,4 @@ def report_reach(end: float, words: Callable[[float], str]) -> Iterator[Callable
             last = time.monotonic()
             say(f"{words(now)}{_time_left(last - began[0], now - began[1], end - now)}")
 
-    yield line
+    yield Reach(line, say)

@@ -117,14 +117,14 @@ def _simulate(loaded: "System", output: Output, ways: Ways, command: str) -> Non
     end = loaded.stepping.until
     directory = output.directory(loaded.name)
     with result_directory(directory, force=output.force) as folder:
-        with report_reach(end, lambda now: f"t = {now:.4g} s of {end:.4g} s") as progress:
-            done = run_system(loaded, progress=progress, say=say, command=typed_command(), checked=ways.checked)
+        with report_reach(end, lambda now: f"t = {now:.4g} s of {end:.4g} s") as reach:
+            done = run_system(loaded, progress=reach.move, say=reach.say, command=typed_command(), checked=ways.checked)
         if not done.has("finished"):
             say(f"interrupted at t = {done.number('duration_s'):.6g} s; writing what was reached")
         changes: tuple[Move, ...] = ()
         if ways.check and done.has("finished"):
-            with report_reach(end, lambda now: f"check: t = {now:.4g} s of {end:.4g} s") as progress:
-                changes = check_accuracy(done, progress)
+            with report_reach(end, lambda now: f"check: t = {now:.4g} s of {end:.4g} s") as reach:
+                changes = check_accuracy(done, reach.move)
         done = _with_ranges(done, ways.ranges)
         save_run(folder, done)
         dress = {"dress": dressing(command)} if ways.live else {}

@@ -48,6 +48,17 @@ class Assembled:
         return self.entries[name]
 
 
+class Compiling(str):
+    """Notice that something is compiled; `seconds` is about how long that takes [s]."""
+
+    seconds: float
+
+    def __new__(cls, what: str, seconds: float) -> "Compiling":
+        made = super().__new__(cls, f"compiling {what} (first use only): {about(seconds)}")
+        made.seconds = seconds
+        return made
+
+
 class Assembly:
     """Functions over flat vectors that are compiled together; `digest` is the hash of all of their text.
 
@@ -109,7 +120,7 @@ class Assembly:
                     if is_kept(self.digest, cache):
                         say(f"compiled code in {cache} is damaged; compiling it again")
                     elif self.title and not announced:
-                        say(f"compiling {self.title} (first use only): {about(self.seconds)}")
+                        say(Compiling(self.title, self.seconds))
                     code = self._compile()
                     keep(self.digest, code, cache)
                 _LOADED[self.digest] = self._entries(code, symbols)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from vvdp.base.errors import RunError
 from vvdp.generator.calls import Entry
-from vvdp.simulation.assembly import Assembly, about
+from vvdp.simulation.assembly import Assembly, Compiling
 from vvdp.simulation.cache import default_cache, quiet
 from vvdp.simulation.layout import arrays, blocks
 from vvdp.simulation.model import Case, Model
@@ -126,7 +126,7 @@ class ModelAssemblies:
         """The functions of the model, from the cache or compiled into it."""
         pending = [each for each in self if not each.is_at_hand(cache)]
         if titles := [each.title for each in pending if each.title]:
-            say(f"compiling {', '.join(titles)} (first use only): {about(sum(each.seconds for each in pending))}")
+            say(Compiling(", ".join(titles), sum(each.seconds for each in pending)))
         circuit, symbols = self.circuit.load(cache, say, announced=True), dict[str, Entry]()
         symbols |= {self.circuit.symbol(name): entry for name, entry in circuit.entries.items()}
         for pair in self.programs:
