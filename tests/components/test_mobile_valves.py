@@ -9,7 +9,8 @@ from scipy.optimize import brentq
 from vvdp.base.errors import ConfigError
 from vvdp.hydraulics.balanced_valve import opening_share
 from vvdp.hydraulics.counterbalance_valve import CounterbalanceValve, pilot_aid, two_way_flow
-from vvdp.hydraulics.four_way_valve import FourWayValve, ValveSpool, four_edges, four_way_flow, spool_motion
+from vvdp.hydraulics.flow import root_edge_flow
+from vvdp.hydraulics.four_way_valve import FourWayValve, ValveSpool, four_edges, spool_motion
 from vvdp.runs.simulate import run_system
 from vvdp.systems.system import load_system
 
@@ -340,5 +341,9 @@ def test_wrong_values_are_named(tmp_path, given, told):
 
 def test_half_an_edge_passes_half_the_flow_either_way():
     """K root(dp): 2e-7 m^3/(s Pa^0.5) at 10 bar are 12 lpm."""
-    assert four_way_flow(10 * BAR, 0.5, FOUR_WAY) == pytest.approx(6 * LPM, rel=1e-4)
-    assert four_way_flow(-10 * BAR, 0.5, FOUR_WAY) == pytest.approx(-6 * LPM, rel=1e-4)
+    assert root_edge_flow(FOUR_WAY.conductance, 0.5, 10 * BAR, FOUR_WAY.transition_pressure) == pytest.approx(
+        6 * LPM, rel=1e-4
+    )
+    assert root_edge_flow(FOUR_WAY.conductance, 0.5, -10 * BAR, FOUR_WAY.transition_pressure) == pytest.approx(
+        -6 * LPM, rel=1e-4
+    )

@@ -4,13 +4,12 @@ from typing import NamedTuple
 
 from vvdp.base.kinds import Flow, Kink, Power, SignedFraction
 from vvdp.fluid.mixture import FluidState
-from vvdp.hydraulics.flow import Passage, passage
+from vvdp.hydraulics.flow import root_passage
 from vvdp.hydraulics.four_way_valve import (
     FourWayValve,
     ValveSpool,
     four_edges,
     four_sides,
-    four_way_flow,
     rate_side,
     spool_motion,
 )
@@ -44,8 +43,8 @@ def four_way_valve(
 ) -> FourWayFlows:
     """4/3 proportional valve: forward it joins pressure to a and b to tank, backward pressure to b and a to tank."""
     edges, sides = four_edges(state.position, values), four_sides(state.position, values)
-    pa, pb = _edge(pressure, a, edges.pa, values), _edge(pressure, b, edges.pb, values)
-    at, bt = _edge(a, tank, edges.at, values), _edge(b, tank, edges.bt, values)
+    pa, pb = root_passage(pressure, a, edges.pa, values), root_passage(pressure, b, edges.pb, values)
+    at, bt = root_passage(a, tank, edges.at, values), root_passage(b, tank, edges.bt, values)
     return FourWayFlows(
         pressure=-pa.flow - pb.flow,
         tank=at.flow + bt.flow,
@@ -59,11 +58,6 @@ def four_way_valve(
         bt_side=sides.bt,
         rate_limit=rate_side(state, values),
     )
-
-
-def _edge(upstream: FluidState, downstream: FluidState, opening: float, values: FourWayValve) -> Passage:
-    """What goes over one edge."""
-    return passage(four_way_flow(upstream.pressure - downstream.pressure, opening, values), upstream, downstream)
 
 
 FOUR_WAY_VALVE = Component(four_way_valve, symbol="proportional_valve_4_3")

@@ -10,16 +10,14 @@ from vvdp.hydraulics.check_valve import (
     check_opening,
     check_opening_rate,
     check_side,
-    poppet_flow,
 )
-from vvdp.hydraulics.flow import passage
+from vvdp.hydraulics.flow import passage, rated_passage
 from vvdp.hydraulics.flow_control_valve import FlowControlValve, controlled_flow, controlled_side
 from vvdp.hydraulics.opening import OpeningPassage, OpeningState
 from vvdp.hydraulics.pilot_check_valve import PilotCheckValve, closing_drop, lifting_drop
 from vvdp.hydraulics.ports import Surplus
 from vvdp.hydraulics.reducing_valve import (
     ReducingValve,
-    reducing_flow,
     reducing_opening,
     reducing_opening_rate,
     reducing_side,
@@ -36,7 +34,7 @@ from vvdp.hydraulics.relief_valve import (
     setting_fall,
     throttled_relief_flow,
 )
-from vvdp.hydraulics.shuttle_valve import ShuttleValve, ball_position, ball_side, seat_flow
+from vvdp.hydraulics.shuttle_valve import ShuttleValve, ball_position, ball_side
 from vvdp.network.component import Component
 
 
@@ -95,7 +93,7 @@ def _over_poppet(
 ) -> OpeningPassage:
     """A check valve from a to b whose poppet a pressure lifts."""
     y = select(values.opening_time > 0.0, state.opening, check_opening(lifting, values))
-    flow, loss = passage(poppet_flow(a.pressure - b.pressure, y, values), a, b)
+    flow, loss = rated_passage(a, b, y, values)
     rates = OpeningState(check_opening_rate(lifting, state.opening, values))
     return OpeningPassage(flow, loss, rates, check_side(lifting, values))
 
@@ -137,7 +135,7 @@ def load_relief_valve(
 def reducing_valve(a: FluidState, b: FluidState, state: OpeningState, values: ReducingValve) -> OpeningPassage:
     """Reducing valve from a to b, which shuts as the pressure at b rises; it opens no way from b to a tank."""
     y = select(values.opening_time > 0.0, state.opening, reducing_opening(b.pressure, values))
-    flow, loss = passage(reducing_flow(a.pressure - b.pressure, y, values), a, b)
+    flow, loss = rated_passage(a, b, y, values)
     rates = OpeningState(reducing_opening_rate(b.pressure, state.opening, values))
     return OpeningPassage(flow, loss, rates, reducing_side(b.pressure, values))
 
@@ -160,8 +158,8 @@ def shuttle_valve(a: FluidState, b: FluidState, outlet: FluidState, values: Shut
     """Shuttle valve: its outlet is joined to that of the ends a and b whose pressure is higher."""
     difference = a.pressure - b.pressure
     position = ball_position(difference, values)
-    from_a = passage(seat_flow(a.pressure - outlet.pressure, position, values), a, outlet)
-    from_b = passage(seat_flow(b.pressure - outlet.pressure, 1.0 - position, values), b, outlet)
+    from_a = rated_passage(a, outlet, position, values)
+    from_b = rated_passage(b, outlet, 1.0 - position, values)
     return ShuttleFlows(
         a=-from_a.flow,
         b=-from_b.flow,

@@ -7,7 +7,7 @@ from vvdp.base.kinds import Flow, Fraction, PressureDifference, Time
 from vvdp.base.modes import between
 from vvdp.base.params import Params, field_text, refuse, require_positive
 from vvdp.base.select import clip, select
-from vvdp.hydraulics.flow import rated_root
+from vvdp.hydraulics.flow import rated_edge_flow
 from vvdp.hydraulics.opening import lagged_rate
 
 
@@ -109,13 +109,4 @@ def check_flow(pressure_drop: float, check: CheckValve) -> float:
 
     pressure_drop  in the direction of the valve [Pa]
     """
-    return poppet_flow(pressure_drop, check_opening(pressure_drop, check), check)
-
-
-def poppet_flow(pressure_drop: float, opening: float, check: CheckValve) -> float:
-    """Volume flow of a check valve at a given opening of its poppet [m^3/s]: Q_r y root(dp)/root(rated drop).
-
-    pressure_drop  in the direction of the valve [Pa]
-    opening        y [1]
-    """
-    return check.rated_flow * opening * rated_root(pressure_drop, check.rated_drop)
+    return rated_edge_flow(check.rated_flow, check_opening(pressure_drop, check), pressure_drop, check.rated_drop)

@@ -20,7 +20,6 @@ from vvdp.base.kinds import (
 from vvdp.base.modes import between
 from vvdp.base.params import Params, field_text, refuse, require_positive
 from vvdp.base.select import clip
-from vvdp.hydraulics.flow import signed_root
 
 EDGES = ("overlap_pa", "overlap_pb", "overlap_at", "overlap_bt")
 
@@ -126,12 +125,3 @@ def four_sides(position: float, valve: FourWayValve) -> EdgeStands:
     """
     travel = _travels(position, valve)
     return EdgeStands(between(travel.pa), between(travel.pb), between(travel.at), between(travel.bt))
-
-
-def four_way_flow(pressure_drop: float, opening: float, valve: FourWayValve) -> float:
-    """Volume flow over one edge [m^3/s]: K y root(dp), signed like the drop.
-
-    pressure_drop  first-named side less the second [Pa]
-    opening        of the edge, 0 to 1 [1]
-    """
-    return valve.conductance * opening * signed_root(pressure_drop, valve.transition_pressure)

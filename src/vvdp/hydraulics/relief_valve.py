@@ -8,7 +8,7 @@ from vvdp.base.kinds import Flow, Pressure, PressureDifference, Time
 from vvdp.base.modes import side
 from vvdp.base.params import Params, refuse, require_less, require_positive
 from vvdp.base.select import maximum, minimum, select
-from vvdp.hydraulics.flow import rated_root
+from vvdp.hydraulics.flow import rated_edge_flow
 from vvdp.hydraulics.opening import lagged_rate
 
 
@@ -106,8 +106,7 @@ def opened_relief_flow(pressure_drop: float, tank_pressure: float, opening: floa
     design_drop = relief.cracking_pressure + relief.override_pressure - tank_pressure
     # A tank above the setting is a contradiction that only a run can see: stay finite there
     design_drop = select(design_drop > 0.0, design_drop, relief.cracking_pressure)
-    flow: float = relief.rated_flow * opening * rated_root(pressure_drop, design_drop)
-    return flow
+    return rated_edge_flow(relief.rated_flow, opening, pressure_drop, design_drop)
 
 
 def setting_fall(load_pressure: float, relief: LoadReliefValve) -> float:
