@@ -40,13 +40,15 @@ from vvdp.components.directional_valves import (
 from vvdp.components.drives import DRIVE_COUPLING
 from vvdp.components.flow_control_units import UNIT_VALVE
 from vvdp.components.flow_sources import FLOW_SOURCE
-from vvdp.components.four_way_valves import FOUR_WAY_VALVE
+from vvdp.components.four_way_valves import FOUR_WAY_VALVE, LOAD_SENSING_VALVE, SIX_WAY_VALVE
 from vvdp.components.gerotor_drives import CALIBRATED_GEROTOR_DRIVE, GEROTOR_DRIVE
 from vvdp.components.lines import COLUMN, LINE
 from vvdp.components.linkages import ARM, DRUM, GEAR, LEVER, ROAD_LOAD, STICK_FRICTION, WHEEL
 from vvdp.components.machines import CONTROLLED_PUMP, MOTOR, PUMP
 from vvdp.components.oil_care import COOLER, FILTER, TANK_WITH_LEVEL
 from vvdp.components.pipes import LAYERED_PIPE, PIPE
+from vvdp.components.prime_movers import DIESEL_ENGINE, ELECTRIC_MOTOR
+from vvdp.components.pump_compensators import PUMP_COMPENSATOR
 from vvdp.components.resistances import LAMINAR_GAP, ORIFICE
 from vvdp.components.rods import CYLINDER, END_STOP, LOAD_FORCE, PLUNGER, ROD_BRAKE, ROD_FRICTION, SPRING, WEIGHT
 from vvdp.components.rotary_valve import ROTARY_VALVE
@@ -56,6 +58,7 @@ from vvdp.components.self_acting_valves import (
     LOAD_RELIEF_VALVE,
     PILOT_CHECK_VALVE,
     PILOT_CLOSED_CHECK_VALVE,
+    POPPET_VALVE,
     REDUCING_VALVE,
     RELIEF_VALVE,
     SHOCK_VALVE,
@@ -70,7 +73,7 @@ from vvdp.components.switching_valves import (
     SWITCHING_VALVE,
     TWO_WAY_VALVE,
 )
-from vvdp.components.variable_machines import VARIABLE_MOTOR, VARIABLE_PUMP
+from vvdp.components.variable_machines import MEASURED_MOTOR, MEASURED_PUMP, VARIABLE_MOTOR, VARIABLE_PUMP
 from vvdp.fluid.oil import Oil
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Component
@@ -110,6 +113,7 @@ COMPONENTS = _by_name(
     CUSHION,
     CYLINDER,
     DELAY_LINE,
+    DIESEL_ENGINE,
     DIRECTED_RETURN,
     DIRECTED_SOURCE,
     DIRECTIONAL_VALVE,
@@ -117,6 +121,7 @@ COMPONENTS = _by_name(
     DRIVE_COUPLING,
     DRUM,
     DUMP_VALVE,
+    ELECTRIC_MOTOR,
     END_STOP,
     FILTER,
     FLOW_CONTROL_VALVE,
@@ -131,7 +136,10 @@ COMPONENTS = _by_name(
     LINE,
     LOAD_FORCE,
     LOAD_RELIEF_VALVE,
+    LOAD_SENSING_VALVE,
     LOAD_TORQUE,
+    MEASURED_MOTOR,
+    MEASURED_PUMP,
     METERING_VALVE,
     MODULATED_SWITCHING_VALVE,
     MODULATED_TWO_WAY_VALVE,
@@ -142,11 +150,13 @@ COMPONENTS = _by_name(
     PIPE,
     PISTON_ACCUMULATOR,
     PLUNGER,
+    POPPET_VALVE,
     PRIORITY_VALVE,
     PROPORTIONAL_VALVE,
     PULSED_SWITCHING_VALVE,
     PULSED_TWO_WAY_VALVE,
     PUMP,
+    PUMP_COMPENSATOR,
     REDUCING_VALVE,
     RELIEF_VALVE,
     ROAD_LOAD,
@@ -160,6 +170,7 @@ COMPONENTS = _by_name(
     SHAFT_FRICTION,
     SHOCK_VALVE,
     SHUTTLE_VALVE,
+    SIX_WAY_VALVE,
     SPRING,
     SPRING_ACCUMULATOR,
     STICK_FRICTION,

@@ -30,13 +30,19 @@ class CheckPoppet(Params):
 
 
 class CheckValve(CheckPoppet):
-    """A check valve with a flow law of its own: it passes `rated_flow` at its rated drop."""
+    """A check valve with a flow law of its own: it passes `rated_flow` at its rated drop.
+
+    `closing_time` > 0: with an opening time, its poppet closes with that time constant.
+    """
 
     rated_flow: Flow
+    closing_time: Time = 0.0
 
     def check(self) -> None:
         super().check()
         require_positive(self, "rated_flow")
+        if self.opening_time <= 0.0 < self.closing_time:
+            refuse(self, "closing_time", "must be 0 if opening_time is 0 (a valve that follows at once)")
 
 
 def check_opening(pressure_drop: float, check: CheckPoppet) -> float:

@@ -4,7 +4,7 @@ Source  ours, docs/models/components.md, where a function names no other.
 """
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Flow, Pressure, PressureDifference, Time
+from vvdp.base.kinds import Flow, Opening, Pressure, PressureDifference, Time
 from vvdp.base.modes import side
 from vvdp.base.params import Params, refuse, require_less, require_positive
 from vvdp.base.select import maximum, minimum, select
@@ -38,12 +38,22 @@ class ReliefValve(Params):
 
 
 class ShockValve(ReliefValve):
-    """A relief valve with an override, which needs to know nothing of its volume but the pressure."""
+    """A relief valve with an override, which needs to know nothing of its volume but the pressure.
+
+    It opens by up to `largest_opening`, 1 at its rated point. `closing_time` > 0: with an opening time, it closes with
+    that time constant.
+    """
+
+    largest_opening: Opening = 1e6
+    closing_time: Time = 0.0
 
     def check(self) -> None:
         super().check()
+        require_positive(self, "largest_opening")
         if self.override_pressure <= 0.0:
             refuse(self, "override_pressure", "must be greater than 0; an ideal one is of type relief-valve")
+        if self.opening_time <= 0.0 < self.closing_time:
+            refuse(self, "closing_time", "must be 0 if opening_time is 0 (a valve that follows at once)")
 
 
 class LoadReliefValve(ShockValve):
