@@ -15,6 +15,7 @@ from vvdp.hydraulics.four_way_valve import (
     flow_push,
     four_edges,
     four_sides,
+    sensing_openings,
 )
 from vvdp.hydraulics.proportional_spool import ValveSpool, error_side, rate_side, spool_error, spool_motion
 from vvdp.network.component import Component
@@ -176,10 +177,9 @@ def load_sensing_valve(
     """4/3 proportional valve with a port for the pressure of its load, which the tank has in the middle."""
     core = _core(Ports(pressure, tank, a, b), command, state, values)
     past = _bypass(pressure, tank, core, values)
-    edges = core.edges
-    closed = (1.0 - edges.pa) * (1.0 - edges.pb)
-    by_a, by_b = _sensed(a, sensing, edges.pa, values), _sensed(b, sensing, edges.pb, values)
-    by_tank = _sensed(sensing, tank, closed, values)
+    opening = sensing_openings(state.position, core.edges.bypass)
+    by_a, by_b = _sensed(a, sensing, opening.a, values), _sensed(b, sensing, opening.b, values)
+    by_tank = _sensed(sensing, tank, opening.tank, values)
     return SensingFlows(
         pressure=-core.pa - core.pb - past.flow,
         tank=core.at + core.bt + past.flow + by_tank.flow,

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from vvdp.base.kinds import FlowCoefficient, Fraction, Kink, PressureDifference, SignedFraction
 from vvdp.base.modes import between
 from vvdp.base.params import field_text, refuse, require_positive
-from vvdp.base.select import clip
+from vvdp.base.select import clip, select
 from vvdp.hydraulics.proportional_spool import ProportionalSpool
 
 EDGES = ("overlap_pa", "overlap_pb", "overlap_at", "overlap_bt")
@@ -50,8 +50,8 @@ class SixWayValve(FourWayValve):
 class SensingValve(FourWayValve):
     """A valve with a port for the pressure of the load.
 
-    Passages of `sensing_conductance` join it with the side that the pump feeds, opening with that edge, and in the
-    middle with the tank.
+    A passage of `sensing_conductance` joins that port in the middle with the tank, and from `bypass_travel` on with the
+    side that the pump feeds.
     """
 
     sensing_conductance: FlowCoefficient
@@ -79,6 +79,14 @@ class EdgeStands(NamedTuple):
     at: Kink
     bt: Kink
     bypass: Kink
+
+
+class SensingOpenings(NamedTuple):
+    """Openings of a load-sensing port to both loads and to the tank."""
+
+    a: Fraction
+    b: Fraction
+    tank: Fraction
 
 
 class EdgeDrops(NamedTuple):
@@ -128,6 +136,16 @@ def four_sides(position: float, valve: FourWayValve) -> EdgeStands:
     return EdgeStands(
         between(travel.pa), between(travel.pb), between(travel.at), between(travel.bt), between(travel.bypass)
     )
+
+
+def sensing_openings(position: float, bypass: float) -> SensingOpenings:
+    """Openings of a load-sensing port [1]: to the tank as the bypass, to the side of the spool what that leaves.
+
+    position  from -1 to 1 [1]
+    bypass    opening of the bypass [1]
+    """
+    joined = 1.0 - bypass
+    return SensingOpenings(select(position > 0.0, joined, 0.0), select(position < 0.0, joined, 0.0), bypass)
 
 
 def flow_push(edges: Edges, drops: EdgeDrops, valve: FourWayValve) -> float:

@@ -3,14 +3,20 @@
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from vvdp.base.kinds import Compliance, Fraction, Frequency, Rate, Ratio, SignedFraction, Time
+from vvdp.base.kinds import Compliance, Fraction, Frequency, Kind, Rate, Ratio, Time
 from vvdp.base.modes import between
 from vvdp.base.params import Params, refuse, require_positive
 from vvdp.base.select import clip, select
+
+SIGNED_RATE = Kind("signed rate", "1/s", -1e6, 1e6, "150 1/s", units=("1/s",))
+SPOOL_POSITION = Kind("spool position", "1", -2.0, 2.0, "0.5", scale=1e-2)
+"""Beyond 1 as far as a spool overshoots."""
+SpoolPosition = Annotated[float, SPOOL_POSITION]
+SignedRate = Annotated[float, SIGNED_RATE]
 
 
 class ProportionalSpool(Params):
@@ -38,8 +44,8 @@ class ProportionalSpool(Params):
 class ValveSpool(NamedTuple):
     """Position of a spool, 1 forward and -1 backward, and what its drive asks of its rate, in strokes per second."""
 
-    position: SignedFraction
-    wanted_rate: Rate
+    position: SpoolPosition
+    wanted_rate: SignedRate
 
 
 def spool_error(command: float, position: float, pushed_back: float, valve: ProportionalSpool) -> float:
