@@ -277,11 +277,16 @@ def _spool_of_three(half: float, below: dict[str, float], above: dict[str, float
     rails = pipe((-edge, -27), (edge, -27)) + pipe((-edge, 27), (edge, 27))
     drives = _solenoid(-edge - 44, proportional=True) + spring(-edge - 20, -edge, 0)
     drives += spring(edge, edge + 20, 0) + _solenoid(edge + 22, proportional=True)
-    rows = ((below, 38.0, Side.BOTTOM, 34.0), (above, -38.0, Side.TOP, -34.0))
-    terminals = {name: Terminal(x, y, side) for row, y, side, _ in rows for name, x in row.items()}
-    lines = "".join(pipe((t.x, 22.0 if t.y > 0 else -22.0), (t.x, t.y)) for t in terminals.values())
-    letters = tuple((x - 8.0, at, name, 11.0) for row, _, _, at in rows for name, x in row.items() if len(name) < 3)
-    return Symbol((-edge - 48, -38, edge + 48, 38), boxes + rails + inside + lines + drives, terminals, letters=letters)
+    ends = {name: Terminal(x, 38, Side.BOTTOM) for name, x in below.items()}
+    ends |= {name: Terminal(x, -38, Side.TOP) for name, x in above.items()}
+    lines = "".join(pipe((t.x, t.y * 22 / 38), (t.x, t.y)) for t in sorted(ends.values(), key=lambda t: (t.x, t.y)))
+    letters = tuple(
+        (x + (8.0 if x > 0 else -8.0), y, name, 11.0)
+        for row, y in ((above, -34), (below, 34))
+        for name, x in row.items()
+        if len(name) < 3
+    )
+    return Symbol((-edge - 48, -38, edge + 48, 38), boxes + rails + inside + lines + drives, ends, letters=letters)
 
 
 def _blocked(*places: tuple[float, bool]) -> str:
@@ -311,7 +316,7 @@ def load_sensing_valve() -> Symbol:
     middle = _blocked((-22, True), (-22, False), (22, False))
     middle += pipe((22, 22), (22, 8), (0, 8), (0, 22))
     straight = arrow((-102, 22), (-102, -22)) + arrow((-58, -22), (-58, 22)) + pipe((-80, 22), (-80, 0), (-102, 0))
-    crossed = arrow((58, 22), (102, -22)) + arrow((58, -22), (102, 22)) + pipe((80, 22), (80, 0))
+    crossed = arrow((58, 22), (102, -22)) + arrow((58, -22), (102, 22)) + pipe((80, 22), (80, 10), (70, 10))
     return _spool_of_three(40, {"P": -22, "LS": 0, "T": 22}, {"A": -22, "B": 22}, middle + straight + crossed)
 
 
