@@ -270,7 +270,7 @@ def test_a_load_sensing_port_has_the_pressure_of_the_side_that_is_fed(position, 
 
 POPPET = PoppetValve(
     seat_diameter=0.01, cone_angle=0.5 * np.pi, largest_lift=1e-3, preload=0.25 * np.pi * 1e-4 * 1e7,
-    spring_stiffness=1e5, poppet_friction=0.25 * np.pi * 1e-4 * 2e5, opening_time=2e-3, closing_time=8e-3,
+    stiffness=1e5, poppet_friction=0.25 * np.pi * 1e-4 * 2e5, opening_time=2e-3, closing_time=8e-3,
 )  # fmt: skip
 
 

@@ -178,8 +178,8 @@ def load_sensing_valve(
     core = _core(Ports(pressure, tank, a, b), command, state, values)
     past = _bypass(pressure, tank, core, values)
     opening = sensing_openings(state.position, core.edges.bypass)
-    by_a, by_b = _sensed(a, sensing, opening.a, values), _sensed(b, sensing, opening.b, values)
-    by_tank = _sensed(sensing, tank, opening.tank, values)
+    by_a, by_b = _sensing_passage(a, sensing, opening.a, values), _sensing_passage(b, sensing, opening.b, values)
+    by_tank = _sensing_passage(sensing, tank, opening.tank, values)
     return SensingFlows(
         pressure=-core.pa - core.pb - past.flow,
         tank=core.at + core.bt + past.flow + by_tank.flow,
@@ -233,7 +233,7 @@ def _bypass(upstream: FluidState, downstream: FluidState, core: Core, values: Fo
     return passage(flow, upstream, downstream)
 
 
-def _sensed(upstream: FluidState, downstream: FluidState, opening: float, values: SensingValve) -> Passage:
+def _sensing_passage(upstream: FluidState, downstream: FluidState, opening: float, values: SensingValve) -> Passage:
     """What goes over a passage of the load-sensing port."""
     drop = upstream.pressure - downstream.pressure
     flow = root_edge_flow(values.sensing_conductance, opening, drop, values.transition_pressure)

@@ -77,7 +77,7 @@ def variable_motor(
     """
     drop = a.pressure - b.pressure
     wear = Wear(slip_flow(drop, medium, values), drag_torque(shaft.speed, drop, medium, values))
-    return _turning(a, b, shaft.speed, Asked(setting, state.setting), wear, values)
+    return _turning_machine(a, b, shaft.speed, Asked(setting, state.setting), wear, values)
 
 
 def variable_pump(
@@ -102,7 +102,7 @@ def measured_motor(
     values: MeasuredMachine,
 ) -> MachineEffect:
     """Motor whose displacement follows `setting`, with efficiencies that were measured as a motor."""
-    return _measured(a, b, shaft, Asked(setting, state.setting), 0.0, values)
+    return _measured_machine(a, b, shaft, Asked(setting, state.setting), 0.0, values)
 
 
 def measured_pump(
@@ -114,20 +114,20 @@ def measured_pump(
     values: MeasuredMachine,
 ) -> PumpingEffect:
     """Pump whose displacement follows `setting`, with efficiencies that were measured as a pump."""
-    return _as_pump(_measured(inlet, outlet, shaft, Asked(setting, state.setting), 1.0, values))
+    return _as_pump(_measured_machine(inlet, outlet, shaft, Asked(setting, state.setting), 1.0, values))
 
 
-def _measured(
+def _measured_machine(
     a: FluidState, b: FluidState, shaft: ShaftSpeed, asked: Asked, pumps: float, values: MeasuredMachine
 ) -> MachineEffect:
     """A machine with measured efficiencies, those of a pump where `pumps` is 1."""
     drop = a.pressure - b.pressure
     lost = measured_losses(shaft.speed, drop, asked.now, pumps, values)
-    wear = Wear(lost.conductance * drop, lost.friction * smooth_sign(shaft.speed, values.coulomb_speed))
-    return _turning(a, b, shaft.speed, asked, wear, values)
+    wear = Wear(lost.conductance * drop, lost.friction_torque * smooth_sign(shaft.speed, values.coulomb_speed))
+    return _turning_machine(a, b, shaft.speed, asked, wear, values)
 
 
-def _turning(
+def _turning_machine(
     a: FluidState, b: FluidState, speed: float, asked: Asked, wear: Wear, values: VariableMachine | MeasuredMachine
 ) -> MachineEffect:
     """A motor at a speed, with what it wears, whose setting follows what is asked of it."""

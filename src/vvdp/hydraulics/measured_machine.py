@@ -60,7 +60,7 @@ class MeasuredLosses(NamedTuple):
     """Leakage over the pressure difference, and friction, of a machine with measured efficiencies."""
 
     conductance: Conductance
-    friction: FrictionTorque
+    friction_torque: FrictionTorque
 
 
 def _weight(place: float, places: tuple[float, ...], i: int) -> float:

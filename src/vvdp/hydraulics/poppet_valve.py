@@ -17,7 +17,7 @@ from vvdp.hydraulics.orifice import Orifice
 class PoppetValve(Orifice):
     """A cone of half angle `cone_angle` on a seat of `seat_diameter`, lifted by up to `largest_lift`.
 
-    `preload` is the force of its spring on the seat, `spring_stiffness` what that gains with the lift, and
+    `preload` is the force of its spring on the seat, `stiffness` what that gains with the lift, and
     `poppet_friction` what holds the poppet where it is. It follows with the time constants `opening_time` and
     `closing_time`, at once without the former; without the latter it closes as it opens.
     """
@@ -26,14 +26,14 @@ class PoppetValve(Orifice):
     cone_angle: Angle
     largest_lift: Length
     preload: Force
-    spring_stiffness: Stiffness
+    stiffness: Stiffness
     poppet_friction: FrictionForce = 0.0
     opening_time: Time = 0.0
     closing_time: Time = 0.0
 
     def check(self) -> None:
         super().check()
-        require_positive(self, "seat_diameter", "largest_lift", "spring_stiffness", "cone_angle")
+        require_positive(self, "seat_diameter", "largest_lift", "stiffness", "cone_angle")
         require_less(self, "largest_lift", "seat_diameter")
         if self.preload < 0.0:
             refuse(self, "preload", "must be at least 0: a spring pushes the poppet onto its seat")
@@ -69,13 +69,13 @@ def free_lift(pressure_drop: float, hindrance: float, valve: PoppetValve) -> flo
     hindrance      F [N]
 
     >>> valve = PoppetValve(seat_diameter=0.01, cone_angle=np.pi / 2, largest_lift=1e-3, preload=785.398,
-    ...                     spring_stiffness=1e5)
+    ...                     stiffness=1e5)
     >>> print(round(1e3 * free_lift(1.1e7, 0.0, valve), 3))  # 1 MPa above 10 MPa: 78.5 N over 100 N/mm
     0.785
     """
     d, ahead = valve.seat_diameter, maximum(pressure_drop, 0.0)
     jet = np.pi * d * valve.discharge_coefficient * np.sin(2.0 * valve.cone_angle) * ahead
-    lift: float = (0.25 * np.pi * d * d * pressure_drop - valve.preload - hindrance) / (valve.spring_stiffness + jet)
+    lift: float = (0.25 * np.pi * d * d * pressure_drop - valve.preload - hindrance) / (valve.stiffness + jet)
     return lift
 
 

@@ -96,11 +96,11 @@ def governed_share(shortfall: float, held: float, least: float, mover: GovernedM
     held       x, its state [1]
     least      -1 of what brakes too, 0 of what only drives [1]
     """
-    share: float = clip(_asked(shortfall, held, mover), least, 1.0)
+    share: float = clip(_wanted_share(shortfall, held, mover), least, 1.0)
     return share
 
 
-def _asked(shortfall: float, held: float, mover: GovernedMover) -> float:
+def _wanted_share(shortfall: float, held: float, mover: GovernedMover) -> float:
     return held + shortfall / mover.speed_band
 
 
@@ -109,7 +109,7 @@ def governed_side(shortfall: float, held: float, least: float, mover: GovernedMo
 
     shortfall, held, least  as in `governed_share`
     """
-    return between((_asked(shortfall, held, mover) - least) / (1.0 - least))
+    return between((_wanted_share(shortfall, held, mover) - least) / (1.0 - least))
 
 
 def governor_rate(shortfall: float, held: float, least: float, mover: GovernedMover) -> float:

@@ -289,14 +289,14 @@ def _spool_of_three(half: float, below: dict[str, float], above: dict[str, float
     return Symbol((-edge - 48, -38, edge + 48, 38), boxes + rails + inside + lines + drives, ends, letters=letters)
 
 
-def _blocked(*places: tuple[float, bool]) -> str:
+def _blocked_ports(*places: tuple[float, bool]) -> str:
     """Blocked ports at an x, below where true."""
     return "".join(blocked_port(x, 22 if below else -22, up=below) for x, below in places)
 
 
 def valve_4_3() -> Symbol:
     """A 4/3 proportional directional valve, closed in its middle."""
-    middle = _blocked((-14, True), (-14, False), (14, True), (14, False))
+    middle = _blocked_ports((-14, True), (-14, False), (14, True), (14, False))
     straight = arrow((-70, 22), (-70, -22)) + arrow((-42, -22), (-42, 22))
     crossed = arrow((42, 22), (70, -22)) + arrow((42, -22), (70, 22))
     return _spool_of_three(28, {"P": -14, "T": 14}, {"A": -14, "B": 14}, middle + straight + crossed)
@@ -304,16 +304,16 @@ def valve_4_3() -> Symbol:
 
 def valve_6_3() -> Symbol:
     """A 6/3 proportional directional valve whose bypass is open in its middle."""
-    middle = _blocked((-22, True), (22, True), (-22, False), (22, False)) + arrow((0, 22), (0, -22))
-    straight = arrow((-102, 22), (-102, -22)) + arrow((-58, -22), (-58, 22)) + _blocked((-80, True), (-80, False))
-    crossed = arrow((58, 22), (102, -22)) + arrow((58, -22), (102, 22)) + _blocked((80, True), (80, False))
+    middle = _blocked_ports((-22, True), (22, True), (-22, False), (22, False)) + arrow((0, 22), (0, -22))
+    straight = arrow((-102, 22), (-102, -22)) + arrow((-58, -22), (-58, 22)) + _blocked_ports((-80, True), (-80, False))
+    crossed = arrow((58, 22), (102, -22)) + arrow((58, -22), (102, 22)) + _blocked_ports((80, True), (80, False))
     below, above = {"P": -22, "bypass": 0, "T": 22}, {"A": -22, "onward": 0, "B": 22}
     return _spool_of_three(40, below, above, middle + straight + crossed)
 
 
 def load_sensing_valve() -> Symbol:
     """A 4/3 proportional directional valve, closed in its middle, with a port for the pressure of the load."""
-    middle = _blocked((-22, True), (-22, False), (22, False))
+    middle = _blocked_ports((-22, True), (-22, False), (22, False))
     middle += pipe((22, 22), (22, 8), (0, 8), (0, 22))
     straight = arrow((-102, 22), (-102, -22)) + arrow((-58, -22), (-58, 22)) + pipe((-80, 22), (-80, 0), (-102, 0))
     crossed = arrow((58, 22), (102, -22)) + arrow((58, -22), (102, 22)) + pipe((80, 22), (80, 10), (70, 10))
