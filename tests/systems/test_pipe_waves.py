@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from vvdp.base.tables import Table
+from vvdp.runs.simulate import check_accuracy, run_system
 from vvdp.simulation.run import simulate
 from vvdp.systems.pipe_waves import ROUGHEST, roughness
 from vvdp.systems.summary import summary
@@ -70,3 +71,15 @@ def test_a_change_that_the_pieces_resolve_is_trusted_and_doubles():
     _, found = closed_pipe(80, TRANSIT)
     assert found["trusted"]
     assert found["pressure_max_end_Pa"] == pytest.approx(200e5, rel=0.03)
+
+
+def test_a_check_divides_pipes_twice_as_finely():
+    """A front that 20 pieces do not resolve: a smaller tolerance changes nothing, other pieces the extremes."""
+    run = run_system(closed_pipe(20, 1e-3 * TRANSIT)[0])
+    found = {move.key: move for move in check_accuracy(run)}
+    finer = closed_pipe(40, 1e-3 * TRANSIT)[1]["pressure_max_end_Pa"]
+    moved = found["pressure_max_end_Pa"]
+    assert moved.value == pytest.approx(finer, rel=1e-5)
+    assert moved.change == pytest.approx(abs(run.summary["pressure_max_end_Pa"] / finer - 1.0), rel=1e-3)
+    assert moved.change > 1e-2
+    assert not [key for key in found if "_pipe_1_" in key or "_pipe_to_end_" in key]

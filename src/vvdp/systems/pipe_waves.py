@@ -8,6 +8,7 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import RATIO
 from vvdp.components.pipes import LAYERED_PIPE, PIPE
+from vvdp.network.assembly import Group
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import leaves
 from vvdp.systems.bound import Bound
@@ -30,13 +31,18 @@ def roughness(pressures: Array) -> float:
     return float(np.abs(rough).max() / pressures.max())
 
 
+def pipes(system: LoadedSystem) -> Mapping[str, Group]:
+    """The pipes in pieces of a system, by name."""
+    groups = system.circuit.network.groups
+    return {name: group for name, group in groups.items() if group.assembly in (PIPE, LAYERED_PIPE)}
+
+
 def wave_numbers(system: LoadedSystem, run: Run) -> dict[str, float]:
     """The roughness of each pipe of a recorded run, by key."""
     places = {path: place for place, (path, _, _) in enumerate(leaves(run.case.state))}
     return {
         f"wave_roughness_{name}": roughness(run.states[:, [places[node] for node in pipe.nodes]])
-        for name, pipe in system.circuit.network.groups.items()
-        if pipe.assembly in (PIPE, LAYERED_PIPE)
+        for name, pipe in pipes(system).items()
     }
 
 
