@@ -61,10 +61,10 @@ def layered_piece_stored(state: LayeredState, medium: Medium, values: LinePipe) 
     return Stored(layered_energy(state, medium.density, inner_piece(values)), 0.0)
 
 
-PIPE_END = Component(pipe_end, symbol="line", stored=pipe_end_stored)
-PIPE_PIECE = Component(pipe_piece, symbol="line", stored=pipe_piece_stored)
-LAYERED_END = Component(layered_end, symbol="line", stored=layered_end_stored)
-LAYERED_PIECE = Component(layered_piece, symbol="line", stored=layered_piece_stored)
+PIPE_END = Component(pipe_end, symbol="line", stored=pipe_end_stored, offered=False)
+PIPE_PIECE = Component(pipe_piece, symbol="line", stored=pipe_piece_stored, offered=False)
+LAYERED_END = Component(layered_end, symbol="line", stored=layered_end_stored, offered=False)
+LAYERED_PIECE = Component(layered_piece, symbol="line", stored=layered_piece_stored, offered=False)
 
 
 def add_pipe(net: Network, name: str, values: LinePipe, nodes: Mapping[str, str], start: Start) -> None:

@@ -1,5 +1,6 @@
 """Symbols of valves and resistances in the manner of ISO 1219-1, each about its centre, flow from bottom to top."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from vvdp.report.symbol import Side, Symbol, Terminal
@@ -270,7 +271,7 @@ def diverter_3_2() -> Symbol:
     return replace(valve_3_2(), svg=drawn)
 
 
-def _spool_of_three(half: float, below: dict[str, float], above: dict[str, float], inside: str) -> Symbol:
+def _spool_of_three(half: float, below: Mapping[str, float], above: Mapping[str, float], inside: str) -> Symbol:
     """A proportional valve of three positions, half a box wide on either side of its middle; its ports and their x."""
     edge = 3.0 * half
     boxes = "".join(box(x - half, -22, x + half, 22) for x in (-2.0 * half, 0.0, 2.0 * half))
