@@ -87,7 +87,7 @@ def excesses(text: str, module: str) -> list[Size]:
 
 @pytest.fixture(scope="module")
 def too_large(source) -> dict[str, list[Size]]:
-    """What exceeds a limit, by its name below vvdp; a component's law has an argument for each port, input and value."""
+    """What exceeds a limit, by its name below vvdp; a law has an argument for each port, input and value."""
     found: dict[str, list[Size]] = {}
     laws = {f"{each.law.__module__}.{each.law.__name__}".removeprefix("vvdp.") for each in library()}
     for path in sorted(source.rglob("*.py")):
