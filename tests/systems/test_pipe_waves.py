@@ -105,6 +105,6 @@ def test_a_pulse_that_damping_takes_is_not_valid(pieces, transits):
 
 
 def test_damping_vanishes_with_the_number_of_pieces():
-    """It spreads a corner as diffusion does, over the root of the length of a piece: half the length, 0.707 of the loss."""
+    """It spreads a corner as diffusion does, over the root of the length of a piece: half of it, 0.707 of the loss."""
     lost = [200e5 - closed_pipe(n, TRANSIT, damping=0.3, falls=True)[1]["pressure_max_end_Pa"] for n in (20, 40)]
     assert lost[1] / lost[0] == pytest.approx(np.sqrt(0.5), rel=0.02)
