@@ -41,7 +41,7 @@ def told(function):
 
 def sections():
     """Of each type that a page derives, a link to the section with its formulas and their sources."""
-    for page in (*(DOCS / "models").glob("*.md"), DOCS / "when-switching-pays.md"):
+    for page in (*(DOCS / "models").glob("*.md"), DOCS / "when-switching-pays.md", DOCS / "small-circuits.md"):
         found = re.findall(r"^## (.+)\n\n\*Types:\* (.+)\.$", page.read_text("utf-8"), re.MULTILINE)
         for title, types in found:
             anchor = re.sub(r"[^a-z0-9 -]", "", title.lower()).replace(" ", "-")

@@ -55,24 +55,29 @@ def plausible_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator
             )
     for part in system.circuit.network.parts.values():
         yield from _velocity(found, part, limits)
-        for transition in (value.transition_pressure for value in part.values if hasattr(value, "transition_pressure")):
-            yield Bound(
-                label=f"transition pressure of {part.name.replace('_', ' ')}",
-                kind=PRESSURE_DIFFERENCE,
-                low=transition,
-                high=transition,
-                most=LARGEST_TRANSITION,
-                otherwise="its flow would be laminar up to so large a drop: is a unit wrong?",
-            )
+        yield from _transitions(part)
         for relief in (value for value in part.values if isinstance(value, ReliefValve)):
             yield from _stays_shut(system, found, part, relief)
 
 
+def _transitions(part: Part) -> Iterator[Bound]:
+    """Of a throttle, the drop up to which its flow is laminar."""
+    for transition in (value.transition_pressure for value in part.values if hasattr(value, "transition_pressure")):
+        yield Bound(
+            label=f"transition pressure of {part.name.replace('_', ' ')}",
+            kind=PRESSURE_DIFFERENCE,
+            low=transition,
+            high=transition,
+            most=LARGEST_TRANSITION,
+            otherwise="its flow would be laminar up to so large a drop: is a unit wrong?",
+        )
+
+
 def _velocity(found: Mapping[str, Any], part: Part, limits: Limits) -> Iterator[Bound]:
     """Of a line or a piece of one, how fast its oil flows in the mean."""
-    flow = found.get(f"flow_mean_{part.name}_m3_s")
-    for line in (value for value in part.values if flow is not None and isinstance(value, Line | LinePipe)):
-        velocity = abs(flow) / (0.25 * math.pi * line.diameter**2)
+    key = f"flow_mean_{part.name}_m3_s"
+    for line in (value for value in part.values if key in found and isinstance(value, Line | LinePipe)):
+        velocity = abs(float(found[key])) / (0.25 * math.pi * line.diameter**2)
         yield Bound(
             label=f"mean velocity in {part.name.replace('_', ' ')}",
             kind=VELOCITY,
