@@ -35,7 +35,7 @@ class UsualOil(Oil):
     reference_pressure: Pressure = 101325.0
 
 
-def _offered() -> Iterator[Component | Assembly]:
+def _offers() -> Iterator[Component | Assembly]:
     """What the modules of this package offer."""
     for module in pkgutil.iter_modules(vvdp.components.__path__, "vvdp.components."):
         for value in vars(importlib.import_module(module.name)).values():
@@ -44,6 +44,6 @@ def _offered() -> Iterator[Component | Assembly]:
 
 
 COMPONENTS: Mapping[str, Component | Assembly] = dict(
-    sorted((component.name.replace("_", "-"), component) for component in _offered())
+    sorted((component.name.replace("_", "-"), component) for component in _offers())
 )
 """Components that a system file can name, by their type."""

@@ -105,7 +105,7 @@ def rated_edge_flow(rated_flow: float, opening: float, pressure_drop: float, rat
     pressure_drop  dp, first-named side less the second [Pa]
     rated_drop     dp_r, greater than zero [Pa]
 
-    >>> rated_edge_flow(1e-3, 0.5, -5e5, 5e5)
+    >>> print(rated_edge_flow(1e-3, 0.5, -5e5, 5e5))
     -0.0005
     """
     return rated_flow * opening * rated_root(pressure_drop, rated_drop)

@@ -90,7 +90,7 @@ def slip_flow(pressure_drop: float, medium: Medium, machine: VariableMachine) ->
 
     >>> machine = VariableMachine(displacement=1e-5, leakage_conductance=0.0, shaft_damping=0.0, coulomb_torque=0.0,
     ...     coulomb_speed=1.0, inertia=0.01, response_time=0.1, largest_rate=5.0, laminar_slip=3e-9)
-    >>> print(slip_flow(2e7, Medium(density=870.0, viscosity=0.03), machine))  # 3e-9 1e-5 2e7/0.03
+    >>> print(round(slip_flow(2e7, Medium(density=870.0, viscosity=0.03), machine), 12))  # 3e-9 1e-5 2e7/0.03
     2e-05
     """
     D = machine.displacement
