@@ -70,7 +70,7 @@ VALUES: dict[str, list[dict[str, float]]] = {
         {"natural_frequency": 60.0, "response_time": 0.0, "hysteresis": 0.0},
         {"natural_frequency": 0.0, "response_time": 0.02, "hysteresis": 0.04, "flow_yield": 1e-9},
     ],
-    "FourWayValve": [{"overlap_pa": 0.05, "overlap_pb": 0.05, "overlap_at": -0.1, "overlap_bt": 0.1}],
+    "LappedValve": [{"overlap_pa": 0.05, "overlap_pb": 0.05, "overlap_at": -0.1, "overlap_bt": 0.1}],
     "PoppetValve": [
         {"preload": 500.0, "poppet_friction": 5.0, "opening_time": 2e-3, "cone_angle": 0.7, **SEAT},
         {"preload": 5.0, "poppet_friction": 0.0, "opening_time": 0.0, "closing_time": 0.0, "cone_angle": 1.5, **SEAT},

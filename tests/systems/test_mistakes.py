@@ -296,7 +296,7 @@ REFUSED = {
     ),
     "a spool of first and of second order": (
         ENDS | {"components.valve": FOUR_WAY | {"response_time": "20 ms"}},
-        "components.valve.natural_frequency", "not both",
+        "components.valve.natural_frequency", "or else 0",
     ),
     "a poppet that rises as high as its seat is wide": (
         {"components.seat": SEAT | {"largest_lift": "10 mm"}},

@@ -10,6 +10,7 @@ from vvdp.hydraulics.four_way_valve import (
     Edges,
     EdgeStands,
     FourWayValve,
+    LappedValve,
     SensingValve,
     SixWayValve,
     flow_push,
@@ -198,7 +199,7 @@ def load_sensing_valve(
     )
 
 
-def _core(ports: Ports, command: float, state: ValveSpool, values: FourWayValve) -> Core:
+def _core(ports: Ports, command: float, state: ValveSpool, values: LappedValve) -> Core:
     """The four edges and the spool of a valve."""
     pressure, tank, a, b = ports.pressure, ports.tank, ports.a, ports.b
     edges, sides = four_edges(state.position, values), four_sides(state.position, values)
@@ -226,7 +227,7 @@ def _core(ports: Ports, command: float, state: ValveSpool, values: FourWayValve)
     )
 
 
-def _bypass(upstream: FluidState, downstream: FluidState, core: Core, values: FourWayValve) -> Passage:
+def _bypass(upstream: FluidState, downstream: FluidState, core: Core, values: FourWayValve | SixWayValve) -> Passage:
     """What goes over the bypass."""
     drop = upstream.pressure - downstream.pressure
     flow = root_edge_flow(values.bypass_conductance, core.edges.bypass, drop, values.transition_pressure)

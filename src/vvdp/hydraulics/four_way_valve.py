@@ -14,12 +14,12 @@ from vvdp.hydraulics.proportional_spool import ProportionalSpool
 EDGES = ("overlap_pa", "overlap_pb", "overlap_at", "overlap_bt")
 
 
-class FourWayValve(ProportionalSpool):
+class LappedValve(ProportionalSpool):
     """`conductance` of each edge fully open; laps are shares of the stroke, negative ones are underlaps.
 
     Edges pa and bt open forward, pb and at backward. All laps positive: closed centre; those of at and bt negative:
-    float; of pa and pb: regenerative; all negative: open. A bypass of `bypass_conductance` in the middle, shut from
-    `bypass_travel` of the stroke on either way, makes a closed centre a tandem one.
+    float; of pa and pb: regenerative; all negative: open. What is open in the middle alone, a bypass, is shut from
+    `bypass_travel` of the stroke on either way.
     """
 
     conductance: FlowCoefficient
@@ -28,7 +28,6 @@ class FourWayValve(ProportionalSpool):
     overlap_at: SignedFraction
     overlap_bt: SignedFraction
     transition_pressure: PressureDifference
-    bypass_conductance: FlowCoefficient = 0.0
     bypass_travel: Fraction = 1.0
 
     def check(self) -> None:
@@ -39,8 +38,16 @@ class FourWayValve(ProportionalSpool):
         require_positive(self, "conductance", "transition_pressure", "bypass_travel")
 
 
-class SixWayValve(FourWayValve):
-    """A valve with a bypass between ports of its own."""
+class FourWayValve(LappedValve):
+    """A valve whose bypass of `bypass_conductance`, from pump to tank, makes a closed centre a tandem one."""
+
+    bypass_conductance: FlowCoefficient = 0.0
+
+
+class SixWayValve(LappedValve):
+    """A valve with a bypass of `bypass_conductance` between ports of its own."""
+
+    bypass_conductance: FlowCoefficient
 
     def check(self) -> None:
         super().check()
@@ -98,7 +105,7 @@ class EdgeDrops(NamedTuple):
     bt: PressureDifference
 
 
-def _travels(position: float, valve: FourWayValve) -> Edges:
+def _travels(position: float, valve: LappedValve) -> Edges:
     """How far each edge is open, before it is held between 0 and 1: (y - lap)/(1 - lap), y towards its side [1]."""
     x = position
     return Edges(
@@ -110,7 +117,7 @@ def _travels(position: float, valve: FourWayValve) -> Edges:
     )
 
 
-def four_edges(position: float, valve: FourWayValve) -> Edges:
+def four_edges(position: float, valve: LappedValve) -> Edges:
     """Openings of the four edges [1]: (y - lap)/(1 - lap) between 0 and 1, y the position towards the edge's side.
 
     That of the bypass is 1 - |x|/x_b.
@@ -127,7 +134,7 @@ def four_edges(position: float, valve: FourWayValve) -> Edges:
     )
 
 
-def four_sides(position: float, valve: FourWayValve) -> EdgeStands:
+def four_sides(position: float, valve: LappedValve) -> EdgeStands:
     """Whether each edge is shut, in between or fully open [1].
 
     position  from -1 to 1 [1]
@@ -148,7 +155,7 @@ def sensing_openings(position: float, bypass: float) -> SensingOpenings:
     return SensingOpenings(select(position > 0.0, joined, 0.0), select(position < 0.0, joined, 0.0), bypass)
 
 
-def flow_push(edges: Edges, drops: EdgeDrops, valve: FourWayValve) -> float:
+def flow_push(edges: Edges, drops: EdgeDrops, valve: LappedValve) -> float:
     """By how much flow forces push a spool back to its middle [1]: c (y_pa |dp| + y_bt |dp| - y_pb |dp| - y_at |dp|).
 
     A jet pushes its edge shut with 0.43 w x dp, w the width of the edge and x its opening; over the stiffness k that
@@ -157,7 +164,7 @@ def flow_push(edges: Edges, drops: EdgeDrops, valve: FourWayValve) -> float:
     Source  merritt1967, ch. 5 (steady flow force)
 
     >>> valve = FourWayValve(conductance=1e-7, overlap_pa=0.0, overlap_pb=0.0, overlap_at=0.0, overlap_bt=0.0,
-    ...     transition_pressure=1e4, response_time=0.02, largest_rate=1e4, flow_yield=2e-9)
+    ...     transition_pressure=1e4, natural_frequency=0.0, response_time=0.02, largest_rate=1e4, flow_yield=2e-9)
     >>> print(flow_push(four_edges(0.5, valve), EdgeDrops(1e7, 1e7, 2e7, 1e7), valve))
     0.02
     """

@@ -22,12 +22,12 @@ SignedRate = Annotated[float, SIGNED_RATE]
 class ProportionalSpool(Params):
     """The position, -1 to 1, follows its command, never faster than `largest_rate` strokes per second.
 
-    It is a system of second order, of `natural_frequency` and `damping_ratio`; with a `response_time` > 0 one of first
-    order. Of two commands that lead to one position, the rising is `hysteresis` above the falling one. Flow forces push
-    it back by `flow_yield` times the opening of each edge times its drop.
+    It is a system of second order, of `natural_frequency` and `damping_ratio`; with a natural frequency of 0 one of
+    first order, of `response_time`. Of two commands that lead to one position, the rising is `hysteresis` above the
+    falling one. Flow forces push it back by `flow_yield` times the opening of each edge times its drop.
     """
 
-    natural_frequency: Frequency = 0.0
+    natural_frequency: Frequency
     damping_ratio: Ratio = 0.7
     response_time: Time = 0.0
     largest_rate: Rate
@@ -37,7 +37,7 @@ class ProportionalSpool(Params):
     def check(self) -> None:
         require_positive(self, "damping_ratio", "largest_rate")
         if (self.natural_frequency > 0.0) == (self.response_time > 0.0):
-            rule = "must be greater than 0, or response_time instead, and not both"
+            rule = "must be greater than 0, or else 0 with a response_time (first order)"
             refuse(self, "natural_frequency", rule)
 
 
@@ -55,7 +55,7 @@ def spool_error(command: float, position: float, pushed_back: float, valve: Prop
     position     x [1]
     pushed_back  x_f, by which flow forces push the spool back [1]
 
-    >>> valve = ProportionalSpool(response_time=0.02, largest_rate=1e4, hysteresis=0.04)
+    >>> valve = ProportionalSpool(natural_frequency=0.0, response_time=0.02, largest_rate=1e4, hysteresis=0.04)
     >>> print([round(spool_error(u, 0.5, 0.0, valve), 3) for u in (0.47, 0.51, 0.55)])
     [-0.01, 0.0, 0.03]
     """
