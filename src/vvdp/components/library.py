@@ -47,3 +47,11 @@ COMPONENTS: Mapping[str, Component | Assembly] = dict(
     sorted((component.name.replace("_", "-"), component) for component in _offers())
 )
 """Components that a system file can name, by their type."""
+
+
+def __getattr__(name: str) -> Component | Assembly:
+    """A component by the name of its record, as in `from vvdp.components.library import CHECK_VALVE`."""
+    found = COMPONENTS.get(name.lower().replace("_", "-")) if name.isupper() else None
+    if found is None:
+        raise AttributeError(f"the library has no {name}")
+    return found
