@@ -27,25 +27,54 @@ COUNT = 40
 STEP = 1e-6  # of time, over which a store is differenced
 EXCHANGED = {"to_spool"}  # parts of losses that are work done on a spool or taken from it
 
+SEAT = {"seat_diameter": 0.01, "largest_lift": 2e-3}
 VALUES: dict[str, list[dict[str, float]]] = {
     "Orifice": [{"transition_pressure": 2e4}],
     "CheckPoppet": [
         {"cracking_pressure": 5e4, "rated_drop": 2.5e5, "reverse_opening": 0.0, "opening_time": 0.0},
         {"cracking_pressure": 0.0, "rated_drop": 1e7, "reverse_opening": 0.1, "opening_time": 2e-3},
     ],
+    "CheckValve": [{"closing_time": 0.0}],
     "PilotCheckValve": [{"pilot_ratio": 3.0}, {"pilot_ratio": 0.0}],
     "ReliefValve": [
         {"cracking_pressure": 8e6, "override_pressure": 1e6, "opening_time": 2e-3, "reseat_drop": 0.0},
         {"cracking_pressure": 8e6, "override_pressure": 1e6, "opening_time": 0.0, "reseat_drop": 1e6},
         {"cracking_pressure": 8e6, "override_pressure": 0.0, "opening_time": 0.0, "reseat_drop": 0.0},
     ],
-    "LoadReliefValve": [{"override_pressure": 1e6, "opening_time": 0.0}],
-    "ShockValve": [{"override_pressure": 1e6, "opening_time": 0.0}, {"override_pressure": 1e6, "opening_time": 2e-3}],
+    "LoadReliefValve": [{"override_pressure": 1e6, "opening_time": 0.0, "closing_time": 0.0}],
+    "ShockValve": [
+        {"override_pressure": 1e6, "opening_time": 0.0, "closing_time": 0.0},
+        {"override_pressure": 1e6, "opening_time": 2e-3, "closing_time": 5e-3, "largest_opening": 1.5},
+    ],
     "ReducingValve": [
         {"closing_pressure": 1e7, "override_pressure": 8e6, "opening_time": 0.0},
         {"closing_pressure": 1e7, "override_pressure": 8e6, "opening_time": 5e-3},
     ],
     "FlowControlValve": [{"minimum_drop": 8e5, "maximum_drop": 5e6, "flow_rise": 0.04}],
+    "VariableMachine": [
+        {},
+        {"laminar_slip": 3e-9, "turbulent_slip": 2e-5, "viscous_drag": 2e5, "kinetic_drag": 0.5},
+    ],
+    "MeasuredMachine": [
+        {
+            "speeds": (50.0, 150.0),
+            "pressures": (5e6, 1e7, 2e7),
+            "settings": (0.5, 1.0),
+            "volumetric_efficiencies": (0.8, 0.9, 0.75, 0.88, 0.7, 0.85, 0.9, 0.95, 0.88, 0.94, 0.85, 0.92),
+            "mechanical_efficiencies": (0.7, 0.85, 0.8, 0.9, 0.85, 0.92, 0.65, 0.8, 0.75, 0.88, 0.82, 0.9),
+        }
+    ],
+    "GovernedMover": [{"reset_time": 0.0, "speed_band": 20.0}, {"reset_time": 0.5, "speed_band": 20.0}],
+    "DieselEngine": [{"speeds": (0.0, 100.0, 220.0), "full_torques": (0.0, 400.0, 300.0)}],
+    "ProportionalSpool": [
+        {"natural_frequency": 60.0, "response_time": 0.0, "hysteresis": 0.0},
+        {"natural_frequency": 0.0, "response_time": 0.02, "hysteresis": 0.04, "flow_yield": 1e-9},
+    ],
+    "LappedValve": [{"overlap_pa": 0.05, "overlap_pb": 0.05, "overlap_at": -0.1, "overlap_bt": 0.1}],
+    "PoppetValve": [
+        {"preload": 500.0, "poppet_friction": 5.0, "opening_time": 2e-3, "cone_angle": 0.7, **SEAT},
+        {"preload": 5.0, "poppet_friction": 0.0, "opening_time": 0.0, "closing_time": 0.0, "cone_angle": 1.5, **SEAT},
+    ],
     "ProportionalValve": [{"transition_pressure": 2e4}],
     "DirectionalValve": [{"overlap": 0.05}, {"overlap": 0.0}],
     "Characteristic": [{"dead_band": 0.05, "rangeability": 1.0}, {"dead_band": 0.2, "rangeability": 30.0}],

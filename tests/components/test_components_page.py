@@ -12,7 +12,8 @@ from vvdp.network.component import Component, Role
 from vvdp.simulation.values import names
 from vvdp.systems.drawing import NODES
 
-PAGE = (Path(__file__).parents[2] / "docs" / "components.md").read_text("utf-8")
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = (DOCS / "components.md").read_text("utf-8")
 ENDS = {Role.SHAFT: " (shaft)", Role.SHAFT_SPEED: " (shaft)", Role.ROD: " (rod)"}
 
 
@@ -38,6 +39,19 @@ def told(function):
     return first.replace("Add a ", "A ")
 
 
+def sections():
+    """Of each type that a page derives, a link to the section with its formulas and their sources."""
+    for page in (*(DOCS / "models").glob("*.md"), DOCS / "when-switching-pays.md", DOCS / "small-circuits.md"):
+        found = re.findall(r"^## (.+)\n\n\*Types:\* (.+)\.$", page.read_text("utf-8"), re.MULTILINE)
+        for title, types in found:
+            anchor = re.sub(r"[^a-z0-9 -]", "", title.lower()).replace(" ", "-")
+            for name in re.findall(r"`([\w-]+)`", types):
+                yield name, f"[{title}]({page.relative_to(DOCS).as_posix()}#{anchor})"
+
+
+SECTIONS = dict(sections())
+
+
 def row(name, component):
     doc = told(component.add if isinstance(component, Assembly) else component.law)
     if isinstance(component, Assembly):
@@ -50,7 +64,11 @@ def row(name, component):
         ]
         own = [line for cls in component.params for line in values(cls)]
         cells = [ports, inputs, own, state(component.state), component.outputs]
-    return f"| `{name}` | {doc} | " + " | ".join(", ".join(cell) for cell in cells) + f" | {component.symbol} |"
+    return (
+        f"| `{name}` | {doc} | "
+        + " | ".join(", ".join(cell) for cell in cells)
+        + f" | {component.symbol} | {SECTIONS[name]} |"
+    )
 
 
 def tables():
@@ -63,6 +81,10 @@ def tables():
 def test_the_tables_are_those_of_the_library():
     found = [table.splitlines() for table in re.findall(r"^\|---.*\n((?:\|.*\n)+)", PAGE, re.MULTILINE)]
     assert found[1:3] == tables()
+
+
+def test_every_derivation_is_of_a_component():
+    assert sorted({*SECTIONS} ^ {*COMPONENTS}) == []
 
 
 def test_every_word_of_a_component_is_described():

@@ -9,7 +9,9 @@ from scipy.optimize import brentq
 from vvdp.base.errors import ConfigError
 from vvdp.hydraulics.balanced_valve import opening_share
 from vvdp.hydraulics.counterbalance_valve import CounterbalanceValve, pilot_aid, two_way_flow
-from vvdp.hydraulics.four_way_valve import FourWayValve, ValveSpool, four_edges, four_way_flow, spool_motion
+from vvdp.hydraulics.flow import root_edge_flow
+from vvdp.hydraulics.four_way_valve import FourWayValve, four_edges
+from vvdp.hydraulics.proportional_spool import ValveSpool, spool_error, spool_motion
 from vvdp.runs.simulate import run_system
 from vvdp.systems.system import load_system
 
@@ -237,8 +239,8 @@ FOUR_WAY = FourWayValve(
 
 def test_underlap_leaves_edges_open_in_the_middle():
     """A float: pressure shut, both loads open to the tank by 0.2/1.2; fully forward pa and bt alone."""
-    assert four_edges(0.0, FOUR_WAY) == pytest.approx((0.0, 0.0, 0.2 / 1.2, 0.2 / 1.2))
-    assert four_edges(1.0, FOUR_WAY) == pytest.approx((1.0, 0.0, 0.0, 1.0))
+    assert four_edges(0.0, FOUR_WAY) == pytest.approx((0.0, 0.0, 0.2 / 1.2, 0.2 / 1.2, 1.0))
+    assert four_edges(1.0, FOUR_WAY) == pytest.approx((1.0, 0.0, 0.0, 1.0, 0.0))
     assert four_edges(-0.05, FOUR_WAY).at == pytest.approx(0.25 / 1.2)
 
 
@@ -246,9 +248,9 @@ def stepped(valve, until, steps):
     """The position after a step of the command to 1, by the trapezoidal rule of second order (Heun)."""
     spool, dt, found = ValveSpool(0.0, 0.0), until / steps, []
     for _ in range(steps):
-        first = spool_motion(1.0, spool, valve)
+        first = spool_motion(spool_error(1.0, spool.position, 0.0, valve), spool, valve)
         ahead = ValveSpool(spool.position + dt * first.position, spool.wanted_rate + dt * first.wanted_rate)
-        second = spool_motion(1.0, ahead, valve)
+        second = spool_motion(spool_error(1.0, ahead.position, 0.0, valve), ahead, valve)
         spool = ValveSpool(*(x + 0.5 * dt * (a + b) for x, a, b in zip(spool, first, second, strict=True)))
         found.append(spool.position)
     return np.array(found)
@@ -340,5 +342,9 @@ def test_wrong_values_are_named(tmp_path, given, told):
 
 def test_half_an_edge_passes_half_the_flow_either_way():
     """K root(dp): 2e-7 m^3/(s Pa^0.5) at 10 bar are 12 lpm."""
-    assert four_way_flow(10 * BAR, 0.5, FOUR_WAY) == pytest.approx(6 * LPM, rel=1e-4)
-    assert four_way_flow(-10 * BAR, 0.5, FOUR_WAY) == pytest.approx(-6 * LPM, rel=1e-4)
+    assert root_edge_flow(FOUR_WAY.conductance, 0.5, 10 * BAR, FOUR_WAY.transition_pressure) == pytest.approx(
+        6 * LPM, rel=1e-4
+    )
+    assert root_edge_flow(FOUR_WAY.conductance, 0.5, -10 * BAR, FOUR_WAY.transition_pressure) == pytest.approx(
+        -6 * LPM, rel=1e-4
+    )

@@ -9,7 +9,9 @@ from typing import Any, get_type_hints
 import numpy as np
 import pytest
 from tests.compiled import compiled
+from tests.components.conftest import random_record, settings
 
+from vvdp.base.params import Params
 from vvdp.base.signal import Signal, signal_value
 from vvdp.fluid import mixture
 from vvdp.simulation.lane_code import lane_rates
@@ -356,6 +358,7 @@ def components():
         delay_line,
         directional_valve,
         filter_element,
+        flow,
         flow_control_valve,
         flow_source,
         four_way_valve,
@@ -509,12 +512,14 @@ def components():
         ),
         four_way_valve.FourWayValve(
             conductance=1e-7, overlap_pa=0.05, overlap_pb=0.05, overlap_at=-0.1, overlap_bt=-0.1,
-            transition_pressure=1e4, natural_frequency=60.0, damping_ratio=0.7, largest_rate=20.0,
+            transition_pressure=1e4, natural_frequency=60.0, damping_ratio=0.7, largest_rate=20.0, hysteresis=0.04,
+            flow_yield=1e-9, bypass_conductance=1e-7, bypass_travel=0.3,
         ),
         shuttle_valve.ShuttleValve(changeover_pressure=1e7, rated_flow=1e-3, rated_drop=5e5),
         variable_machine.VariableMachine(
             displacement=5e-6, leakage_conductance=1e-12, shaft_damping=0.01, coulomb_torque=2.0, coulomb_speed=3.0,
             inertia=0.02, pressure_friction=0.03, response_time=0.05, largest_rate=10.0,
+            laminar_slip=3e-9, turbulent_slip=2e-5, viscous_drag=2e5, kinetic_drag=0.5,
         ),
         gerotor_drive.GerotorMap(**gerotor),
         gerotor_drive.GerotorBelief(**gerotor, straight_flow=1e-6),
@@ -524,12 +529,18 @@ def components():
         ),
     ]  # fmt: skip
     values |= {type(v): v for v in made}
+    SHAPES = {
+        line.RoundLine: line.Line,
+        motor.Displacing: motor.Motor,
+        flow.RatedEdge: seat_valve.SeatValve,
+        flow.RootEdge: directional_valve.DirectionalValve,
+    }
 
     def component(hint: Any, rng: np.random.Generator) -> Any:
         if hint in values:
             return values[hint]
-        if hint is line.RoundLine:
-            return values[line.Line]
+        if hint in SHAPES:
+            return values[SHAPES[hint]]
         by_class = {
             mixture.FluidState: lambda: mixture.fluid_state(float(rng.uniform(2e5, 2e7)), oil),
             condition.Condition: lambda: condition.Condition(
@@ -567,15 +578,13 @@ def components():
             gerotor_drive.GerotorState: lambda: gerotor_drive.GerotorState(
                 float(rng.uniform(-3e-5, 3e-5)), float(rng.uniform(-8e-3, 30e-3))
             ),
-            four_way_valve.ValveSpool: lambda: four_way_valve.ValveSpool(
-                float(rng.uniform(-1.0, 1.0)), float(rng.uniform(-40.0, 40.0))
-            ),
             switching_valve.SpoolState: lambda: switching_valve.SpoolState(
                 float(rng.uniform(-1e-4, 1.1e-3)), float(rng.uniform(-1.0, 1.0))
             ),
         }
-        assert hint in by_class, f"make a random {hint} here"
-        return by_class[hint]()
+        if hint in by_class:
+            return by_class[hint]()
+        return next(settings(hint)) if issubclass(hint, Params) else random_record(hint, rng)
 
     return component
 

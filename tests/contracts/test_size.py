@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import pytest
+from tests.components.conftest import library
 
 MOST = {"function": 40, "class": 80, "module": 400, "parameters": 6, "complexity": 10}
 """Lines of code of each, without docstrings, comments and empty lines; parameters; ways through a function."""
@@ -86,11 +87,13 @@ def excesses(text: str, module: str) -> list[Size]:
 
 @pytest.fixture(scope="module")
 def too_large(source) -> dict[str, list[Size]]:
-    """What exceeds a limit, by its name below vvdp."""
+    """What exceeds a limit, by its name below vvdp; a law has an argument for each port, input and value."""
     found: dict[str, list[Size]] = {}
+    laws = {f"{each.law.__module__}.{each.law.__name__}".removeprefix("vvdp.") for each in library()}
     for path in sorted(source.rglob("*.py")):
         for size in excesses(path.read_text("utf-8"), ".".join(path.relative_to(source).with_suffix("").parts)):
-            found.setdefault(size.name, []).append(size)
+            if size.measure != "parameters" or size.name not in laws:
+                found.setdefault(size.name, []).append(size)
     return found
 
 
@@ -111,22 +114,9 @@ ALLOWED = {
     "base.units._to_si": CHOICE,
     "comparison.loop_trials.compare_controllers": ONE_CALL,
     "comparison.trials.compare": ONE_CALL,
-    "components.delay_lines.delay_line_ends": LAW,
-    "components.directed_flows.directed_source": LAW,
-    "components.directional_valves.directional_valve": LAW,
-    "components.directional_valves.throttled_directional_valve": LAW,
-    "components.four_way_valves.four_way_valve": LAW,
-    "components.machines.controlled_pump": LAW,
-    "components.meters.transition_meter": LAW,
-    "components.rotary_valve.rotary_valve": LAW,
+    "components.rotary_valve.rotary_valve": RECORD,
     "components.switching_valves._three_way": LAW,
     "components.switching_valves._two_way": LAW,
-    "components.switching_valves.modulated_switching_valve": LAW,
-    "components.switching_valves.modulated_two_way_valve": LAW,
-    "components.switching_valves.pulsed_switching_valve": LAW,
-    "components.switching_valves.pulsed_two_way_valve": LAW,
-    "components.switching_valves.switching_valve": LAW,
-    "components.switching_valves.two_way_valve": LAW,
     "estimation.baselines.torque_filter._after_edge": ONE_SAMPLE,
     "estimation.event_filter.take_in": ONE_SAMPLE,
     "estimation.fusion._after_pressure_edge": ONE_SAMPLE,

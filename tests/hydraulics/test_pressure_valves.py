@@ -8,10 +8,11 @@ from scipy.optimize import brentq
 
 from vvdp.base.errors import ParameterError
 from vvdp.hydraulics.check_valve import check_opening
+from vvdp.hydraulics.flow import rated_edge_flow
 from vvdp.hydraulics.flow_control_valve import FlowControlValve, controlled_flow
 from vvdp.hydraulics.flow_source import FlowSource, source_flow
 from vvdp.hydraulics.pilot_check_valve import PilotCheckValve, lifting_drop, pilot_check_opening
-from vvdp.hydraulics.reducing_valve import ReducingValve, reducing_flow, reducing_opening, reducing_opening_rate
+from vvdp.hydraulics.reducing_valve import ReducingValve, reducing_opening, reducing_opening_rate
 from vvdp.hydraulics.seat_valve import SeatValve, seat_flow, seat_rate
 
 
@@ -68,8 +69,8 @@ def test_reducing_valve_by_hand():
     assert reducing_opening(48.5e5, valve) == pytest.approx(0.5, rel=1e-14)
     assert reducing_opening(51e5, valve) == reducing_opening(300e5, valve) == 0.0
     assert reducing_opening(46e5, valve) == reducing_opening(1e5, valve) == 1.0
-    assert reducing_flow(4e5, 0.5, valve) == pytest.approx(2.5e-4, rel=1e-14)
-    assert reducing_flow(-4e5, 0.5, valve) == pytest.approx(-2.5e-4, rel=1e-14)
+    assert rated_edge_flow(valve.rated_flow, 0.5, 4e5, valve.rated_drop) == pytest.approx(2.5e-4, rel=1e-14)
+    assert rated_edge_flow(valve.rated_flow, 0.5, -4e5, valve.rated_drop) == pytest.approx(-2.5e-4, rel=1e-14)
     assert reducing_opening_rate(48.5e5, 0.1, valve) == pytest.approx(80.0, rel=1e-12)  # (0.5 - 0.1)/5 ms
     assert reducing_opening_rate(48.5e5, 0.1, reducing(opening_time=0.0)) == 0.0
 
@@ -81,7 +82,7 @@ def test_a_reduced_pressure_stays_within_the_override(demand):
 
     def outlet(inlet):
         def excess(p):
-            return reducing_flow(inlet - p, reducing_opening(p, valve), valve) - demand
+            return rated_edge_flow(valve.rated_flow, reducing_opening(p, valve), inlet - p, valve.rated_drop) - demand
 
         return brentq(excess, 1e5, inlet)
 

@@ -4,8 +4,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vvdp.base.errors import ParameterError
-from vvdp.hydraulics.check_valve import CheckValve, check_flow, check_opening, check_opening_rate, poppet_flow
-from vvdp.hydraulics.directional_valve import DirectionalValve, edge_flow, edge_openings, position_rate
+from vvdp.hydraulics.check_valve import CheckValve, check_flow, check_opening, check_opening_rate
+from vvdp.hydraulics.directional_valve import DirectionalValve, edge_openings, position_rate
+from vvdp.hydraulics.flow import rated_edge_flow, root_edge_flow
 from vvdp.hydraulics.proportional_valve import ProportionalValve, opening_rate, proportional_flow
 
 DROPS = st.floats(-5e7, 5e7)
@@ -44,8 +45,8 @@ def test_poppet_follows_its_drop():
     # at 1.5 bar: 0.2 + 0.8 * 0.5 = 0.6; (0.6 - 0.2)/2 ms = 200 1/s
     assert check_opening_rate(1.5e5, 0.2, slow) == pytest.approx(200.0, rel=1e-13)
     assert check_opening_rate(1.5e5, 0.2, check(0.2)) == 0.0
-    assert poppet_flow(2.5e5, 0.6, slow) == pytest.approx(3.6e-4, rel=1e-13)
-    assert poppet_flow(-1e5, 0.6, slow) < 0.0  # not yet seated: oil runs back
+    assert rated_edge_flow(slow.rated_flow, 0.6, 2.5e5, slow.rated_drop) == pytest.approx(3.6e-4, rel=1e-13)
+    assert rated_edge_flow(slow.rated_flow, 0.6, -1e5, slow.rated_drop) < 0.0  # not yet seated: oil runs back
 
 
 @given(drop=DROPS, reverse=st.floats(0.0, 1.0))
@@ -73,7 +74,9 @@ def test_directional_valve_by_hand():
     assert edge_openings(0.525, FOUR_WAY) == pytest.approx((0.5, 0.0), rel=1e-14)  # (0.525 - 0.05)/0.95
     assert edge_openings(-1.0, FOUR_WAY) == (0.0, 1.0)
     assert edge_openings(0.05, FOUR_WAY) == edge_openings(-0.04, FOUR_WAY) == (0.0, 0.0)
-    assert edge_flow(1e6, 0.5, FOUR_WAY) == pytest.approx(5e-4 * 1.0004**-0.25, rel=1e-13)
+    assert root_edge_flow(FOUR_WAY.conductance, 0.5, 1e6, FOUR_WAY.transition_pressure) == pytest.approx(
+        5e-4 * 1.0004**-0.25, rel=1e-13
+    )
     assert position_rate(-3.0, 0.6, FOUR_WAY) == pytest.approx(-200.0, rel=1e-13)  # (-1 - 0.6)/8 ms
 
 

@@ -38,6 +38,46 @@ CIRCUIT: dict[str, Any] = {
 }  # fmt: skip
 """A pump, a relief valve and a load: 76 bar at 6 mm^2, with nothing wrong."""
 
+MEASURED = {
+    "type": "measured-pump",
+    "inlet": "tank",
+    "outlet": "line",
+    "shaft": "motor",
+    "setting": "1",
+    "displacement": "16 cc/rev",
+    "inertia": "0.002 kg*m^2",
+    "coulomb_speed": "1 rpm",
+    "response_time": "20 ms",
+    "largest_rate": "10 1/s",
+    "speeds": ["1000 rpm", "1500 rpm"],
+    "pressures": ["100 bar"],
+    "settings": ["1"],
+    "volumetric_efficiencies": ["0.9", "0.92"],
+    "mechanical_efficiencies": ["0.9", "0.92"],
+}
+ENGINE = {
+    "type": "diesel-engine",
+    "shaft": "crank",
+    "speed": "1800 rpm",
+    "inertia": "1 kg*m^2",
+    "speed_band": "100 rpm",
+    "rack_time": "50 ms",
+    "speeds": ["800 rpm", "2000 rpm"],
+    "full_torques": ["300 N*m"],
+    "shaft_damping": "0 N*m*s",
+    "coulomb_torque": "0 N*m",
+    "coulomb_speed": "1 rpm",
+}
+SEAT = {
+    "type": "poppet-valve",
+    "a": "line",
+    "b": "tank",
+    "seat_diameter": "8 mm",
+    "cone_angle": "45 deg",
+    "largest_lift": "1 mm",
+    "preload": "500 N",
+    "stiffness": "50 kN/m",
+}
 IDEAL = {"components.relief.override_pressure": "0 bar"}
 VOLUME = {"type": "volume", "volume": "0.5 l", "start": "0 bar"}
 ROD = {"type": "rod", "mass": "10 kg"}
@@ -242,6 +282,29 @@ REFUSED = {
         {"nodes.suction": VOLUME, "components.level": LEVEL | {"tank_volume": "80 l"}},
         "components.level.tank_volume", "room for air",
     ),
+    "efficiencies for other points than a table has": (
+        {"components.machine": MEASURED | {"settings": ["0.5", "1"]}},
+        "components.machine.volumetric_efficiencies", "2 values; expected 4",
+    ),
+    "an efficiency of 92 for 92 %": (
+        {"components.machine": MEASURED | {"volumetric_efficiencies": ["0.9", "92"]}},
+        "components.machine.volumetric_efficiencies", "92",
+    ),
+    "a torque curve with a torque too few": (
+        {"nodes.crank": {"type": "shaft", "speed": "1800 rpm"}, "components.engine": ENGINE},
+        "components.engine.full_torques", "1 torques for 2 speeds",
+    ),
+    "a spool of first and of second order": (
+        ENDS | {"components.valve": FOUR_WAY | {"response_time": "20 ms"}},
+        "components.valve.natural_frequency", "or else 0",
+    ),
+    "a poppet that rises as high as its seat is wide": (
+        {"components.seat": SEAT | {"largest_lift": "10 mm"}},
+        "components.seat.largest_lift", "less than seat_diameter",
+    ),
+    "a closing time of a valve that follows at once": (
+        {"components.valve": CHECK | {"closing_time": "2 ms"}}, "components.valve.closing_time", "must be 0",
+    ),
     "a misspelt limit": ({"limits": {"largest_presure": "300 bar"}}, "limits", "did you mean 'largest_pressure'"),
     "a state that leads nowhere": (
         {"nodes.source.pressure": {"from": "lien.pressure"}}, "nodes.source", "leads nowhere",
@@ -286,6 +349,11 @@ NOT_TRUSTED = {
         {"nodes.end": VOLUME | {"volume": "1 cc", "start": "100 bar"}, "components.pipe": PIPE,
          "nodes.source.pressure": {"step": ["100 bar", "150 bar"], "at": "10 ms"}},
         "roughness of the waves in pipe: .* give it more pieces",
+    ),
+    "a line of 3 mm for 30 mm": (
+        {"nodes.end": VOLUME | {"volume": "1 l", "start": "70 bar"}, "components.load.a": "end",
+         "components.hose": {"type": "line", "a": "line", "b": "end", "length": "0.2 m", "diameter": "3 mm"}},
+        "mean velocity in hose: .* or its diameter",
     ),
     "a cylinder without an end-stop": (
         {"nodes.rod": ROD, "components.cylinder": CYLINDER, "components.load": None, "components.feed": None},

@@ -291,6 +291,79 @@ def test_priority_and_logic_valve(ran):
     assert gauge["second"] == pytest.approx(held, rel=1e-4)
 
 
+def test_measured_machines(ran):
+    done = ran("A pump and a motor with measured efficiencies")
+    check_closed(done)
+    assert not done.broken
+    found, omega = done.found, 50.0 * np.pi
+    assert found["flow_mean_pump_m3_s"] == pytest.approx(0.94 * 60.0 * LPM, rel=1e-3)
+    assert found["power_drive_W"] == pytest.approx(40e-6 / (2.0 * np.pi) * 200.0 * BAR * omega / 0.93, rel=1e-3)
+    # taken in under 200 bar: 1 % of oil that yields by 20 GPa
+    assert found["flow_mean_motor_m3_s"] == pytest.approx(30.0 / 0.88 * LPM * (1.0 + 200.0 * BAR / 20e9), rel=1e-3)
+    assert found["power_axle_W"] == pytest.approx(-0.88 * 0.5 * 40e-6 / (2.0 * np.pi) * 200.0 * BAR * omega, rel=1e-3)
+
+
+SHORT = ("run.until=0.3 s", "run.average_from=0 s", "run.record_interval=1 ms")
+
+
+def test_engine_and_motor_under_load(ran):
+    done = ran("An engine and a motor under load")
+    check_closed(done)
+    assert not done.broken
+    found, rpm = done.found, np.pi / 30.0
+    assert found["speed_mean_crank_rad_s"] == pytest.approx(1750.0 * rpm, rel=1e-6)
+    assert found["speed_mean_axle_rad_s"] == pytest.approx(1800.0 * rpm, rel=1e-6)
+    assert found["power_motor_W"] == pytest.approx(200.0 * 1800.0 * rpm + 2e3, rel=1e-6)
+    over = ran("An engine and a motor under load", "components.on_engine.torque=-500 N*m", *SHORT)
+    falls = (-500.0 + 400.0) / 2.0  # once its rack is open the whole curve is not enough
+    speed = over.run.state.crank.speed
+    assert (speed[-1] - speed[-21]) / (over.run.times[-1] - over.run.times[-21]) == pytest.approx(falls, rel=0.1)
+
+
+def test_load_sensing_pump_and_valve(ran):
+    done = ran("A load-sensing pump and valve")
+    check_closed(done)
+    assert not done.broken
+    at = np.searchsorted(done.run.times, 4.9)
+    gauge = (done.run.state.supply - 101325.0) / BAR
+    assert gauge[at] == pytest.approx(120.0, rel=1e-6) and gauge[-1] == pytest.approx(20.0, rel=1e-6)
+    passed = 0.5 * 6e-7 * np.sqrt(20.0 * BAR)
+    assert done.run.outputs.valve_a_flow[at] == pytest.approx(tank_volumes(passed, 120.0 * BAR), rel=1e-4)
+    heavy = ("components.valve.command=1", "nodes.load.pressure=220 bar", "nodes.supply.start=235 bar", "run.until=5 s")
+    limited = ran("A load-sensing pump and valve", *heavy)
+    check_closed(limited)
+    assert -limited.run.outputs.pump_shaft[-1] == pytest.approx(120.0, rel=1e-9)
+    assert limited.run.state.supply[-1] < 240.0 * BAR
+
+
+def test_open_centre(ran):
+    done = ran("An open centre")
+    check_closed(done)
+    assert not done.broken
+    gauge = (done.run.state.supply - 101325.0) / BAR
+    over = (40.0 * LPM / 1e-6) ** 2 / BAR
+    assert gauge[np.searchsorted(done.run.times, 1.9)] == pytest.approx(over, rel=1e-4)
+    assert gauge[-1] == pytest.approx(50.0 + over, rel=1e-4)
+
+
+def test_relief_valve_by_its_measures(ran):
+    done = ran("A relief valve by its measures")
+    check_closed(done)
+    assert not done.broken
+    d, sine = 8e-3, np.sin(0.25 * np.pi)
+    area = 0.25 * np.pi * d * d
+
+    def lift(p):
+        return (area * p - 500.0) / (50e3 + np.pi * d * 0.61 * p)
+
+    def surplus(p):
+        return 0.61 * np.pi * d * sine * lift(p) * np.sqrt(2.0 * p / 876.0) - 20.0 * LPM
+
+    held = brentq(surplus, 500.0 / area, 150.0 * BAR)
+    assert done.found["pressure_mean_supply_Pa"] == pytest.approx(held, rel=1e-4)
+    assert done.run.state.valve.lift[-1] == pytest.approx(lift(held), rel=1e-3)
+
+
 def test_without_a_heat_balance_nothing_is_written_of_heat():
     text = re.search(r"^## A closed box that warms\n.*?```toml\n(.*?)```", PAGE, re.MULTILINE | re.DOTALL)[1]
     content = tomllib.loads(text)

@@ -24,7 +24,10 @@ class Ways:
     """Options: what is followed, and what is run besides."""
 
     check: Annotated[
-        bool, typer.Option("--check", help="Repeat the run at a tenth of the tolerance and show what changes.")
+        bool,
+        typer.Option(
+            "--check", help="Repeat the run at a tenth of the tolerance, pipes in twice the pieces, and show changes."
+        ),
     ] = False
     cycle: Annotated[
         Path | None,

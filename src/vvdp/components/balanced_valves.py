@@ -10,7 +10,6 @@ from vvdp.hydraulics.balanced_valve import (
     CartridgeValve,
     balanced_travel,
     cartridge_lift,
-    edge_flow,
     lift_rate,
     lift_side,
     opening_share,
@@ -22,7 +21,7 @@ from vvdp.hydraulics.counterbalance_valve import (
     reverse_side,
     two_way_flow,
 )
-from vvdp.hydraulics.flow import passage
+from vvdp.hydraulics.flow import passage, rated_passage
 from vvdp.hydraulics.opening import OpeningPassage, OpeningState, lagged_rate
 from vvdp.network.component import Component
 
@@ -92,7 +91,7 @@ def _one_edge(
 ) -> OpeningPassage:
     """A valve between a and b that a pressure above that behind its spring opens, either way."""
     y = balanced_travel(lifting, state.opening, values)
-    flow, loss = passage(edge_flow(a.pressure - b.pressure, y, values), a, b)
+    flow, loss = rated_passage(a, b, y, values)
     rates = OpeningState(lift_rate(lifting, state.opening, values))
     return OpeningPassage(flow, loss, rates, lift_side(lifting, values))
 
@@ -128,7 +127,7 @@ def upstream_compensator(
     drop = b.pressure - pilot.pressure
     static = 1.0 - clip(opening_share(drop, values), 0.0, 1.0)
     y = select(values.opening_time > 0.0, state.opening, static)
-    flow, loss = passage(edge_flow(a.pressure - b.pressure, y, values), a, b)
+    flow, loss = rated_passage(a, b, y, values)
     rates = OpeningState(lagged_rate(static, state.opening, values.opening_time))
     return OpeningPassage(flow, loss, rates, lift_side(drop, values))
 
@@ -153,8 +152,8 @@ def priority_valve(
     """
     drop = priority.pressure - pilot.pressure
     y = balanced_travel(drop, state.opening, values)
-    first = passage(edge_flow(inlet.pressure - priority.pressure, 1.0 - y, values), inlet, priority)
-    rest = passage(edge_flow(inlet.pressure - excess.pressure, y, values), inlet, excess)
+    first = rated_passage(inlet, priority, 1.0 - y, values)
+    rest = rated_passage(inlet, excess, y, values)
     return PriorityFlows(
         inlet=-first.flow - rest.flow,
         priority=first.flow,

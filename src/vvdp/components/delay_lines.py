@@ -115,7 +115,7 @@ def delay_step(
     return DelayMemory(means=means, swings=swings, taken=float(taken), before=reading, begun=1.0), arriving
 
 
-DELAY_LINE_ENDS = Component(delay_line_ends, symbol="line", stored=delay_line_stored)
+DELAY_LINE_ENDS = Component(delay_line_ends, symbol="line", stored=delay_line_stored, offered=False)
 WAVES = ProgramType(
     step=delay_step,
     reading=DelayReading,

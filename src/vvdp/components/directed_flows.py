@@ -6,7 +6,7 @@ from vvdp.base.kinds import ExchangedPower, Flow, FlowCoefficient, Fraction, Pow
 from vvdp.base.params import Params, require_positive
 from vvdp.base.select import clip
 from vvdp.fluid.mixture import FluidState
-from vvdp.hydraulics.flow import passage, signed_root
+from vvdp.hydraulics.flow import root_passage
 from vvdp.hydraulics.flow_source import LaggingSource, SourceState, source_flow, source_rate
 from vvdp.network.component import Component
 
@@ -70,11 +70,9 @@ def directed_return(
     values: ReturnThrottle,
 ) -> DirectedReturn:
     """Throttle, open by `opening`, from b to tank in `direction` 1, from a in -1; shut in 0."""
-    conductance = values.conductance * clip(opening, 0.0, 1.0)
-    root_a = signed_root(a.pressure - tank.pressure, values.transition_pressure)
-    root_b = signed_root(b.pressure - tank.pressure, values.transition_pressure)
-    from_a = passage(conductance * clip(-direction, 0.0, 1.0) * root_a, a, tank)
-    from_b = passage(conductance * clip(direction, 0.0, 1.0) * root_b, b, tank)
+    y = clip(opening, 0.0, 1.0)
+    from_a = root_passage(a, tank, y * clip(-direction, 0.0, 1.0), values)
+    from_b = root_passage(b, tank, y * clip(direction, 0.0, 1.0), values)
     return DirectedReturn(
         tank=from_a.flow + from_b.flow, a=-from_a.flow, b=-from_b.flow, loss=from_a.loss + from_b.loss
     )

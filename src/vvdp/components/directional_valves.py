@@ -10,12 +10,11 @@ from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.directional_valve import (
     DirectionalState,
     DirectionalValve,
-    edge_flow,
     edge_openings,
     edge_sides,
     position_rate,
 )
-from vvdp.hydraulics.flow import Passage, passage
+from vvdp.hydraulics.flow import Passage, passage, root_passage
 from vvdp.hydraulics.orifice import Orifice, orifice_flow
 from vvdp.hydraulics.ports import Medium
 from vvdp.hydraulics.series import first_share, series_flow
@@ -109,8 +108,8 @@ def directional_valve(
     """4/3 valve: forward it joins pressure to a and b to tank, backward pressure to b and a to tank."""
     forward, backward = edge_openings(state.position, values)
     sides = edge_sides(state.position, values)
-    to_a, to_b = _edge(pressure, a, forward, values), _edge(pressure, b, backward, values)
-    from_a, from_b = _edge(a, tank, backward, values), _edge(b, tank, forward, values)
+    to_a, to_b = root_passage(pressure, a, forward, values), root_passage(pressure, b, backward, values)
+    from_a, from_b = root_passage(a, tank, backward, values), root_passage(b, tank, forward, values)
     return DirectionalFlows(
         pressure=-to_a.flow - to_b.flow,
         tank=from_a.flow + from_b.flow,
@@ -139,7 +138,7 @@ def throttled_directional_valve(
     forward, backward = edge_openings(state.position, values)
     sides = edge_sides(state.position, values)
     throttle = values.return_conductance * clip(state.opening, 0.0, 1.0)
-    to_a, to_b = _edge(pressure, a, forward, values), _edge(pressure, b, backward, values)
+    to_a, to_b = root_passage(pressure, a, forward, values), root_passage(pressure, b, backward, values)
     from_a, from_b = _return(a, tank, backward, throttle, values), _return(b, tank, forward, throttle, values)
     over_a = first_share(values.conductance * backward, throttle) * from_a.loss
     over_b = first_share(values.conductance * forward, throttle) * from_b.loss
@@ -184,11 +183,6 @@ def three_way_proportional_valve(
         loss=to_a.loss + to_tank.loss,
         centre=side(u),
     )
-
-
-def _edge(upstream: FluidState, downstream: FluidState, opening: float, values: DirectionalValve) -> Passage:
-    """What goes over one edge."""
-    return passage(edge_flow(upstream.pressure - downstream.pressure, opening, values), upstream, downstream)
 
 
 def _return(

@@ -110,4 +110,4 @@ def layered_column_stored(state: LayeredState, medium: Medium, values: Line) -> 
 
 COLUMN = Component(column, symbol="line", stored=column_stored)
 LINE = Component(line, symbol="line", stored=line_stored, walls=line_walls)
-LAYERED_COLUMN = Component(layered_column, symbol="line", stored=layered_column_stored)
+LAYERED_COLUMN = Component(layered_column, symbol="line", stored=layered_column_stored, offered=False)

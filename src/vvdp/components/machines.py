@@ -172,7 +172,7 @@ def motor_inertia(values: Motor) -> float:
     return values.inertia
 
 
-CHAMBER_PUMP = Component(chamber_pump, symbol="pump", averages=("leakage_flow",))
+CHAMBER_PUMP = Component(chamber_pump, symbol="pump", averages=("leakage_flow",), offered=False)
 CONTROLLED_PUMP = Component(controlled_pump, symbol="variable_pump", averages=("leakage_flow", "share"))
 
 

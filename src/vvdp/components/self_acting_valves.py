@@ -2,24 +2,23 @@
 
 from typing import NamedTuple
 
-from vvdp.base.kinds import Flow, Fraction, Kink, Mode, Power
-from vvdp.base.select import select
+from vvdp.base.kinds import Flow, Fraction, Kink, Length, Mode, Power
+from vvdp.base.select import clip, minimum, select
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.check_valve import (
     CheckValve,
     check_opening,
-    check_opening_rate,
     check_side,
-    poppet_flow,
 )
-from vvdp.hydraulics.flow import passage
+from vvdp.hydraulics.flow import passage, rated_passage
 from vvdp.hydraulics.flow_control_valve import FlowControlValve, controlled_flow, controlled_side
-from vvdp.hydraulics.opening import OpeningPassage, OpeningState
+from vvdp.hydraulics.opening import OpeningPassage, OpeningState, lagged_rate
+from vvdp.hydraulics.orifice import orifice_flow
 from vvdp.hydraulics.pilot_check_valve import PilotCheckValve, closing_drop, lifting_drop
-from vvdp.hydraulics.ports import Surplus
+from vvdp.hydraulics.poppet_valve import PoppetValve, lift_range, poppet_area, poppet_side
+from vvdp.hydraulics.ports import Medium, Surplus
 from vvdp.hydraulics.reducing_valve import (
     ReducingValve,
-    reducing_flow,
     reducing_opening,
     reducing_opening_rate,
     reducing_side,
@@ -34,10 +33,24 @@ from vvdp.hydraulics.relief_valve import (
     relief_opening,
     relief_opening_rate,
     setting_fall,
-    throttled_relief_flow,
 )
-from vvdp.hydraulics.shuttle_valve import ShuttleValve, ball_position, ball_side, seat_flow
+from vvdp.hydraulics.shuttle_valve import ShuttleValve, ball_position, ball_side
 from vvdp.network.component import Component
+
+
+class LiftState(NamedTuple):
+    """How far a poppet is off its seat."""
+
+    lift: Length
+
+
+class PoppetPassage(NamedTuple):
+    """What goes through a poppet valve, the rate of its lift, and where it is to stand."""
+
+    flow: Flow
+    loss: Power
+    rates: LiftState
+    side: Kink
 
 
 class FlowControlPassage(NamedTuple):
@@ -95,9 +108,9 @@ def _over_poppet(
 ) -> OpeningPassage:
     """A check valve from a to b whose poppet a pressure lifts."""
     y = select(values.opening_time > 0.0, state.opening, check_opening(lifting, values))
-    flow, loss = passage(poppet_flow(a.pressure - b.pressure, y, values), a, b)
-    rates = OpeningState(check_opening_rate(lifting, state.opening, values))
-    return OpeningPassage(flow, loss, rates, check_side(lifting, values))
+    flow, loss = rated_passage(a, b, y, values)
+    rate = lagged_rate(check_opening(lifting, values), state.opening, values.opening_time, values.closing_time)
+    return OpeningPassage(flow, loss, OpeningState(rate), check_side(lifting, values))
 
 
 def relief_valve(
@@ -118,26 +131,42 @@ def shock_valve(a: FluidState, b: FluidState, side: Mode, state: OpeningState, v
     `relief_valve` needs the flows of everything else at its volume, so that two of them, each from one side of a
     motor to the other, would wait for each other.
     """
-    flow, loss = passage(throttled_relief_flow(a.pressure, b.pressure, state.opening, side, values), a, b)
-    rates = OpeningState(relief_opening_rate(a.pressure, state.opening, side, values))
-    return OpeningPassage(flow, loss, rates, relief_mode(a.pressure, b.pressure, 0.0, side, values))
+    return _shock(a, b, a.pressure, side, state, values)
+
+
+def _shock(
+    a: FluidState, b: FluidState, felt: float, mode: float, state: OpeningState, values: ShockValve
+) -> OpeningPassage:
+    """A relief valve with an override from a to b, at the pressure that it feels."""
+    static = minimum(relief_opening(felt, mode, values), values.largest_opening)
+    y = select(values.opening_time > 0.0, state.opening, static)
+    flow, loss = passage(opened_relief_flow(a.pressure - b.pressure, b.pressure, y, values), a, b)
+    rate = lagged_rate(static, state.opening, values.opening_time, values.closing_time)
+    return OpeningPassage(flow, loss, OpeningState(rate), relief_mode(felt, b.pressure, 0.0, mode, values))
 
 
 def load_relief_valve(
     a: FluidState, b: FluidState, pilot: FluidState, side: Mode, state: OpeningState, values: LoadReliefValve
 ) -> OpeningPassage:
     """Relief valve that limits the pressure at a to a margin above that at the pilot, where no oil flows."""
-    felt = a.pressure + setting_fall(pilot.pressure, values)
-    y = select(values.opening_time > 0.0, state.opening, relief_opening(felt, side, values))
-    flow, loss = passage(opened_relief_flow(a.pressure - b.pressure, b.pressure, y, values), a, b)
-    rates = OpeningState(relief_opening_rate(felt, state.opening, side, values))
-    return OpeningPassage(flow, loss, rates, relief_mode(felt, b.pressure, 0.0, side, values))
+    return _shock(a, b, a.pressure + setting_fall(pilot.pressure, values), side, state, values)
+
+
+def poppet_valve(a: FluidState, b: FluidState, state: LiftState, medium: Medium, values: PoppetValve) -> PoppetPassage:
+    """Poppet on a seat from a to b, held by a spring: a check valve, or with much preload a relief valve."""
+    drop = a.pressure - b.pressure
+    ends = lift_range(drop, values)
+    wanted = clip(state.lift, ends.low, ends.high)
+    lift = select(values.opening_time > 0.0, state.lift, wanted)
+    flow, loss = passage(orifice_flow(poppet_area(lift, values), drop, medium.density, values), a, b)
+    rate = lagged_rate(wanted, state.lift, values.opening_time, values.closing_time)
+    return PoppetPassage(flow, loss, LiftState(rate), poppet_side(drop, values))
 
 
 def reducing_valve(a: FluidState, b: FluidState, state: OpeningState, values: ReducingValve) -> OpeningPassage:
     """Reducing valve from a to b, which shuts as the pressure at b rises; it opens no way from b to a tank."""
     y = select(values.opening_time > 0.0, state.opening, reducing_opening(b.pressure, values))
-    flow, loss = passage(reducing_flow(a.pressure - b.pressure, y, values), a, b)
+    flow, loss = rated_passage(a, b, y, values)
     rates = OpeningState(reducing_opening_rate(b.pressure, state.opening, values))
     return OpeningPassage(flow, loss, rates, reducing_side(b.pressure, values))
 
@@ -160,8 +189,8 @@ def shuttle_valve(a: FluidState, b: FluidState, outlet: FluidState, values: Shut
     """Shuttle valve: its outlet is joined to that of the ends a and b whose pressure is higher."""
     difference = a.pressure - b.pressure
     position = ball_position(difference, values)
-    from_a = passage(seat_flow(a.pressure - outlet.pressure, position, values), a, outlet)
-    from_b = passage(seat_flow(b.pressure - outlet.pressure, 1.0 - position, values), b, outlet)
+    from_a = rated_passage(a, outlet, position, values)
+    from_b = rated_passage(b, outlet, 1.0 - position, values)
     return ShuttleFlows(
         a=-from_a.flow,
         b=-from_b.flow,
@@ -177,6 +206,7 @@ PILOT_CLOSED_CHECK_VALVE = Component(pilot_closed_check_valve, symbol="pilot_clo
 RELIEF_VALVE = Component(relief_valve, symbol="relief_valve")
 LOAD_RELIEF_VALVE = Component(load_relief_valve, symbol="relief_valve")
 SHOCK_VALVE = Component(shock_valve, symbol="relief_valve")
+POPPET_VALVE = Component(poppet_valve, symbol="poppet_valve")
 REDUCING_VALVE = Component(reducing_valve, symbol="reducing_valve", start=reducing_start)
 FLOW_CONTROL_VALVE = Component(flow_control_valve, symbol="flow_control_valve")
 SHUTTLE_VALVE = Component(shuttle_valve, symbol="shuttle_valve")

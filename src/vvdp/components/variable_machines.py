@@ -1,20 +1,23 @@
-"""Pump and motor of variable displacement, whose setting something outside asks for."""
+"""Pump and motor of variable displacement, whose setting is an input; their losses by a law or measured."""
 
 from typing import NamedTuple
 
-from vvdp.base.kinds import Flow, Kink, SignedFraction, Torque
+from vvdp.base.kinds import Flow, FrictionTorque, Kink, SignedFraction, Torque
 from vvdp.components.machines import MotorLosses
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.flow import passage
-from vvdp.hydraulics.friction import shaft_friction_torque
+from vvdp.hydraulics.friction import smooth_sign
+from vvdp.hydraulics.measured_machine import MeasuredMachine, measured_losses
 from vvdp.hydraulics.motor import motor_compression_loss, motor_flow, motor_torque
-from vvdp.hydraulics.ports import ShaftSpeed
+from vvdp.hydraulics.ports import Medium, ShaftSpeed
 from vvdp.hydraulics.variable_machine import (
+    SettingDrive,
     SettingState,
     VariableMachine,
-    pressure_friction_torque,
+    drag_torque,
     setting_rate,
     setting_side,
+    slip_flow,
 )
 from vvdp.network.component import Component
 
@@ -45,34 +48,36 @@ class PumpingEffect(NamedTuple):
     side: Kink
 
 
+class Asked(NamedTuple):
+    """What is asked of a setting, and where it is."""
+
+    wanted: SignedFraction
+    now: SignedFraction
+
+
+class Wear(NamedTuple):
+    """What a machine leaks, at the higher pressure, and which torque it takes from its shaft."""
+
+    leakage: Flow
+    drag: FrictionTorque
+
+
 def variable_motor(
     a: FluidState,
     b: FluidState,
     shaft: ShaftSpeed,
     setting: SignedFraction,
     state: SettingState,
+    medium: Medium,
     values: VariableMachine,
 ) -> MachineEffect:
     """Motor whose displacement follows `setting`; below zero oil that goes from a to b turns it backward.
 
     It displaces s D omega, counted at the side that the oil comes from, with the torque s D (P_a - P_b).
     """
-    s = state.setting
-    displacing = s * shaft.speed
-    displaced = passage(motor_flow(displacing, values), a, b)
-    leak = passage(values.leakage_conductance * (a.pressure - b.pressure), a, b)
-    friction = shaft_friction_torque(shaft.speed, values) + pressure_friction_torque(shaft.speed, a, b, values)
-    q = displaced.flow + leak.flow
-    return MachineEffect(
-        a=-q,
-        b=q,
-        shaft=s * motor_torque(a, b, values) - friction,
-        losses=MotorLosses(leak.loss, friction * shaft.speed, motor_compression_loss(displacing, a, b, values)),
-        leakage_flow=leak.flow,
-        setting=s,
-        rates=SettingState(setting_rate(setting, s, values)),
-        side=setting_side(setting, s, values),
-    )
+    drop = a.pressure - b.pressure
+    wear = Wear(slip_flow(drop, medium, values), drag_torque(shaft.speed, drop, medium, values))
+    return _turning_machine(a, b, shaft.speed, Asked(setting, state.setting), wear, values)
 
 
 def variable_pump(
@@ -81,10 +86,69 @@ def variable_pump(
     shaft: ShaftSpeed,
     setting: SignedFraction,
     state: SettingState,
+    medium: Medium,
     values: VariableMachine,
 ) -> PumpingEffect:
     """Pump whose displacement follows `setting`; below zero it takes from its outlet and gives to its inlet."""
-    done = variable_motor(inlet, outlet, shaft, setting, state, values)
+    return _as_pump(variable_motor(inlet, outlet, shaft, setting, state, medium, values))
+
+
+def measured_motor(
+    a: FluidState,
+    b: FluidState,
+    shaft: ShaftSpeed,
+    setting: SignedFraction,
+    state: SettingState,
+    values: MeasuredMachine,
+) -> MachineEffect:
+    """Motor whose displacement follows `setting`, with efficiencies that were measured as a motor."""
+    return _measured_machine(a, b, shaft, Asked(setting, state.setting), 0.0, values)
+
+
+def measured_pump(
+    inlet: FluidState,
+    outlet: FluidState,
+    shaft: ShaftSpeed,
+    setting: SignedFraction,
+    state: SettingState,
+    values: MeasuredMachine,
+) -> PumpingEffect:
+    """Pump whose displacement follows `setting`, with efficiencies that were measured as a pump."""
+    return _as_pump(_measured_machine(inlet, outlet, shaft, Asked(setting, state.setting), 1.0, values))
+
+
+def _measured_machine(
+    a: FluidState, b: FluidState, shaft: ShaftSpeed, asked: Asked, pumps: float, values: MeasuredMachine
+) -> MachineEffect:
+    """A machine with measured efficiencies, those of a pump where `pumps` is 1."""
+    drop = a.pressure - b.pressure
+    lost = measured_losses(shaft.speed, drop, asked.now, pumps, values)
+    wear = Wear(lost.conductance * drop, lost.friction_torque * smooth_sign(shaft.speed, values.coulomb_speed))
+    return _turning_machine(a, b, shaft.speed, asked, wear, values)
+
+
+def _turning_machine(
+    a: FluidState, b: FluidState, speed: float, asked: Asked, wear: Wear, values: VariableMachine | MeasuredMachine
+) -> MachineEffect:
+    """A motor at a speed, with what it wears, whose setting follows what is asked of it."""
+    s = asked.now
+    displacing = s * speed
+    displaced, leak = passage(motor_flow(displacing, values), a, b), passage(wear.leakage, a, b)
+    q = displaced.flow + leak.flow
+    return MachineEffect(
+        a=-q,
+        b=q,
+        shaft=s * motor_torque(a, b, values) - wear.drag,
+        losses=MotorLosses(leak.loss, wear.drag * speed, motor_compression_loss(displacing, a, b, values)),
+        leakage_flow=leak.flow,
+        setting=s,
+        rates=SettingState(setting_rate(asked.wanted, s, values)),
+        side=setting_side(asked.wanted, s, values),
+    )
+
+
+def _as_pump(done: MachineEffect) -> PumpingEffect:
+    """A motor between the inlet and the outlet of a pump."""
     return PumpingEffect(
         inlet=done.a,
         outlet=done.b,
@@ -97,12 +161,17 @@ def variable_pump(
     )
 
 
-def setting_start(values: VariableMachine) -> SettingState:
+def setting_start(values: SettingDrive) -> SettingState:
     """At its initial setting."""
     return SettingState(values.initial_setting)
 
 
 def machine_inertia(values: VariableMachine) -> float:
+    """Moment of inertia that a machine adds to its shaft [kg m^2]."""
+    return values.inertia
+
+
+def measured_inertia(values: MeasuredMachine) -> float:
     """Moment of inertia that a machine adds to its shaft [kg m^2]."""
     return values.inertia
 
@@ -113,4 +182,10 @@ VARIABLE_PUMP = Component(
 )
 VARIABLE_MOTOR = Component(
     variable_motor, symbol="variable_motor", start=setting_start, inertia=machine_inertia, averages=AVERAGES
+)
+MEASURED_PUMP = Component(
+    measured_pump, symbol="variable_pump", start=setting_start, inertia=measured_inertia, averages=AVERAGES
+)
+MEASURED_MOTOR = Component(
+    measured_motor, symbol="variable_motor", start=setting_start, inertia=measured_inertia, averages=AVERAGES
 )

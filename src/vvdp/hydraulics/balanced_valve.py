@@ -7,7 +7,6 @@ from vvdp.base.kinds import Flow, PressureDifference, Ratio, Time
 from vvdp.base.modes import between
 from vvdp.base.params import Params, require_positive
 from vvdp.base.select import clip, select
-from vvdp.hydraulics.flow import rated_root
 from vvdp.hydraulics.opening import lagged_rate
 
 
@@ -67,19 +66,6 @@ def lift_side(lifting: float, valve: BalancedValve) -> float:
     lifting  pressure that moves it, above that behind its spring [Pa]
     """
     return between(opening_share(lifting, valve))
-
-
-def edge_flow(pressure_drop: float, opening: float, valve: BalancedValve) -> float:
-    """Volume flow over an edge [m^3/s]: Q_r y root(dp)/root(dp_r), signed like the drop.
-
-    pressure_drop  dp, first-named side less the second [Pa]
-    opening        y [1]
-
-    >>> valve = BalancedValve(cracking_pressure=7e5, override_pressure=2e5, rated_flow=1e-3, rated_drop=5e5)
-    >>> print(edge_flow(5e5, opening_share(8e5, valve), valve))
-    0.0005
-    """
-    return valve.rated_flow * opening * rated_root(pressure_drop, valve.rated_drop)
 
 
 def cartridge_lift(pressure: float, ring_pressure: float, pilot_pressure: float, valve: CartridgeValve) -> float:

@@ -7,7 +7,7 @@ from vvdp.base.kinds import Flow, Fraction, PressureDifference, Time
 from vvdp.base.modes import between
 from vvdp.base.params import Params, field_text, refuse, require_positive
 from vvdp.base.select import clip, select
-from vvdp.hydraulics.flow import rated_root
+from vvdp.hydraulics.flow import rated_edge_flow
 from vvdp.hydraulics.opening import lagged_rate
 
 
@@ -30,13 +30,19 @@ class CheckPoppet(Params):
 
 
 class CheckValve(CheckPoppet):
-    """A check valve with a flow law of its own: it passes `rated_flow` at its rated drop."""
+    """A check valve with a flow law of its own: it passes `rated_flow` at its rated drop.
+
+    `closing_time` > 0: with an opening time, its poppet closes with that time constant.
+    """
 
     rated_flow: Flow
+    closing_time: Time = 0.0
 
     def check(self) -> None:
         super().check()
         require_positive(self, "rated_flow")
+        if self.opening_time <= 0.0 < self.closing_time:
+            refuse(self, "closing_time", "must be 0 if opening_time is 0 (a valve that follows at once)")
 
 
 def check_opening(pressure_drop: float, check: CheckPoppet) -> float:
@@ -109,13 +115,4 @@ def check_flow(pressure_drop: float, check: CheckValve) -> float:
 
     pressure_drop  in the direction of the valve [Pa]
     """
-    return poppet_flow(pressure_drop, check_opening(pressure_drop, check), check)
-
-
-def poppet_flow(pressure_drop: float, opening: float, check: CheckValve) -> float:
-    """Volume flow of a check valve at a given opening of its poppet [m^3/s]: Q_r y root(dp)/root(rated drop).
-
-    pressure_drop  in the direction of the valve [Pa]
-    opening        y [1]
-    """
-    return check.rated_flow * opening * rated_root(pressure_drop, check.rated_drop)
+    return rated_edge_flow(check.rated_flow, check_opening(pressure_drop, check), pressure_drop, check.rated_drop)

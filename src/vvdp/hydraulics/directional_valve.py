@@ -9,7 +9,6 @@ from vvdp.base.kinds import FlowCoefficient, Fraction, Kink, PressureDifference,
 from vvdp.base.modes import between
 from vvdp.base.params import Params, refuse, require_positive
 from vvdp.base.select import clip
-from vvdp.hydraulics.flow import signed_root
 
 
 class DirectionalValve(Params):
@@ -78,12 +77,3 @@ def edge_sides(position: float, valve: DirectionalValve) -> EdgeSides:
     """
     lap = valve.overlap
     return EdgeSides(between((position - lap) / (1.0 - lap)), between((-position - lap) / (1.0 - lap)))
-
-
-def edge_flow(pressure_drop: float, opening: float, valve: DirectionalValve) -> float:
-    """Volume flow over one edge of a directional valve [m^3/s]: K y root(dp), signed like the drop.
-
-    pressure_drop  first-named side less the second [Pa]
-    opening        of the edge, 0 to 1 [1]
-    """
-    return valve.conductance * opening * signed_root(pressure_drop, valve.transition_pressure)

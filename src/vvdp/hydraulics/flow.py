@@ -3,11 +3,11 @@
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from vvdp.base.kinds import Flow, Power
+from vvdp.base.kinds import Flow, FlowCoefficient, Power, PressureDifference
 from vvdp.base.modes import side
 from vvdp.base.select import clip, select
 from vvdp.fluid.mixture import FluidState
@@ -28,6 +28,24 @@ class Passage(NamedTuple):
 
     flow: Flow
     loss: Power
+
+
+class RatedEdge(Protocol):
+    """An edge that is known by a rated point."""
+
+    @property
+    def rated_flow(self) -> Flow: ...
+    @property
+    def rated_drop(self) -> PressureDifference: ...
+
+
+class RootEdge(Protocol):
+    """An edge of known conductance."""
+
+    @property
+    def conductance(self) -> FlowCoefficient: ...
+    @property
+    def transition_pressure(self) -> PressureDifference: ...
 
 
 def passage(flow: float, upstream: FluidState, downstream: FluidState) -> Passage:
@@ -77,3 +95,48 @@ def rated_root(pressure_drop: float, rated_drop: float) -> float:
     rated_drop     greater than zero [Pa]
     """
     return signed_root(pressure_drop / rated_drop, LAMINAR_SHARE) / signed_root(1.0, LAMINAR_SHARE)
+
+
+def rated_edge_flow(rated_flow: float, opening: float, pressure_drop: float, rated_drop: float) -> float:
+    """Volume flow over an edge that is known by a rated point [m^3/s]: Q_r y root(dp)/root(dp_r), signed like the drop.
+
+    rated_flow     Q_r, fully open at the rated drop [m^3/s]
+    opening        y [1]
+    pressure_drop  dp, first-named side less the second [Pa]
+    rated_drop     dp_r, greater than zero [Pa]
+
+    >>> print(rated_edge_flow(1e-3, 0.5, -5e5, 5e5))
+    -0.0005
+    """
+    return rated_flow * opening * rated_root(pressure_drop, rated_drop)
+
+
+def root_edge_flow(conductance: float, opening: float, pressure_drop: float, transition_pressure: float) -> float:
+    """Volume flow over an edge of known conductance [m^3/s]: K y root(dp), signed like the drop.
+
+    conductance          K, fully open [m^3/(s Pa^0.5)]
+    opening              y [1]
+    pressure_drop        dp, first-named side less the second [Pa]
+    transition_pressure  below about which the flow is linear in the drop, greater than zero [Pa]
+    """
+    return conductance * opening * signed_root(pressure_drop, transition_pressure)
+
+
+def rated_passage(upstream: FluidState, downstream: FluidState, opening: float, edge: RatedEdge) -> Passage:
+    """Flow [m^3/s] and loss [W] over an edge that is known by a rated point; see `passage` and `rated_edge_flow`.
+
+    upstream, downstream  oil on the first-named and on the second-named side
+    opening               [1]
+    """
+    drop = upstream.pressure - downstream.pressure
+    return passage(rated_edge_flow(edge.rated_flow, opening, drop, edge.rated_drop), upstream, downstream)
+
+
+def root_passage(upstream: FluidState, downstream: FluidState, opening: float, edge: RootEdge) -> Passage:
+    """Flow [m^3/s] and loss [W] over an edge of known conductance; see `passage` and `root_edge_flow`.
+
+    upstream, downstream  oil on the first-named and on the second-named side
+    opening               [1]
+    """
+    drop = upstream.pressure - downstream.pressure
+    return passage(root_edge_flow(edge.conductance, opening, drop, edge.transition_pressure), upstream, downstream)

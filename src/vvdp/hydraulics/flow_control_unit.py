@@ -10,7 +10,7 @@ import numpy as np
 from vvdp.base.kinds import Count, Flow, Fraction, PressureDifference, Time
 from vvdp.base.params import Params, refuse, require_positive
 from vvdp.base.select import clip, select
-from vvdp.hydraulics.flow import rated_root
+from vvdp.hydraulics.flow import rated_edge_flow
 
 NEAR = 0.02
 """Share of its travel on which a poppet comes to rest."""
@@ -150,4 +150,4 @@ def poppet_flow(pressure_drop: float, travel: float, valve: OnOffValve) -> float
     travel         [1]
     """
     opening = clip(poppet_opening(travel, valve), 0.0, 1.0)
-    return valve.rated_flow * opening * rated_root(pressure_drop, valve.rated_drop)
+    return rated_edge_flow(valve.rated_flow, opening, pressure_drop, valve.rated_drop)

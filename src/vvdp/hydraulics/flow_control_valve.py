@@ -7,7 +7,7 @@ from vvdp.base.kinds import Flow, Fraction, PressureDifference
 from vvdp.base.modes import between
 from vvdp.base.params import Params, require_less, require_positive
 from vvdp.base.select import clip
-from vvdp.hydraulics.flow import rated_root
+from vvdp.hydraulics.flow import rated_edge_flow
 
 
 class FlowControlValve(Params):
@@ -47,4 +47,4 @@ def controlled_flow(pressure_drop: float, opening: float, valve: FlowControlValv
     u: float = clip(opening, 0.0, 1.0)
     held: float = clip(pressure_drop, valve.minimum_drop, valve.maximum_drop)
     rise = valve.flow_rise * (held - valve.minimum_drop) / (valve.maximum_drop - valve.minimum_drop)
-    return valve.rated_flow * u * (1.0 + rise) * rated_root(pressure_drop, held)
+    return rated_edge_flow(valve.rated_flow * u, 1.0 + rise, pressure_drop, held)

@@ -1,36 +1,25 @@
-"""Four-way proportional valve whose edges have laps of their own and whose spool has a second-order response.
+"""Proportional directional valves whose edges have laps of their own: four, and a bypass that is open in the middle.
 
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
 from typing import NamedTuple
 
-import numpy as np
-
-from vvdp.base.kinds import (
-    FlowCoefficient,
-    Fraction,
-    Frequency,
-    Kink,
-    PressureDifference,
-    Rate,
-    Ratio,
-    SignedFraction,
-)
+from vvdp.base.kinds import FlowCoefficient, Fraction, Kink, PressureDifference, SignedFraction
 from vvdp.base.modes import between
-from vvdp.base.params import Params, field_text, refuse, require_positive
-from vvdp.base.select import clip
-from vvdp.hydraulics.flow import signed_root
+from vvdp.base.params import field_text, refuse, require_positive
+from vvdp.base.select import clip, select
+from vvdp.hydraulics.proportional_spool import ProportionalSpool
 
 EDGES = ("overlap_pa", "overlap_pb", "overlap_at", "overlap_bt")
 
 
-class FourWayValve(Params):
+class LappedValve(ProportionalSpool):
     """`conductance` of each edge fully open; laps are shares of the stroke, negative ones are underlaps.
 
     Edges pa and bt open forward, pb and at backward. All laps positive: closed centre; those of at and bt negative:
-    float; all negative: open. The position, -1 to 1, follows its command as a system of `natural_frequency` and
-    `damping_ratio`, never faster than `largest_rate` strokes per second.
+    float; of pa and pb: regenerative; all negative: open. What is open in the middle alone, a bypass, is shut from
+    `bypass_travel` of the stroke on either way.
     """
 
     conductance: FlowCoefficient
@@ -39,32 +28,54 @@ class FourWayValve(Params):
     overlap_at: SignedFraction
     overlap_bt: SignedFraction
     transition_pressure: PressureDifference
-    natural_frequency: Frequency
-    damping_ratio: Ratio = 0.7
-    largest_rate: Rate
+    bypass_travel: Fraction = 1.0
 
     def check(self) -> None:
+        super().check()
         for name in EDGES:
             if abs(getattr(self, name)) >= 1.0:
                 refuse(self, name, f"must lie between -1 and 1, not at {field_text(self, name)}")
-        require_positive(self, "conductance", "transition_pressure", "natural_frequency", "damping_ratio")
-        require_positive(self, "largest_rate")
+        require_positive(self, "conductance", "transition_pressure", "bypass_travel")
 
 
-class ValveSpool(NamedTuple):
-    """Position of a spool, 1 forward and -1 backward, and what its drive asks of its rate, in strokes per second."""
+class FourWayValve(LappedValve):
+    """A valve whose bypass of `bypass_conductance`, from pump to tank, makes a closed centre a tandem one."""
 
-    position: SignedFraction
-    wanted_rate: Rate
+    bypass_conductance: FlowCoefficient = 0.0
+
+
+class SixWayValve(LappedValve):
+    """A valve with a bypass of `bypass_conductance` between ports of its own."""
+
+    bypass_conductance: FlowCoefficient
+
+    def check(self) -> None:
+        super().check()
+        require_positive(self, "bypass_conductance")
+
+
+class SensingValve(FourWayValve):
+    """A valve with a port for the pressure of the load.
+
+    A passage of `sensing_conductance` joins that port in the middle with the tank, and from `bypass_travel` on with the
+    side that the pump feeds.
+    """
+
+    sensing_conductance: FlowCoefficient
+
+    def check(self) -> None:
+        super().check()
+        require_positive(self, "sensing_conductance")
 
 
 class Edges(NamedTuple):
-    """Openings of the four edges."""
+    """Openings of the four edges and of the bypass."""
 
     pa: Fraction
     pb: Fraction
     at: Fraction
     bt: Fraction
+    bypass: Fraction
 
 
 class EdgeStands(NamedTuple):
@@ -74,30 +85,27 @@ class EdgeStands(NamedTuple):
     pb: Kink
     at: Kink
     bt: Kink
+    bypass: Kink
 
 
-def spool_motion(command: float, spool: ValveSpool, valve: FourWayValve) -> ValveSpool:
-    """Rates of a spool's position [1/s] and of the rate that its drive asks for [1/s^2].
+class SensingOpenings(NamedTuple):
+    """Openings of a load-sensing port to both loads and to the tank."""
 
-    x' = clip(v, +-r), v' = omega^2 (u - x) - 2 zeta omega v: below the largest rate r a second-order system; at it v
-    is held there, and does not wind up.
-
-    command  u, held between -1 and 1 [1]
-    """
-    omega, zeta, r = 2.0 * np.pi * valve.natural_frequency, valve.damping_ratio, valve.largest_rate
-    v = clip(spool.wanted_rate, -r, r)
-    wanted = clip(command, -1.0, 1.0)
-    acceleration = omega * omega * (wanted - spool.position) - 2.0 * zeta * omega * v
-    beyond = spool.wanted_rate - v
-    return ValveSpool(v, acceleration - omega * beyond)
+    a: Fraction
+    b: Fraction
+    tank: Fraction
 
 
-def rate_side(spool: ValveSpool, valve: FourWayValve) -> float:
-    """Whether a spool moves at its largest rate, either way, or below it [1]; see `base.modes.between`."""
-    return between(0.5 + 0.5 * spool.wanted_rate / valve.largest_rate)
+class EdgeDrops(NamedTuple):
+    """Drop over each of the four edges, in the direction of its name."""
+
+    pa: PressureDifference
+    pb: PressureDifference
+    at: PressureDifference
+    bt: PressureDifference
 
 
-def _travels(position: float, valve: FourWayValve) -> Edges:
+def _travels(position: float, valve: LappedValve) -> Edges:
     """How far each edge is open, before it is held between 0 and 1: (y - lap)/(1 - lap), y towards its side [1]."""
     x = position
     return Edges(
@@ -105,33 +113,61 @@ def _travels(position: float, valve: FourWayValve) -> Edges:
         pb=(-x - valve.overlap_pb) / (1.0 - valve.overlap_pb),
         at=(-x - valve.overlap_at) / (1.0 - valve.overlap_at),
         bt=(x - valve.overlap_bt) / (1.0 - valve.overlap_bt),
+        bypass=1.0 - abs(x) / valve.bypass_travel,
     )
 
 
-def four_edges(position: float, valve: FourWayValve) -> Edges:
+def four_edges(position: float, valve: LappedValve) -> Edges:
     """Openings of the four edges [1]: (y - lap)/(1 - lap) between 0 and 1, y the position towards the edge's side.
 
-    position  from -1 to 1 [1]
+    That of the bypass is 1 - |x|/x_b.
+
+    position  x, from -1 to 1 [1]
     """
     travel = _travels(position, valve)
     return Edges(
-        clip(travel.pa, 0.0, 1.0), clip(travel.pb, 0.0, 1.0), clip(travel.at, 0.0, 1.0), clip(travel.bt, 0.0, 1.0)
+        clip(travel.pa, 0.0, 1.0),
+        clip(travel.pb, 0.0, 1.0),
+        clip(travel.at, 0.0, 1.0),
+        clip(travel.bt, 0.0, 1.0),
+        clip(travel.bypass, 0.0, 1.0),
     )
 
 
-def four_sides(position: float, valve: FourWayValve) -> EdgeStands:
+def four_sides(position: float, valve: LappedValve) -> EdgeStands:
     """Whether each edge is shut, in between or fully open [1].
 
     position  from -1 to 1 [1]
     """
     travel = _travels(position, valve)
-    return EdgeStands(between(travel.pa), between(travel.pb), between(travel.at), between(travel.bt))
+    return EdgeStands(
+        between(travel.pa), between(travel.pb), between(travel.at), between(travel.bt), between(travel.bypass)
+    )
 
 
-def four_way_flow(pressure_drop: float, opening: float, valve: FourWayValve) -> float:
-    """Volume flow over one edge [m^3/s]: K y root(dp), signed like the drop.
+def sensing_openings(position: float, bypass: float) -> SensingOpenings:
+    """Openings of a load-sensing port [1]: to the tank as the bypass, to the side of the spool what that leaves.
 
-    pressure_drop  first-named side less the second [Pa]
-    opening        of the edge, 0 to 1 [1]
+    position  from -1 to 1 [1]
+    bypass    opening of the bypass [1]
     """
-    return valve.conductance * opening * signed_root(pressure_drop, valve.transition_pressure)
+    joined = 1.0 - bypass
+    return SensingOpenings(select(position > 0.0, joined, 0.0), select(position < 0.0, joined, 0.0), bypass)
+
+
+def flow_push(edges: Edges, drops: EdgeDrops, valve: LappedValve) -> float:
+    """By how much flow forces push a spool back to its middle [1]: c (y_pa |dp| + y_bt |dp| - y_pb |dp| - y_at |dp|).
+
+    A jet pushes its edge shut with 0.43 w x dp, w the width of the edge and x its opening; over the stiffness k that
+    centres the spool that is c = 0.43 w/k per opening and drop.
+
+    Source  merritt1967, ch. 5 (steady flow force)
+
+    >>> valve = FourWayValve(conductance=1e-7, overlap_pa=0.0, overlap_pb=0.0, overlap_at=0.0, overlap_bt=0.0,
+    ...     transition_pressure=1e4, natural_frequency=0.0, response_time=0.02, largest_rate=1e4, flow_yield=2e-9)
+    >>> print(flow_push(four_edges(0.5, valve), EdgeDrops(1e7, 1e7, 2e7, 1e7), valve))
+    0.02
+    """
+    forward = edges.pa * abs(drops.pa) + edges.bt * abs(drops.bt)
+    backward = edges.pb * abs(drops.pb) + edges.at * abs(drops.at)
+    return valve.flow_yield * (forward - backward)

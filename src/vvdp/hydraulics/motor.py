@@ -3,11 +3,20 @@
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
+from typing import Protocol
+
 from vvdp.base.kinds import Conductance, Displacement, Inertia
 from vvdp.base.params import require_positive
 from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.friction import ShaftFriction
+
+
+class Displacing(Protocol):
+    """What the formulas need to know of a machine that displaces oil."""
+
+    @property
+    def displacement(self) -> Displacement: ...
 
 
 class Motor(ShaftFriction):
@@ -25,7 +34,7 @@ class Motor(ShaftFriction):
         require_positive(self, "displacement")
 
 
-def motor_flow(shaft_speed: float, motor: Motor) -> float:
+def motor_flow(shaft_speed: float, motor: Displacing) -> float:
     """Flow that a motor displaces from its first port to its second [m^3/s], at the side it comes from: D omega.
 
     shaft_speed  omega [rad/s]
@@ -33,7 +42,7 @@ def motor_flow(shaft_speed: float, motor: Motor) -> float:
     return motor.displacement * shaft_speed
 
 
-def motor_torque(a: FluidState, b: FluidState, motor: Motor) -> float:
+def motor_torque(a: FluidState, b: FluidState, motor: Displacing) -> float:
     """Hydraulic torque of a motor on its shaft [N m]: D (P_a - P_b).
 
     a, b  oil at the first and at the second port
@@ -41,7 +50,7 @@ def motor_torque(a: FluidState, b: FluidState, motor: Motor) -> float:
     return motor.displacement * (a.pressure - b.pressure)
 
 
-def motor_compression_loss(shaft_speed: float, a: FluidState, b: FluidState, motor: Motor) -> float:
+def motor_compression_loss(shaft_speed: float, a: FluidState, b: FluidState, motor: Displacing) -> float:
     """Power lost where a motor's chambers meet the pressure of the other side [W], never negative.
 
     D omega ((h_a - h_b)/nu - (P_a - P_b)), nu on the side that the oil comes from: what the oil gives and the torque

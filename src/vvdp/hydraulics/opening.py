@@ -24,17 +24,19 @@ class OpeningPassage(NamedTuple):
     side: Kink
 
 
-def lagged_rate(static: float, opening: float, opening_time: float) -> float:
+def lagged_rate(static: float, opening: float, opening_time: float, closing_time: float = 0.0) -> float:
     """Rate of an opening [1/s]: (y_static - y)/tau, and 0 without an opening time.
 
     static        value that it follows [1]
     opening       y [1]
     opening_time  tau, 0 for a valve that follows at once [s]
+    closing_time  tau while it closes, 0 where it is that of opening [s]
 
-    >>> lagged_rate(1.0, 0.25, 2e-3), lagged_rate(1.0, 0.25, 0.0)
-    (375.0, 0.0)
+    >>> lagged_rate(1.0, 0.25, 2e-3), lagged_rate(1.0, 0.25, 0.0), lagged_rate(0.0, 0.25, 2e-3, 1e-3)
+    (375.0, 0.0, -250.0)
     """
-    tau = opening_time
+    closing = select(closing_time > 0.0, closing_time, opening_time)
+    tau = select(static < opening, closing, opening_time)
     lag = (static - opening) / select(tau > 0.0, tau, 1.0)
     rate: float = select(tau > 0.0, lag, 0.0)
     return rate

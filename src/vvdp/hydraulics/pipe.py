@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.conservation import Stored
-from vvdp.base.kinds import BulkModulus, Compliance, Count, Length, Ratio
+from vvdp.base.kinds import BulkModulus, Compliance, Count, Fraction, Length, Ratio
 from vvdp.base.params import Params, refuse, require_positive
 from vvdp.fluid.mixture import FluidState
 from vvdp.fluid.oil import Oil
@@ -20,7 +20,8 @@ class LinePipe(Params):
     """A line whose waves count: it is divided into `pieces`, each a volume between two halves of a column.
 
     `hose_compliance` is the relative growth of its volume over pressure; 0 is rigid, `wall_compliance` gives that of a
-    tube. `wall_friction` multiplies the friction of a smooth wall; 0 has none.
+    tube. `wall_friction` multiplies the friction of a smooth wall; 0 has none. `damping` takes swings from piece to
+    piece: 0.3 leaves a sudden change no overshoot, and what it takes from long waves vanishes with their number.
     """
 
     length: Length
@@ -28,6 +29,7 @@ class LinePipe(Params):
     hose_compliance: Compliance
     wall_friction: Ratio = 1.0
     pieces: Count = 5.0
+    damping: Fraction = 0.0
 
     def check(self) -> None:
         require_positive(self, "length", "diameter")
@@ -120,3 +122,26 @@ def sound_speed(density: float, fluid: FluidState, hose_compliance: float) -> fl
     """
     speed: float = np.sqrt(fluid.volume_ratio / (density * (1.0 / fluid.bulk_modulus + hose_compliance)))
     return speed
+
+
+def damping_flow(a: FluidState, b: FluidState, density: float, pipe: LinePipe) -> float:
+    """Flow that passes beside the column between two pieces of a pipe [m^3/s], signed like their drop: d (P_a - P_b)/Z.
+
+    Z = rho c/A, impedance of the line, c the mean of both sides.
+
+    a, b     oil on either side
+    density  of the oil at the tank [kg/m^3]
+    """
+    c = 0.5 * (sound_speed(density, a, pipe.hose_compliance) + sound_speed(density, b, pipe.hose_compliance))
+    return pipe.damping * 0.25 * np.pi * pipe.diameter**2 / (density * c) * (a.pressure - b.pressure)
+
+
+def damping_flow_compiled(a: FluidState, b: FluidState, density: float, pipe: LinePipe) -> float:
+    """The same as `damping_flow`, which it replaces in compiled code: none is worked out where there is none.
+
+    Arguments as there.
+    """
+    if pipe.damping == 0.0:
+        return 0.0
+    c = 0.5 * (sound_speed(density, a, pipe.hose_compliance) + sound_speed(density, b, pipe.hose_compliance))
+    return pipe.damping * 0.25 * np.pi * pipe.diameter**2 / (density * c) * (a.pressure - b.pressure)

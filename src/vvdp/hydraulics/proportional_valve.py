@@ -3,7 +3,7 @@
 from vvdp.base.kinds import Conductance, FlowCoefficient, PressureDifference, Time
 from vvdp.base.params import Params, require_positive
 from vvdp.base.select import clip
-from vvdp.hydraulics.flow import signed_root
+from vvdp.hydraulics.flow import root_edge_flow
 
 
 class ProportionalValve(Params):
@@ -42,5 +42,5 @@ def proportional_flow(pressure_drop: float, opening: float, valve: ProportionalV
     Source  wang2017, ch. 6 (return valve); leakage and transition: ours, docs/models/components.md
     """
     u: float = clip(opening, 0.0, 1.0)
-    throttled = valve.conductance * u * signed_root(pressure_drop, valve.transition_pressure)
+    throttled = root_edge_flow(valve.conductance, u, pressure_drop, valve.transition_pressure)
     return throttled + valve.leakage_conductance * pressure_drop

@@ -7,7 +7,6 @@ from vvdp.base.kinds import Flow, Pressure, PressureDifference, Time
 from vvdp.base.modes import between
 from vvdp.base.params import Params, require_less, require_positive
 from vvdp.base.select import clip
-from vvdp.hydraulics.flow import rated_root
 from vvdp.hydraulics.opening import lagged_rate
 
 
@@ -53,12 +52,3 @@ def reducing_opening_rate(outlet_pressure: float, opening: float, valve: Reducin
     opening          y [1]
     """
     return lagged_rate(reducing_opening(outlet_pressure, valve), opening, valve.opening_time)
-
-
-def reducing_flow(pressure_drop: float, opening: float, valve: ReducingValve) -> float:
-    """Volume flow of a reducing valve at a given opening [m^3/s], signed like the drop: Q_r y root(dp)/root(rated).
-
-    pressure_drop  inlet less outlet [Pa]
-    opening        y [1]
-    """
-    return valve.rated_flow * opening * rated_root(pressure_drop, valve.rated_drop)

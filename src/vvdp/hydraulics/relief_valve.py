@@ -4,11 +4,11 @@ Source  ours, docs/models/components.md, where a function names no other.
 """
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Flow, Pressure, PressureDifference, Time
+from vvdp.base.kinds import Flow, Opening, Pressure, PressureDifference, Time
 from vvdp.base.modes import side
 from vvdp.base.params import Params, refuse, require_less, require_positive
 from vvdp.base.select import maximum, minimum, select
-from vvdp.hydraulics.flow import rated_root
+from vvdp.hydraulics.flow import rated_edge_flow
 from vvdp.hydraulics.opening import lagged_rate
 
 
@@ -38,12 +38,22 @@ class ReliefValve(Params):
 
 
 class ShockValve(ReliefValve):
-    """A relief valve with an override, which needs to know nothing of its volume but the pressure."""
+    """A relief valve with an override, which needs to know nothing of its volume but the pressure.
+
+    It opens by up to `largest_opening`, 1 at its rated point. `closing_time` > 0: with an opening time, it closes with
+    that time constant.
+    """
+
+    largest_opening: Opening = 1e6
+    closing_time: Time = 0.0
 
     def check(self) -> None:
         super().check()
+        require_positive(self, "largest_opening")
         if self.override_pressure <= 0.0:
             refuse(self, "override_pressure", "must be greater than 0; an ideal one is of type relief-valve")
+        if self.opening_time <= 0.0 < self.closing_time:
+            refuse(self, "closing_time", "must be 0 if opening_time is 0 (a valve that follows at once)")
 
 
 class LoadReliefValve(ShockValve):
@@ -106,8 +116,7 @@ def opened_relief_flow(pressure_drop: float, tank_pressure: float, opening: floa
     design_drop = relief.cracking_pressure + relief.override_pressure - tank_pressure
     # A tank above the setting is a contradiction that only a run can see: stay finite there
     design_drop = select(design_drop > 0.0, design_drop, relief.cracking_pressure)
-    flow: float = relief.rated_flow * opening * rated_root(pressure_drop, design_drop)
-    return flow
+    return rated_edge_flow(relief.rated_flow, opening, pressure_drop, design_drop)
 
 
 def setting_fall(load_pressure: float, relief: LoadReliefValve) -> float:

@@ -6,7 +6,7 @@ Source  ours, docs/models/components.md, where a function names no other.
 from vvdp.base.kinds import Flow, PressureDifference, Time
 from vvdp.base.params import Params, require_positive
 from vvdp.base.select import clip
-from vvdp.hydraulics.flow import rated_root
+from vvdp.hydraulics.flow import rated_edge_flow
 
 
 class SeatValve(Params):
@@ -27,7 +27,7 @@ def seat_flow(pressure_drop: float, opening: float, valve: SeatValve) -> float:
     opening        y, held between 0 and 1 [1]
     """
     y: float = clip(opening, 0.0, 1.0)
-    return valve.rated_flow * y * rated_root(pressure_drop, valve.rated_drop)
+    return rated_edge_flow(valve.rated_flow, y, pressure_drop, valve.rated_drop)
 
 
 def seat_rate(wanted_opening: float, opening: float, valve: SeatValve) -> float:

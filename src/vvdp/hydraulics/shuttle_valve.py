@@ -7,7 +7,6 @@ from vvdp.base.kinds import Flow, PressureDifference
 from vvdp.base.modes import between
 from vvdp.base.params import Params, require_positive
 from vvdp.base.select import clip
-from vvdp.hydraulics.flow import rated_root
 
 
 class ShuttleValve(Params):
@@ -53,12 +52,3 @@ def ball_side(pressure_difference: float, shuttle: ShuttleValve) -> float:
     pressure_difference  P_a - P_b [Pa]
     """
     return between(ball_share(pressure_difference, shuttle))
-
-
-def seat_flow(pressure_drop: float, opening: float, shuttle: ShuttleValve) -> float:
-    """Volume flow past a seat [m^3/s]: Q_r y root(dp)/root(dp_r).
-
-    pressure_drop  end less port between [Pa]
-    opening        y, the share of its travel by which the ball has left that seat [1]
-    """
-    return shuttle.rated_flow * opening * rated_root(pressure_drop, shuttle.rated_drop)

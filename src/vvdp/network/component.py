@@ -83,6 +83,7 @@ class Component:
     cooling  cooling(values) -> Coolant, to which the oil behind it gives heat where there is a heat balance
     suited   suited(values) -> the component of the same ports and values that stands in its place, where most values
              need less than all
+    offered  whether a system file can name it
     """
 
     law: Callable[..., Any]
@@ -97,6 +98,7 @@ class Component:
     averages: tuple[str, ...] = ()
     cooling: Callable[..., Any] | None = None
     suited: "Callable[..., Component] | None" = None
+    offered: bool = True
 
     @property
     def name(self) -> str:

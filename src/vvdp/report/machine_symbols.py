@@ -150,6 +150,11 @@ def electric_motor() -> Symbol:
     return Symbol((-24, -24, 24, 24), _circle(24), {}, (-24, 24), ((0, 0, "M", 19.0),))
 
 
+def combustion_engine() -> Symbol:
+    """A prime mover that is no electric motor."""
+    return Symbol((-24, -24, 24, 24), box(-24, -24, 24, 24), {}, (-24, 24), ((0, 0, "M", 19.0),))
+
+
 def driven_rod() -> Symbol:
     """A rod whose position is prescribed."""
     both = arrow((0, 9), (18, 9), 7) + arrow((0, 9), (-18, 9), 7)

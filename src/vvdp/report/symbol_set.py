@@ -80,6 +80,9 @@ CATALOGUE: Mapping[str, Entry] = MappingProxyType(
         "valve_4_3": _DIRECTIONAL,
         "directional_valve": _DIRECTIONAL,
         "proportional_valve_4_3": _DIRECTIONAL,
+        "proportional_valve_6_3": Entry(valve.valve_6_3, "V", 1),
+        "load_sensing_valve": Entry(valve.load_sensing_valve, "V", 1),
+        "poppet_valve": Entry(valve.poppet_valve, "V", 3),
         "rotary_valve": Entry(valve.rotary_valve, "V", 1),
         "line": Entry(valve.line, "W"),
         "hose": Entry(valve.hose, "W"),
@@ -108,6 +111,8 @@ CATALOGUE: Mapping[str, Entry] = MappingProxyType(
         "rotor": Entry(machine.inertia, "J"),
         "rotary_drive": Entry(machine.coupling, "K"),
         "electric_motor": Entry(machine.electric_motor, "M"),
+        "combustion_engine": Entry(machine.combustion_engine, "M"),
+        "compensator": Entry(valve.pump_compensator, "V"),
         "mass": Entry(machine.mass, "G"),
         "inertia": Entry(machine.inertia, "J"),
         "spring": Entry(machine.spring, "K"),
@@ -140,6 +145,7 @@ MEANT: Mapping[str, str] = MappingProxyType(
         "cap": "head a bore piston chamber port inlet cap_side chamber_a",
         "rod": "ring annulus b rod_side chamber_b",
         "pilot": "x control sense pilot_port",
+        "LS": "sensing",
     }
 )
 """Names of ports that mean a terminal, beside its own name."""

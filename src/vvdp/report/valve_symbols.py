@@ -1,5 +1,6 @@
 """Symbols of valves and resistances in the manner of ISO 1219-1, each about its centre, flow from bottom to top."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from vvdp.report.symbol import Side, Symbol, Terminal
@@ -121,6 +122,20 @@ def compensator(upstream: bool) -> Symbol:
     return Symbol((-32, -36, 58, 36), _pressure_valve(0 if upstream else -8) + own + load, terminals)
 
 
+def pump_compensator() -> Symbol:
+    """The pressure control of a pump: its outlet's pressure against a set spring and the pressure of a pilot."""
+    inlet, outlet = pipe((-10, 20), (-10, 36), pilot=True), pipe((-34, 0), (-20, 0), pilot=True)
+    load = pipe((46, 0), (58, 0), (58, -36), pilot=True)
+    inside = arrow((-10, 20), (-10, -20)) + pipe((-10, -20), (-10, -28))
+    terminals = {
+        "inlet": Terminal(-10, 36, Side.BOTTOM),
+        "outlet": Terminal(-34, 0, Side.LEFT),
+        "pilot": Terminal(58, -36, Side.TOP),
+    }
+    drawn = box(-20, -20, 20, 20) + inside + _spring_set(20) + inlet + outlet + load
+    return Symbol((-34, -36, 58, 36), drawn, terminals)
+
+
 def priority_valve() -> Symbol:
     """A priority valve: inlet below; its spring and pilot open the way to the priority port, its pressure the other."""
     boxes = box(-40, -20, 0, 20) + box(0, -20, 40, 20)
@@ -190,6 +205,12 @@ def check_valve() -> Symbol:
     return Symbol((-15, -28, 15, 28), _check(), through(28))
 
 
+def poppet_valve() -> Symbol:
+    """A check valve with a spring, which lets flow pass upward."""
+    coil = pipe((0, -4), (7, -7), (-7, -11), (7, -15), (-7, -19), (0, -22))
+    return Symbol((-15, -28, 15, 28), _check() + coil, through(28))
+
+
 def pilot_check_valve() -> Symbol:
     """A check valve that a pilot pressure opens."""
     terminals = through(28) | {"pilot": Terminal(-34, 12, Side.LEFT)}
@@ -250,26 +271,54 @@ def diverter_3_2() -> Symbol:
     return replace(valve_3_2(), svg=drawn)
 
 
+def _spool_of_three(half: float, below: Mapping[str, float], above: Mapping[str, float], inside: str) -> Symbol:
+    """A proportional valve of three positions, half a box wide on either side of its middle; its ports and their x."""
+    edge = 3.0 * half
+    boxes = "".join(box(x - half, -22, x + half, 22) for x in (-2.0 * half, 0.0, 2.0 * half))
+    rails = pipe((-edge, -27), (edge, -27)) + pipe((-edge, 27), (edge, 27))
+    drives = _solenoid(-edge - 44, proportional=True) + spring(-edge - 20, -edge, 0)
+    drives += spring(edge, edge + 20, 0) + _solenoid(edge + 22, proportional=True)
+    ends = {name: Terminal(x, 38, Side.BOTTOM) for name, x in below.items()}
+    ends |= {name: Terminal(x, -38, Side.TOP) for name, x in above.items()}
+    lines = "".join(pipe((t.x, t.y * 22 / 38), (t.x, t.y)) for t in sorted(ends.values(), key=lambda t: (t.x, t.y)))
+    letters = tuple(
+        (x + (8.0 if x > 0 else -8.0), y, name, 11.0)
+        for row, y in ((above, -34), (below, 34))
+        for name, x in row.items()
+        if len(name) < 3
+    )
+    return Symbol((-edge - 48, -38, edge + 48, 38), boxes + rails + inside + lines + drives, ends, letters=letters)
+
+
+def _blocked_ports(*places: tuple[float, bool]) -> str:
+    """Blocked ports at an x, below where true."""
+    return "".join(blocked_port(x, 22 if below else -22, up=below) for x, below in places)
+
+
 def valve_4_3() -> Symbol:
     """A 4/3 proportional directional valve, closed in its middle."""
-    boxes = box(-84, -22, -28, 22) + box(-28, -22, 28, 22) + box(28, -22, 84, 22)
-    rails = pipe((-84, -27), (84, -27)) + pipe((-84, 27), (84, 27))
-    middle = "".join(blocked_port(x, 22, up=True) + blocked_port(x, -22, up=False) for x in (-14, 14))
+    middle = _blocked_ports((-14, True), (-14, False), (14, True), (14, False))
     straight = arrow((-70, 22), (-70, -22)) + arrow((-42, -22), (-42, 22))
     crossed = arrow((42, 22), (70, -22)) + arrow((42, -22), (70, 22))
-    lines = "".join(pipe((x, s * 22), (x, s * 38)) for x in (-14, 14) for s in (-1, 1))
-    drives = _solenoid(-128, proportional=True) + spring(-104, -84, 0)
-    drives += spring(84, 104, 0) + _solenoid(106, proportional=True)
-    terminals = {
-        "P": Terminal(-14, 38, Side.BOTTOM),
-        "T": Terminal(14, 38, Side.BOTTOM),
-        "A": Terminal(-14, -38, Side.TOP),
-        "B": Terminal(14, -38, Side.TOP),
-    }
-    letters = ((-22, -34, "A", 11.0), (22, -34, "B", 11.0), (-22, 34, "P", 11.0), (22, 34, "T", 11.0))
-    return Symbol(
-        (-132, -38, 132, 38), boxes + rails + middle + straight + crossed + lines + drives, terminals, letters=letters
-    )
+    return _spool_of_three(28, {"P": -14, "T": 14}, {"A": -14, "B": 14}, middle + straight + crossed)
+
+
+def valve_6_3() -> Symbol:
+    """A 6/3 proportional directional valve whose bypass is open in its middle."""
+    middle = _blocked_ports((-22, True), (22, True), (-22, False), (22, False)) + arrow((0, 22), (0, -22))
+    straight = arrow((-102, 22), (-102, -22)) + arrow((-58, -22), (-58, 22)) + _blocked_ports((-80, True), (-80, False))
+    crossed = arrow((58, 22), (102, -22)) + arrow((58, -22), (102, 22)) + _blocked_ports((80, True), (80, False))
+    below, above = {"P": -22, "bypass": 0, "T": 22}, {"A": -22, "onward": 0, "B": 22}
+    return _spool_of_three(40, below, above, middle + straight + crossed)
+
+
+def load_sensing_valve() -> Symbol:
+    """A 4/3 proportional directional valve, closed in its middle, with a port for the pressure of the load."""
+    middle = _blocked_ports((-22, True), (-22, False), (22, False))
+    middle += pipe((22, 22), (22, 8), (0, 8), (0, 22))
+    straight = arrow((-102, 22), (-102, -22)) + arrow((-58, -22), (-58, 22)) + pipe((-80, 22), (-80, 0), (-102, 0))
+    crossed = arrow((58, 22), (102, -22)) + arrow((58, -22), (102, 22)) + pipe((80, 22), (80, 10), (70, 10))
+    return _spool_of_three(40, {"P": -22, "LS": 0, "T": 22}, {"A": -22, "B": 22}, middle + straight + crossed)
 
 
 def rotary_valve() -> Symbol:

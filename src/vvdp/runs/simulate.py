@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from vvdp.base.files import write_listed, write_whole
+from vvdp.base.tables import parsed_table, with_settings
+from vvdp.hydraulics.pipe import LinePipe
 from vvdp.results.result import Number, json_value
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.link import quiet
@@ -17,10 +19,11 @@ from vvdp.simulation.run import Run, simulate
 from vvdp.systems.accuracy import FINER, Move, moves
 from vvdp.systems.overview import warnings
 from vvdp.systems.own_modules import OwnModule
+from vvdp.systems.pipe_waves import pipes
 from vvdp.systems.quantities import quantities, summary_units
 from vvdp.systems.resolved import resolved_text
 from vvdp.systems.summary import summary
-from vvdp.systems.system import System
+from vvdp.systems.system import System, built_system
 
 FLAGS = ("energy_residual", "mass_residual", "second_law", "within_validity", "trusted")
 """What of a summary says whether a run is to be trusted."""
@@ -77,13 +80,31 @@ def json_summary(run: RecordedRun) -> dict[str, Any]:
 
 
 def check_accuracy(run: RecordedRun, progress: Callable[[float], None] | None = None) -> tuple[Move, ...]:
-    """How the numbers of a run change at a tenth of its tolerance, the largest change first; empty if interrupted."""
+    """How the numbers of a run change at a tenth of its tolerance, the largest change first; empty if interrupted.
+
+    Pipes of a drawn circuit have twice their pieces in the second run; what is within them is left out.
+    """
+    finer = _with_finer_pipes(run.system)
     stepping = run.system.stepping
-    finer = replace(stepping, relative_tolerance=max(1e-13, FINER * stepping.relative_tolerance))
-    done = simulate(run.system.model, run.system.case, finer, progress=progress)
+    tighter = replace(stepping, relative_tolerance=max(1e-13, FINER * stepping.relative_tolerance))
+    done = simulate(finer.model, finer.case, tighter, progress=progress)
     if not done.finished:
         return ()
-    return moves(dict(run.summary), summary(run.system, done), summary_units(run.system))
+    inner = [f"_{piece}_" for pipe in pipes(run.system).values() for piece in (*pipe.nodes, *pipe.parts)]
+    found = {key: value for key, value in run.summary.items() if not any(each in key for each in inner)}
+    return moves(found, summary(finer, done), summary_units(finer))
+
+
+def _with_finer_pipes(system: System) -> System:
+    """The same system with pipes of twice as many pieces, where its file draws them."""
+    table = parsed_table(resolved_text(system), system.name)
+    drawn = table.content.get("components", {})
+    twice = [
+        f"components.{name}.pieces={2.0 * pipe.values.pieces:g}"
+        for name, pipe in pipes(system).items()
+        if isinstance(pipe.values, LinePipe) and name in drawn
+    ]
+    return built_system(with_settings(table, twice), system.name) if twice else system
 
 
 def save_run(folder: Path, run: RecordedRun) -> None:

@@ -11,6 +11,7 @@ from vvdp.base.kinds import (
     Speed,
     SpeedSignal,
     TemperatureSignal,
+    Velocity,
 )
 from vvdp.base.params import Params
 from vvdp.hydraulics.orifice import Orifice
@@ -22,6 +23,8 @@ pumps and hoses of industry are rated for; assumed."""
 LARGEST_SPEED = 2000.0
 """Speed of a shaft [rad/s] beyond which none is to be trusted where a system says nothing else: 19 000 rpm, twice what
 small axial piston machines are rated for; assumed."""
+LARGEST_VELOCITY = 30.0
+"""Mean velocity of the oil in a line above which no result is to be trusted [m/s]: three times that of short ones."""
 
 
 class OrificeLoad(Orifice):
@@ -48,6 +51,7 @@ class Limits(Params):
     cavitation_pressure: Pressure = CAVITATION_PRESSURE
     largest_pressure: Pressure = LARGEST_PRESSURE
     largest_speed: Speed = LARGEST_SPEED
+    largest_velocity: Velocity = LARGEST_VELOCITY
 
 
 class DutyOperation(Params):

@@ -1,10 +1,13 @@
 """Results that no machine could show: pressures and speeds beyond all components, relief valves that stay shut,
 throttles that are laminar at any drop."""
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from vvdp.base.kinds import PRESSURE_DIFFERENCE, SPEED
+from vvdp.base.kinds import PRESSURE_DIFFERENCE, SPEED, VELOCITY
+from vvdp.hydraulics.line import Line
+from vvdp.hydraulics.pipe import LinePipe
 from vvdp.hydraulics.relief_valve import LoadReliefValve, ReliefValve
 from vvdp.network.network import Part
 from vvdp.network.nodes import HydraulicNode, OilVolume, Shaft
@@ -51,17 +54,39 @@ def plausible_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator
                 "the limit",
             )
     for part in system.circuit.network.parts.values():
-        for transition in (value.transition_pressure for value in part.values if hasattr(value, "transition_pressure")):
-            yield Bound(
-                label=f"transition pressure of {part.name.replace('_', ' ')}",
-                kind=PRESSURE_DIFFERENCE,
-                low=transition,
-                high=transition,
-                most=LARGEST_TRANSITION,
-                otherwise="its flow would be laminar up to so large a drop: is a unit wrong?",
-            )
+        yield from _velocity(found, part, limits)
+        yield from _transitions(part)
         for relief in (value for value in part.values if isinstance(value, ReliefValve)):
             yield from _stays_shut(system, found, part, relief)
+
+
+def _transitions(part: Part) -> Iterator[Bound]:
+    """Of a throttle, the drop up to which its flow is laminar."""
+    for transition in (value.transition_pressure for value in part.values if hasattr(value, "transition_pressure")):
+        yield Bound(
+            label=f"transition pressure of {part.name.replace('_', ' ')}",
+            kind=PRESSURE_DIFFERENCE,
+            low=transition,
+            high=transition,
+            most=LARGEST_TRANSITION,
+            otherwise="its flow would be laminar up to so large a drop: is a unit wrong?",
+        )
+
+
+def _velocity(found: Mapping[str, Any], part: Part, limits: Limits) -> Iterator[Bound]:
+    """Of a line or a piece of one, how fast its oil flows in the mean."""
+    key = f"flow_mean_{part.name}_m3_s"
+    for line in (value for value in part.values if key in found and isinstance(value, Line | LinePipe)):
+        velocity = abs(float(found[key])) / (0.25 * math.pi * line.diameter**2)
+        yield Bound(
+            label=f"mean velocity in {part.name.replace('_', ' ')}",
+            kind=VELOCITY,
+            low=velocity,
+            high=velocity,
+            most=limits.largest_velocity,
+            otherwise="no line is laid out for it: is a unit wrong, or its diameter? limits.largest_velocity moves the "
+            "limit",
+        )
 
 
 def _highest(system: LoadedSystem, found: Mapping[str, Any], node: str) -> float:
