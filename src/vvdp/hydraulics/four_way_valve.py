@@ -3,7 +3,7 @@
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from vvdp.base.kinds import (
     FlowCoefficient,
     Fraction,
     Frequency,
+    Kind,
     Kink,
     PressureDifference,
     Rate,
@@ -22,6 +23,9 @@ from vvdp.base.params import Params, field_text, refuse, require_positive
 from vvdp.base.select import clip
 from vvdp.hydraulics.flow import signed_root
 
+SPOOL_POSITION = Kind("position of a spool", "1", -2.0, 2.0, "0.5", scale=1e-2)
+"""One that is lightly damped overshoots its command, also at either end."""
+SPOOL_RATE = Kind("rate of a spool", "1/s", -1e6, 1e6, "20 1/s")
 EDGES = ("overlap_pa", "overlap_pb", "overlap_at", "overlap_bt")
 
 
@@ -54,8 +58,8 @@ class FourWayValve(Params):
 class ValveSpool(NamedTuple):
     """Position of a spool, 1 forward and -1 backward, and what its drive asks of its rate, in strokes per second."""
 
-    position: SignedFraction
-    wanted_rate: Rate
+    position: Annotated[float, SPOOL_POSITION]
+    wanted_rate: Annotated[float, SPOOL_RATE]
 
 
 class Edges(NamedTuple):
