@@ -295,10 +295,14 @@ def circuit(system: System) -> str:
 
 
 def main(folder: Path = DOCS) -> None:
-    """Writes the page and the pictures below `folder`. Raises KeyError for a shipped system without an entry."""
+    """Writes the page and the pictures below `folder`, those of the circuits from practice as well.
+
+    Raises KeyError for a shipped system without an entry.
+    """
     systems = {name: load_system(name) for name in sorted(shipped_systems(), key=list(ENTRIES).index)}
+    practice = {name: load_system(name) for name in shipped_systems("practice")}
     (folder / PICTURES).mkdir(parents=True, exist_ok=True)
-    for name, system in systems.items():
+    for name, system in (systems | practice).items():
         (folder / PICTURES / f"{name}.svg").write_text(circuit(system), "utf-8")
     page = "\n".join([HEAD, *(section(name, system) for name, system in systems.items())])
     (folder / "gallery.md").write_text(page, "utf-8")

@@ -109,8 +109,8 @@ def machine_inertia(values: VariableMachine) -> float:
 
 AVERAGES = ("leakage_flow", "setting")
 VARIABLE_PUMP = Component(
-    variable_pump, symbol="variable_pump", start=setting_start, inertia=machine_inertia, averages=AVERAGES
+    variable_pump, symbol="overcentre_pump", start=setting_start, inertia=machine_inertia, averages=AVERAGES
 )
 VARIABLE_MOTOR = Component(
-    variable_motor, symbol="variable_motor", start=setting_start, inertia=machine_inertia, averages=AVERAGES
+    variable_motor, symbol="overcentre_motor", start=setting_start, inertia=machine_inertia, averages=AVERAGES
 )

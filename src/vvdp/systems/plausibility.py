@@ -1,10 +1,11 @@
 """Results that no machine could show: pressures and speeds beyond all components, relief valves that stay shut,
-throttles that are laminar at any drop."""
+throttles that are laminar at any drop, orifices that throttle nothing."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 from vvdp.base.kinds import PRESSURE_DIFFERENCE, SPEED
+from vvdp.hydraulics.orifice import Orifice
 from vvdp.hydraulics.relief_valve import LoadReliefValve, ReliefValve
 from vvdp.network.network import Part
 from vvdp.network.nodes import HydraulicNode, OilVolume, Shaft
@@ -19,6 +20,12 @@ is a mistake."""
 
 LARGEST_TRANSITION = 20e5
 """Drop up to which a throttle may be laminar [Pa]: an orifice of 1 mm turns turbulent at some bar."""
+
+
+LEAST_SHARE = 15.0**-0.5
+"""Drop of an orifice over its transition pressure below which it passes less than half of what the root law has."""
+LEAST_FLOW = 1e-6
+"""Mean flow from which an orifice is to throttle [m^3/s]: less leads to a volume that only breathes."""
 
 
 def plausible_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
@@ -60,6 +67,8 @@ def plausible_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator
                 most=LARGEST_TRANSITION,
                 otherwise="its flow would be laminar up to so large a drop: is a unit wrong?",
             )
+        for orifice in (value for value in part.values if type(value) is Orifice):  # not of a valve that may open wide
+            yield from _throttles(found, part, orifice)
         for relief in (value for value in part.values if isinstance(value, ReliefValve)):
             yield from _stays_shut(system, found, part, relief)
 
@@ -68,6 +77,23 @@ def _highest(system: LoadedSystem, found: Mapping[str, Any], node: str) -> float
     """The highest pressure of a node [Pa, absolute]."""
     oil = system.circuit.network.nodes[node].oil  # type: ignore[union-attr]
     return float(found[f"pressure_max_{node}_Pa"]) + float(oil.reference_pressure)
+
+
+def _throttles(found: Mapping[str, Any], part: Part, orifice: Orifice) -> Iterator[Bound]:
+    """Of an orifice with a flow, the largest drop that its nodes admit; below its bound its area is of no effect."""
+    if abs(found.get(f"flow_mean_{part.name}_m3_s", 0.0)) < LEAST_FLOW:
+        return
+    ends = part.nodes["a"], part.nodes["b"]
+    drop = max(found[f"pressure_max_{a}_Pa"] - found[f"pressure_min_{b}_Pa"] for a, b in (ends, ends[::-1]))
+    yield Bound(
+        label=f"drop of {part.name.replace('_', ' ')}",
+        kind=PRESSURE_DIFFERENCE,
+        low=drop,
+        high=drop,
+        least=LEAST_SHARE * orifice.transition_pressure,
+        otherwise="it throttles nothing, and the law of an orifice does not hold: is the unit of its area wrong? If so "
+        "small a drop is meant, give it a smaller transition_pressure",
+    )
 
 
 def _stays_shut(system: LoadedSystem, found: Mapping[str, Any], part: Part, relief: ReliefValve) -> Iterator[Bound]:
