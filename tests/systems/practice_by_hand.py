@@ -76,7 +76,7 @@ def swing_drive(c: Course) -> Table:
         )
         return (D * (braked - feed) + friction) / J
 
-    start, stop = (quad(lambda w: 1.0 / rate(w), 20.0, 100.0)[0] for rate in (starting, stopping))
+    start, stop = (quad(lambda w, rate=rate: 1.0 / rate(w), 20.0, 100.0)[0] for rate in (starting, stopping))
     began = c.when("swing.speed", 20.0, 0.05, 0.8)
     slows = c.when("swing.speed", 100.0, 5.3, 6.0)
     return {
@@ -303,7 +303,9 @@ def independent_metering(c: Course) -> Table:
     back = max(np.roots((square_back, damping, tank * (A_a - A_b) - F)))
     return {
         "velocity out [m/s]": Number(out, c.at("rod.velocity", 1.4), 5e-3),
-        "piston side, out [bar]": Number((supply - (out * A_a / (0.5 * K)) ** 2) / BAR, c.at("chamber_a", 1.4) / BAR, 5e-3),
+        "piston side, out [bar]": Number(
+            (supply - (out * A_a / (0.5 * K)) ** 2) / BAR, c.at("chamber_a", 1.4) / BAR, 5e-3
+        ),
         "rod side, out [bar]": Number((tank + (out * A_b / K) ** 2) / BAR, c.at("chamber_b", 1.4) / BAR, 5e-3),
         "velocity back [m/s]": Number(back, -c.at("rod.velocity", 2.9), 5e-3),
         "rod side, back, filled from the tank [bar]": Number(
@@ -349,7 +351,9 @@ def cooler_circuit(c: Course) -> Table:
     load = 0.5 * DENSITY * (Q / (0.61 * 4e-6)) ** 2
     q = Q / nu(load + BAR)
     carried = capacity * q
-    heat = np.array(((carried, -carried - walls, 0.0), (0.0, carried, -carried - walls), (-carried - walls - cooler, 0.0, carried)))
+    heat = np.array(
+        ((carried, -carried - walls, 0.0), (0.0, carried, -carried - walls), (-carried - walls - cooler, 0.0, carried))
+    )
     rise = np.linalg.solve(heat, (0.0, -load * Q, 0.0))
     slowest = capacity * 21e-3 / (cooler + 3.0 * walls)
     reached = rise[0] * (1.0 - np.exp(-500.0 / slowest))

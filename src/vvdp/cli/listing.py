@@ -105,7 +105,9 @@ def _system_lists() -> dict[str, Listed]:
     """Systems and circuits, shipped and in this folder."""
     return {
         "systems": Listed("Shipped systems", ("system", "circuit", "title"), list(_shipped_systems("data"))),
-        "practice": Listed("Circuits from practice", ("system", "circuit", "title"), list(_shipped_systems("practice"))),
+        "practice": Listed(
+            "Circuits from practice", ("system", "circuit", "title"), list(_shipped_systems("practice"))
+        ),
         "circuits": Listed("Circuits", ("circuit", "tables", "title"), list(_circuits())),
         "files": Listed("Systems in this folder", ("file", "circuit", "title"), list(_own_systems(Path.cwd()))),
     }

@@ -58,19 +58,24 @@ def plausible_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator
                 "the limit",
             )
     for part in system.circuit.network.parts.values():
-        for transition in (value.transition_pressure for value in part.values if hasattr(value, "transition_pressure")):
-            yield Bound(
-                label=f"transition pressure of {part.name.replace('_', ' ')}",
-                kind=PRESSURE_DIFFERENCE,
-                low=transition,
-                high=transition,
-                most=LARGEST_TRANSITION,
-                otherwise="its flow would be laminar up to so large a drop: is a unit wrong?",
-            )
-        for orifice in (value for value in part.values if type(value) is Orifice):  # not of a valve that may open wide
-            yield from _throttles(found, part, orifice)
-        for relief in (value for value in part.values if isinstance(value, ReliefValve)):
-            yield from _stays_shut(system, found, part, relief)
+        yield from _part_bounds(system, found, part)
+
+
+def _part_bounds(system: LoadedSystem, found: Mapping[str, Any], part: Part) -> Iterator[Bound]:
+    """The bounds of a part's throttles, orifices and relief valves."""
+    for transition in (value.transition_pressure for value in part.values if hasattr(value, "transition_pressure")):
+        yield Bound(
+            label=f"transition pressure of {part.name.replace('_', ' ')}",
+            kind=PRESSURE_DIFFERENCE,
+            low=transition,
+            high=transition,
+            most=LARGEST_TRANSITION,
+            otherwise="its flow would be laminar up to so large a drop: is a unit wrong?",
+        )
+    for orifice in (value for value in part.values if type(value) is Orifice):  # not of a valve that may open wide
+        yield from _throttles(found, part, orifice)
+    for relief in (value for value in part.values if isinstance(value, ReliefValve)):
+        yield from _stays_shut(system, found, part, relief)
 
 
 def _highest(system: LoadedSystem, found: Mapping[str, Any], node: str) -> float:
@@ -81,7 +86,7 @@ def _highest(system: LoadedSystem, found: Mapping[str, Any], node: str) -> float
 
 def _throttles(found: Mapping[str, Any], part: Part, orifice: Orifice) -> Iterator[Bound]:
     """Of an orifice with a flow, the largest drop that its nodes admit; below its bound its area is of no effect."""
-    if abs(found.get(f"flow_mean_{part.name}_m3_s", 0.0)) < LEAST_FLOW:
+    if not {"a", "b"} <= part.nodes.keys() or abs(found.get(f"flow_mean_{part.name}_m3_s", 0.0)) < LEAST_FLOW:
         return
     ends = part.nodes["a"], part.nodes["b"]
     drop = max(found[f"pressure_max_{a}_Pa"] - found[f"pressure_min_{b}_Pa"] for a, b in (ends, ends[::-1]))

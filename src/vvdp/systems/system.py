@@ -196,7 +196,7 @@ def _build_network(table: Table, name: str, folder: Path, tables: Mapping[str, A
 
 
 def shipped_systems(group: str = "data") -> dict[str, str]:
-    """Names of the shipped systems and their texts; those of the `group` "practice" are small circuits from practice."""
+    """Names of the shipped systems and their texts; the `group` "practice" are circuits from practice."""
     folder = resources.files("vvdp.systems") / group
     return {f.name.removesuffix(".toml"): f.read_text("utf-8") for f in sorted(folder.iterdir(), key=lambda f: f.name)}
 
