@@ -8,12 +8,15 @@ import pytest
 from tests.systems.practice_by_hand import BY_HAND, Course
 
 from vvdp.network.nodes import HydraulicNode
+from vvdp.report.circuit import graph_of
+from vvdp.report.diagram import diagram
 from vvdp.simulation.run import simulate
 from vvdp.systems.overview import warnings
 from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system, shipped_systems
 
-PAGE = (Path(__file__).parents[2] / "docs" / "practice.md").read_text("utf-8")
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = (DOCS / "practice.md").read_text("utf-8")
 
 
 @cache
@@ -53,3 +56,10 @@ def test_numbers_are_those_by_hand_and_those_of_the_page(name):
     for label, *texts in rows:
         for text, number in zip(texts, numbers[label], strict=False):
             assert float(text) == pytest.approx(number, abs=0.501 * 10.0 ** -len(text.partition(".")[2])), label
+
+
+@pytest.mark.parametrize("name", BY_HAND)
+def test_its_picture_is_its_diagram(name):
+    system = load_system(name)
+    kept = DOCS / "images" / "systems" / f"{name}.svg"
+    assert diagram(graph_of(system.circuit.network, system.title)) == kept.read_text("utf-8")
