@@ -28,8 +28,8 @@ PICTURES = Path("images") / "systems"
 HEAD = """# Gallery of systems
 
 Every system that comes with vvdp, its circuit and three numbers of its run. `vvdp run NAME` simulates one and writes
-its report; `vvdp new mine --from NAME` makes a file of it to edit. Pressures are gauge. Twelve [circuits from practice](practice.md) are on
-a page of their own.
+its report; `vvdp new mine --from NAME` makes a file of it to edit. Pressures are gauge. Twelve
+[circuits from practice](practice.md) are on a page of their own.
 """
 
 
