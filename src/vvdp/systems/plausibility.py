@@ -1,10 +1,11 @@
 """Results that no machine could show: pressures and speeds beyond all components, relief valves that stay shut,
-throttles that are laminar at any drop, orifices that throttle nothing."""
+throttles that are laminar at any drop; and orifices that throttle nothing, which may be meant."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from vvdp.base.kinds import PRESSURE_DIFFERENCE, SPEED
+from vvdp.base.display import with_unit
+from vvdp.base.kinds import FLOW, PRESSURE_DIFFERENCE, SPEED
 from vvdp.hydraulics.orifice import Orifice
 from vvdp.hydraulics.relief_valve import LoadReliefValve, ReliefValve
 from vvdp.network.network import Part
@@ -62,7 +63,7 @@ def plausible_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator
 
 
 def _part_bounds(system: LoadedSystem, found: Mapping[str, Any], part: Part) -> Iterator[Bound]:
-    """The bounds of a part's throttles, orifices and relief valves."""
+    """The bounds of a part's throttles and relief valves."""
     for transition in (value.transition_pressure for value in part.values if hasattr(value, "transition_pressure")):
         yield Bound(
             label=f"transition pressure of {part.name.replace('_', ' ')}",
@@ -72,8 +73,6 @@ def _part_bounds(system: LoadedSystem, found: Mapping[str, Any], part: Part) -> 
             most=LARGEST_TRANSITION,
             otherwise="its flow would be laminar up to so large a drop: is a unit wrong?",
         )
-    for orifice in (value for value in part.values if type(value) is Orifice):  # not of a valve that may open wide
-        yield from _throttles(found, part, orifice)
     for relief in (value for value in part.values if isinstance(value, ReliefValve)):
         yield from _stays_shut(system, found, part, relief)
 
@@ -82,23 +81,6 @@ def _highest(system: LoadedSystem, found: Mapping[str, Any], node: str) -> float
     """The highest pressure of a node [Pa, absolute]."""
     oil = system.circuit.network.nodes[node].oil  # type: ignore[union-attr]
     return float(found[f"pressure_max_{node}_Pa"]) + float(oil.reference_pressure)
-
-
-def _throttles(found: Mapping[str, Any], part: Part, orifice: Orifice) -> Iterator[Bound]:
-    """Of an orifice with a flow, the largest drop that its nodes admit; below its bound its area is of no effect."""
-    if not {"a", "b"} <= part.nodes.keys() or abs(found.get(f"flow_mean_{part.name}_m3_s", 0.0)) < LEAST_FLOW:
-        return
-    ends = part.nodes["a"], part.nodes["b"]
-    drop = max(found[f"pressure_max_{a}_Pa"] - found[f"pressure_min_{b}_Pa"] for a, b in (ends, ends[::-1]))
-    yield Bound(
-        label=f"drop of {part.name.replace('_', ' ')}",
-        kind=PRESSURE_DIFFERENCE,
-        low=drop,
-        high=drop,
-        least=LEAST_SHARE * orifice.transition_pressure,
-        otherwise="it throttles nothing, and the law of an orifice does not hold: is the unit of its area wrong? If so "
-        "small a drop is meant, give it a smaller transition_pressure",
-    )
 
 
 def _stays_shut(system: LoadedSystem, found: Mapping[str, Any], part: Part, relief: ReliefValve) -> Iterator[Bound]:
@@ -120,3 +102,19 @@ def _stays_shut(system: LoadedSystem, found: Mapping[str, Any], part: Part, reli
         most=ABOVE_SETTING * (relief.cracking_pressure + relief.override_pressure),
         otherwise="it limits the pressure at its port a: are its ports the wrong way round?",
     )
+
+
+def idle_orifices(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[str]:
+    """A sentence for each orifice with a flow that throttles nothing, as one in cm^2 for mm^2; it may be meant so."""
+    for part in system.circuit.network.parts.values():
+        flow = abs(found.get(f"flow_mean_{part.name}_m3_s", 0.0))
+        if flow < LEAST_FLOW or not {"a", "b"} <= part.nodes.keys():
+            continue
+        ends = part.nodes["a"], part.nodes["b"]
+        for orifice in (value for value in part.values if type(value) is Orifice):  # a valve may well open wide
+            drop = max(found[f"pressure_max_{a}_Pa"] - found[f"pressure_min_{b}_Pa"] for a, b in (ends, ends[::-1]))
+            if drop < LEAST_SHARE * orifice.transition_pressure:
+                yield (
+                    f"{part.name} throttles nothing: its drop never exceeds {with_unit(drop, PRESSURE_DIFFERENCE)} at "
+                    f"{with_unit(flow, FLOW)}; is the unit of its area wrong?"
+                )
