@@ -28,7 +28,8 @@ PICTURES = Path("images") / "systems"
 HEAD = """# Gallery of systems
 
 Every system that comes with vvdp, its circuit and three numbers of its run. `vvdp run NAME` simulates one and writes
-its report; `vvdp new mine --from NAME` makes a file of it to edit. Pressures are gauge.
+its report; `vvdp new mine --from NAME` makes a file of it to edit. Pressures are gauge. Twelve
+[circuits from practice](practice.md) are on a page of their own.
 """
 
 
@@ -295,10 +296,14 @@ def circuit(system: System) -> str:
 
 
 def main(folder: Path = DOCS) -> None:
-    """Writes the page and the pictures below `folder`. Raises KeyError for a shipped system without an entry."""
+    """Writes the page and the pictures below `folder`, those of the circuits from practice as well.
+
+    Raises KeyError for a shipped system without an entry.
+    """
     systems = {name: load_system(name) for name in sorted(shipped_systems(), key=list(ENTRIES).index)}
+    practice = {name: load_system(name) for name in shipped_systems("practice")}
     (folder / PICTURES).mkdir(parents=True, exist_ok=True)
-    for name, system in systems.items():
+    for name, system in (systems | practice).items():
         (folder / PICTURES / f"{name}.svg").write_text(circuit(system), "utf-8")
     page = "\n".join([HEAD, *(section(name, system) for name, system in systems.items())])
     (folder / "gallery.md").write_text(page, "utf-8")

@@ -427,6 +427,16 @@ def test_a_node_that_nothing_joins_is_told(node):
     assert any("spare is joined to nothing" in told for told in warnings(system, found))
 
 
+@pytest.mark.parametrize(("area", "is_told"), [("6 cm^2", True), ("3 cm^2", True), ("1 cm^2", False)])
+def test_an_orifice_that_throttles_nothing_is_told(area, is_told):
+    """24 l/min in the laminar part of the law: dp = Q root(eps)/(Cd A root(2/rho)), 0.051 bar at 6 cm^2, below
+    eps/root(15) = 0.129 bar; 1 cm^2, 0.19 bar by the root law, may be meant. Valid: so may a wide return line."""
+    system = drawn(changed({"components.load.area": area}))
+    found = summary(system, simulate(system.model, system.case, system.stepping))
+    assert any("load throttles nothing" in told for told in warnings(system, found)) is is_told
+    assert found["trusted"]
+
+
 def test_a_tank_may_wait_for_a_study_that_joins_it():
     system = drawn(changed({"nodes.spare": {"type": "tank"}}))
     assert list(idle_nodes(system.circuit.network)) == []

@@ -61,7 +61,7 @@ FLOW = Kind("volume flow", "m^3/s", -1.0, 1.0, "40 lpm", scale=1e-5)
 VOLUME = Kind("volume", "m^3", 0.0, 1.0, "12.7 cc", scale=1e-5)
 AREA = Kind("area", "m^2", 0.0, 1.0, "36.5 mm^2", scale=1e-6)
 LENGTH = Kind("length", "m", 0.0, 100.0, "12.7 mm", scale=1e-3)
-POSITION = Kind("position", "m", -10.0, 10.0, "10 mm", scale=1e-3)
+POSITION = Kind("position", "m", -5e3, 5e3, "10 mm", scale=1e-3)  # a vehicle is a rod as well
 CLEARANCE = Kind("clearance", "m", 1e-7, 1e-3, "12.7 um")
 VELOCITY = Kind("velocity", "m/s", -100.0, 100.0, "0.1 m/s", scale=1e-2)
 MASS = Kind("mass", "kg", 0.0, 1e6, "0.5 kg")

@@ -49,9 +49,9 @@ class _OptimumUnlessNamed(TyperGroup):
     def _misspells(self, word: str) -> bool:
         """Whether a word is rather a question with a slip than a system."""
         from vvdp.base.tables import suggestion
-        from vvdp.systems.system import shipped_systems
+        from vvdp.systems.system import named_systems
 
-        return bool(suggestion(word, self.commands)) and word not in shipped_systems() and not Path(word).exists()
+        return bool(suggestion(word, self.commands)) and word not in named_systems() and not Path(word).exists()
 
 
 app = typer.Typer(cls=_OptimumUnlessNamed, no_args_is_help=True, rich_markup_mode=None)

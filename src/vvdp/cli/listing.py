@@ -104,18 +104,21 @@ def _print(listed: Listed) -> None:
 def _system_lists() -> dict[str, Listed]:
     """Systems and circuits, shipped and in this folder."""
     return {
-        "systems": Listed("Shipped systems", ("system", "circuit", "title"), list(_shipped_systems())),
+        "systems": Listed("Shipped systems", ("system", "circuit", "title"), list(_shipped_systems("data"))),
+        "practice": Listed(
+            "Circuits from practice", ("system", "circuit", "title"), list(_shipped_systems("practice"))
+        ),
         "circuits": Listed("Circuits", ("circuit", "tables", "title"), list(_circuits())),
         "files": Listed("Systems in this folder", ("file", "circuit", "title"), list(_own_systems(Path.cwd()))),
     }
 
 
-def _shipped_systems() -> Iterator[tuple[str, str, str]]:
-    """Name, circuit and title of every shipped system."""
+def _shipped_systems(group: str) -> Iterator[tuple[str, str, str]]:
+    """Name, circuit and title of every shipped system of a group."""
     from vvdp.base.tables import parsed_table
     from vvdp.systems.system import shipped_systems
 
-    for name, text in shipped_systems().items():
+    for name, text in shipped_systems(group).items():
         content = parsed_table(text, name).content
         yield name, _circuit(content), str(content.get("title", ""))
 

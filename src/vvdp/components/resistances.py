@@ -26,4 +26,4 @@ def laminar_gap(a: FluidState, b: FluidState, values: LaminarGap) -> Passage:
 
 
 ORIFICE = Component(orifice, symbol="orifice")
-LAMINAR_GAP = Component(laminar_gap, symbol="orifice")
+LAMINAR_GAP = Component(laminar_gap, symbol="throttle")

@@ -174,7 +174,7 @@ def rod_brake(rod: RodState, force: FrictionForce) -> RodLoss:
 
 
 CYLINDER = Component(cylinder, symbol="cylinder", walls=cylinder_walls, inertia=piston_mass)
-PLUNGER = Component(plunger, symbol="spring_cylinder", walls=plunger_walls, inertia=plunger_mass)
+PLUNGER = Component(plunger, symbol="plunger", walls=plunger_walls, inertia=plunger_mass)
 END_STOP = Component(end_stop, symbol="end_stop", stored=end_stop_stored)
 ROD_FRICTION = Component(rod_friction, symbol="friction")
 SPRING = Component(spring, symbol="spring", stored=spring_stored)

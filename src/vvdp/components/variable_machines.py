@@ -178,10 +178,10 @@ def measured_inertia(values: MeasuredMachine) -> float:
 
 AVERAGES = ("leakage_flow", "setting")
 VARIABLE_PUMP = Component(
-    variable_pump, symbol="variable_pump", start=setting_start, inertia=machine_inertia, averages=AVERAGES
+    variable_pump, symbol="overcentre_pump", start=setting_start, inertia=machine_inertia, averages=AVERAGES
 )
 VARIABLE_MOTOR = Component(
-    variable_motor, symbol="variable_motor", start=setting_start, inertia=machine_inertia, averages=AVERAGES
+    variable_motor, symbol="overcentre_motor", start=setting_start, inertia=machine_inertia, averages=AVERAGES
 )
 MEASURED_PUMP = Component(
     measured_pump, symbol="variable_pump", start=setting_start, inertia=measured_inertia, averages=AVERAGES

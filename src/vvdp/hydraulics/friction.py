@@ -17,10 +17,10 @@ class RodFriction(Params):
     """
 
     viscous_friction: ViscousFriction
-    coulomb_friction: Force
-    breakaway_friction: Force
-    stribeck_velocity: Velocity
-    coulomb_velocity: Velocity
+    coulomb_friction: Force = 0.0
+    breakaway_friction: Force = 0.0
+    stribeck_velocity: Velocity = 0.1
+    coulomb_velocity: Velocity = 0.01
 
     def check(self) -> None:
         F_c, F_s = self.coulomb_friction, self.breakaway_friction
@@ -38,8 +38,8 @@ class ShaftFriction(Params):
     """Friction on a shaft: `shaft_damping` times the speed, and `coulomb_torque`, 71 % of it at `coulomb_speed`."""
 
     shaft_damping: Coupling
-    coulomb_torque: FrictionTorque
-    coulomb_speed: Speed
+    coulomb_torque: FrictionTorque = 0.0
+    coulomb_speed: Speed = 0.1
 
     def check(self) -> None:
         if self.coulomb_torque < 0.0:

@@ -9,7 +9,6 @@ import numpy as np
 
 from vvdp.base.kinds import (
     Angle,
-    Area,
     Coupling,
     Force,
     Kind,
@@ -30,6 +29,8 @@ from vvdp.hydraulics.shaft import TorsionalStiffness
 
 AIR_DENSITY = Kind("density of air", "kg/m^3", 0.0, 10.0, "1.2 kg/m^3")
 AirDensity = Annotated[float, AIR_DENSITY]
+DRAG_AREA = Kind("drag area", "m^2", 0.0, 100.0, "0.6 m^2")
+DragArea = Annotated[float, DRAG_AREA]
 
 
 class Gear(Params):
@@ -94,7 +95,7 @@ class RoadLoad(Params):
 
     mass: Mass
     rolling_resistance: Ratio
-    drag_area: Area
+    drag_area: DragArea
     slope: Angle = 0.0
     air_density: AirDensity = 1.2
     creep_velocity: Velocity = 0.01

@@ -30,16 +30,23 @@ def variable_pump() -> Symbol:
     return replace(fixed, svg=fixed.svg + arrow((-24, 24), (24, -24), 9))
 
 
+def overcentre_pump() -> Symbol:
+    """A pump of variable displacement for both directions of flow."""
+    one_way = variable_pump()
+    return replace(one_way, svg=one_way.svg + filled_polygon((0, 26), (-9, 11), (9, 11)))
+
+
 def hydraulic_motor() -> Symbol:
     """A hydraulic motor of fixed displacement."""
     drawn = _circle(ROUND) + filled_polygon((0, 9), (-9, 24), (9, 24))
     return Symbol((-26, -26, 26, 26), drawn, _round_shape("inlet", "outlet"), (-26, 26))
 
 
-def variable_motor() -> Symbol:
-    """A hydraulic motor of variable displacement."""
+def overcentre_motor() -> Symbol:
+    """A hydraulic motor of variable displacement for both directions of flow."""
     fixed = hydraulic_motor()
-    return replace(fixed, svg=fixed.svg + arrow((-24, 24), (24, -24), 9))
+    back = filled_polygon((0, -9), (-9, -24), (9, -24))
+    return replace(fixed, svg=fixed.svg + back + arrow((-24, 24), (24, -24), 9))
 
 
 def flow_source() -> Symbol:

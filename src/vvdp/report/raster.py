@@ -99,6 +99,7 @@ def _dashes(styles: Styles) -> Any:
 def _patch(tag: str, of: Mapping[str, str]) -> "Patch":
     """One shape in its own coordinates."""
     from matplotlib.patches import Circle, FancyBboxPatch, PathPatch, Polygon, Rectangle
+    from matplotlib.path import Path
 
     if tag == "circle":
         return Circle((float(of["cx"]), float(of["cy"])), float(of["r"]))
@@ -109,7 +110,9 @@ def _patch(tag: str, of: Mapping[str, str]) -> "Patch":
         return Rectangle((x, y), width, height)
     if tag == "path":
         return PathPatch(_path(of["d"]))
-    return Polygon(np.reshape(_numbers(of["points"]), (-1, 2)), closed=tag == "polygon")
+    points = np.reshape(_numbers(of["points"]), (-1, 2))
+    # A line that comes back to its first point would lose its last piece as an open polygon.
+    return Polygon(points) if tag == "polygon" else PathPatch(Path(points))
 
 
 def _path(text: str) -> Any:

@@ -25,17 +25,15 @@ class Entry:
     order: int = 2
 
 
-def _adjustable() -> Symbol:
-    return valve.orifice(adjustable=True)
-
-
 _PUMP, _FLOW = Entry(machine.pump, "P", 0), Entry(machine.flow_source, "P", 0)
 _VARIABLE = Entry(machine.variable_pump, "P", 0)
+_OVERCENTRE = Entry(machine.overcentre_pump, "P", 0)
 _MOTOR, _RELIEF = Entry(machine.hydraulic_motor, "M", 6), Entry(valve.relief_valve, "V", 5)
-_ORIFICE, _ADJUSTABLE = Entry(valve.orifice, "R", 4), Entry(_adjustable, "R", 4)
+_ADJUSTABLE = Entry(partial(valve.throttle, adjustable=True), "R", 4)
 _UNLOADING, _CHECK = Entry(valve.unloading_valve, "V", 5), Entry(valve.check_valve, "V", 3)
 _SWITCH_2, _SWITCH_3 = Entry(valve.valve_2_2, "V", 1), Entry(valve.valve_3_2, "V", 1)
 _PROPORTIONAL, _DIRECTIONAL = Entry(valve.proportional_2_2, "V", 1), Entry(valve.valve_4_3, "V", 1)
+_PUMP_MOTOR = Entry(machine.overcentre_motor, "M", 6)
 _CYLINDER, _DAMPER = Entry(machine.cylinder, "A"), Entry(machine.damper, "D")
 
 CATALOGUE: Mapping[str, Entry] = MappingProxyType(
@@ -43,16 +41,19 @@ CATALOGUE: Mapping[str, Entry] = MappingProxyType(
         "pump": _PUMP,
         "fixed_pump": _PUMP,
         "variable_pump": _VARIABLE,
+        "overcentre_pump": _OVERCENTRE,
         "flow_source": _FLOW,
         "motor": _MOTOR,
         "hydraulic_motor": _MOTOR,
-        "variable_motor": Entry(machine.variable_motor, "M", 6),
-        "orifice": _ORIFICE,
-        "throttle": _ORIFICE,
+        "variable_motor": _PUMP_MOTOR,
+        "overcentre_motor": _PUMP_MOTOR,
+        "orifice": Entry(valve.orifice, "R", 4),
+        "throttle": Entry(valve.throttle, "R", 4),
         "adjustable_orifice": _ADJUSTABLE,
         "adjustable_throttle": _ADJUSTABLE,
         "two_orifices": Entry(valve.two_orifices, "R", 4),
         "relief_valve": _RELIEF,
+        "load_relief_valve": Entry(partial(valve.compensator, False), "V", 5),
         "unloading_valve": _UNLOADING,
         "pilot_operated_valve": _UNLOADING,
         "sequence_valve": Entry(valve.sequence_valve, "V", 3),
@@ -171,7 +172,7 @@ def entry(symbol: str) -> Entry | None:
 
 def is_source(symbol: str) -> bool:
     """Whether it delivers flow."""
-    return entry(symbol) in (_PUMP, _VARIABLE, _FLOW)
+    return entry(symbol) in (_PUMP, _VARIABLE, _OVERCENTRE, _FLOW)
 
 
 def fit_symbol(component: GraphComponent, kinds: Mapping[str, NodeKind], fed: frozenset[str] = frozenset()) -> Fitted:

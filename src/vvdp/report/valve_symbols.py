@@ -26,8 +26,14 @@ def _restriction(y: float, wide: float = 13.0, high: float = 15.0) -> str:
     return "".join(f'<path d="M {s * wide:g} {y - high:g} Q {s:g} {y:g} {s * wide:g} {y + high:g}"/>' for s in (-1, 1))
 
 
-def orifice(adjustable: bool = False) -> Symbol:
-    """An orifice or throttle."""
+def orifice() -> Symbol:
+    """A sharp-edged orifice, whose flow does not depend on the viscosity."""
+    edges = "".join(pipe((s * 13, -13), (s * 3, 0), (s * 13, 13)) for s in (-1, 1))
+    return Symbol((-20, -28, 20, 28), edges + pipe((0, 28), (0, -28)), through(28))
+
+
+def throttle(adjustable: bool = False) -> Symbol:
+    """A throttle."""
     hand = arrow((-20, 20), (20, -20), 8) if adjustable else ""
     return Symbol((-20, -28, 20, 28), _restriction(0) + pipe((0, 28), (0, -28)) + hand, through(28))
 

@@ -37,7 +37,7 @@ from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.kinds import TIME
 from vvdp.base.tables import Table, fault_at, read_table, refuse_unknown
 from vvdp.base.units import number_and_unit, parse
-from vvdp.systems.system import System, shipped_systems
+from vvdp.systems.system import System, named_systems
 
 Settings: TypeAlias = Mapping[str, Any]
 """Values by `table.key`, each as a system file has it: text with a unit, a number, or a signal's mapping."""
@@ -178,7 +178,7 @@ def _system(path: Path, table: Table, faults: list[Fault]) -> str:
     if not isinstance(system, str) or not system:
         faults.append(fault_at(table, "system", f"{system!r}; expected the name of a shipped system or of a file"))
         return ""
-    return str(beside) if system not in shipped_systems() and (beside := path.parent / system).is_file() else system
+    return str(beside) if system not in named_systems() and (beside := path.parent / system).is_file() else system
 
 
 def _until(table: Table, faults: list[Fault]) -> str | None:

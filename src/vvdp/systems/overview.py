@@ -12,6 +12,7 @@ from vvdp.network.nodes import HydraulicNode, Rod, Shaft
 from vvdp.network.paths import flows_of, moving_parts
 from vvdp.network.sense import idle_nodes
 from vvdp.simulation.outcome import SETTLED
+from vvdp.systems.plausibility import idle_orifices
 from vvdp.systems.spool_travel import travel_warnings
 from vvdp.systems.summary import is_closed
 from vvdp.systems.system import System
@@ -141,6 +142,7 @@ def warnings(system: System, found: Mapping[str, Any]) -> Iterator[str]:
     yield from broken_bounds(system, found)
     for node in idle_nodes(system.circuit.network):
         yield f"{node} is joined to nothing: is a component missing?"
+    yield from idle_orifices(system, found)
     reference = system.circuit.network.oil.reference_pressure
     if abs(reference - ATMOSPHERE) > 1.0:
         yield (

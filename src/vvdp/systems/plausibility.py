@@ -1,12 +1,14 @@
 """Results that no machine could show: pressures and speeds beyond all components, relief valves that stay shut,
-throttles that are laminar at any drop."""
+throttles that are laminar at any drop; and orifices that throttle nothing, which may be meant."""
 
 import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from vvdp.base.kinds import PRESSURE_DIFFERENCE, SPEED, VELOCITY
+from vvdp.base.display import with_unit
+from vvdp.base.kinds import FLOW, PRESSURE_DIFFERENCE, SPEED, VELOCITY
 from vvdp.hydraulics.line import Line
+from vvdp.hydraulics.orifice import Orifice
 from vvdp.hydraulics.pipe import LinePipe
 from vvdp.hydraulics.relief_valve import LoadReliefValve, ReliefValve
 from vvdp.network.network import Part
@@ -22,6 +24,12 @@ is a mistake."""
 
 LARGEST_TRANSITION = 20e5
 """Drop up to which a throttle may be laminar [Pa]: an orifice of 1 mm turns turbulent at some bar."""
+
+
+LEAST_SHARE = 15.0**-0.5
+"""Drop of an orifice over its transition pressure below which it passes less than half of what the root law has."""
+LEAST_FLOW = 1e-6
+"""Mean flow from which an orifice is to throttle [m^3/s]: less leads to a volume that only breathes."""
 
 
 def plausible_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
@@ -114,3 +122,19 @@ def _stays_shut(system: LoadedSystem, found: Mapping[str, Any], part: Part, reli
         most=ABOVE_SETTING * (relief.cracking_pressure + relief.override_pressure),
         otherwise="it limits the pressure at its port a: are its ports the wrong way round?",
     )
+
+
+def idle_orifices(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[str]:
+    """A sentence for each orifice with a flow that throttles nothing, as one in cm^2 for mm^2; it may be meant so."""
+    for part in system.circuit.network.parts.values():
+        flow = abs(found.get(f"flow_mean_{part.name}_m3_s", 0.0))
+        if flow < LEAST_FLOW or not {"a", "b"} <= part.nodes.keys():
+            continue
+        ends = part.nodes["a"], part.nodes["b"]
+        for orifice in (value for value in part.values if type(value) is Orifice):  # a valve may well open wide
+            drop = max(found[f"pressure_max_{a}_Pa"] - found[f"pressure_min_{b}_Pa"] for a, b in (ends, ends[::-1]))
+            if drop < LEAST_SHARE * orifice.transition_pressure:
+                yield (
+                    f"{part.name} throttles nothing: its drop never exceeds {with_unit(drop, PRESSURE_DIFFERENCE)} at "
+                    f"{with_unit(flow, FLOW)}; is the unit of its area wrong?"
+                )

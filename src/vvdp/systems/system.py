@@ -195,15 +195,20 @@ def _build_network(table: Table, name: str, folder: Path, tables: Mapping[str, A
     return found if tables is None else found.with_tables(tables)
 
 
-def shipped_systems() -> dict[str, str]:
-    """Names of the shipped systems and their texts."""
-    folder = resources.files("vvdp.systems") / "data"
+def shipped_systems(group: str = "data") -> dict[str, str]:
+    """Names of the shipped systems and their texts; the `group` "practice" are circuits from practice."""
+    folder = resources.files("vvdp.systems") / group
     return {f.name.removesuffix(".toml"): f.read_text("utf-8") for f in sorted(folder.iterdir(), key=lambda f: f.name)}
+
+
+def named_systems() -> dict[str, str]:
+    """All that a name stands for: the shipped systems and the circuits from practice, with their texts."""
+    return shipped_systems() | shipped_systems("practice")
 
 
 def source_text(name: str) -> str:
     """The text of a system, by shipped name or path. Raises ConfigError where there is none."""
-    texts = shipped_systems()
+    texts = named_systems()
     if name in texts:
         return texts[name]
     read_table(Path(name))
@@ -212,7 +217,7 @@ def source_text(name: str) -> str:
 
 def system_table(name: str) -> Table:
     """The parsed text of a system, by shipped name or path. Raises ConfigError where there is none."""
-    texts = shipped_systems()
+    texts = named_systems()
     if name in texts:
         return parsed_table(texts[name], f"{name}.toml")
     path = Path(name)

@@ -11,7 +11,7 @@ from vvdp.logs.source import FORMATS
 from vvdp.systems.circuits import circuit_names
 from vvdp.systems.options import lasting, without_other_position
 from vvdp.systems.own_programs import own_code
-from vvdp.systems.system import System, built_system, shipped_systems
+from vvdp.systems.system import System, built_system, named_systems
 
 MOST_FILES = 200
 LARGEST_LOG = 200_000_000
@@ -42,11 +42,11 @@ class Offer:
     def names(self) -> dict[str, str]:
         """Name and title of each system: the files of the folder, then the shipped ones."""
         own = sorted(path.name for path in self.folder.glob(f"*{SUFFIX}") if _is_plain(path))[:MOST_FILES]
-        return {name: _title(self.text(name), name) for name in (*own, *shipped_systems())}
+        return {name: _title(self.text(name), name) for name in (*own, *named_systems())}
 
     def path(self, name: str) -> Path | None:
         """The file of a system; None of a shipped one. Raises ConfigError for any other name."""
-        if name in shipped_systems():
+        if name in named_systems():
             return None
         place = self.folder / name
         if Path(name).name != name or not name.endswith(SUFFIX) or "\\" in name or not _is_plain(place):
@@ -68,7 +68,7 @@ class Offer:
         """The text of a system. Raises ConfigError where it cannot be read."""
         path = self.path(name)
         if path is None:
-            return shipped_systems()[name]
+            return named_systems()[name]
         try:
             return path.read_text("utf-8")
         except (OSError, UnicodeDecodeError) as problem:
