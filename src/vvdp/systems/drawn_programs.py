@@ -18,6 +18,9 @@ from vvdp.network.network import Network
 from vvdp.network.nodes import Source
 from vvdp.network.paths import Places
 from vvdp.network.program import ProgramType
+from vvdp.programs.foreign.program import foreign_program
+from vvdp.programs.foreign.table import KEYS as FMU_KEYS
+from vvdp.programs.foreign.table import FieldError
 from vvdp.programs.generic import GenericProgram
 from vvdp.programs.library import PROGRAMS
 from vvdp.programs.quantities import INPUT, LARGEST, PLAIN, SECOND, written_quantity
@@ -74,6 +77,8 @@ class ProgramDrawer(ABC):
     def _written_part(self, name: str, part: Mapping[str, Any]) -> "WrittenPart | None":
         """A program as it stands in the file, with its inputs by name; None where its type or keys are wrong."""
         path, types, word = f"programs.{name}", dict(PROGRAMS), part.get("type")
+        if "fmu" in part:
+            return self._foreign_part(name, part)
         if isinstance(word, str) and ":" in word:
             try:
                 types[word] = own_program(word, self.content, self.folder)
@@ -85,6 +90,21 @@ class ProgramDrawer(ABC):
             return None
         part = _with_inputs(part, _own_type(kind))
         return WrittenPart(name, kind, part) if self._has_own_keys(path, part, types) else None
+
+    def _foreign_part(self, name: str, part: Mapping[str, Any]) -> "WrittenPart | None":
+        """The program that an FMU makes, whose inputs are keys as those of any other; None with a fault."""
+        path, file = f"programs.{name}", part["fmu"]
+        if not isinstance(file, str) or "type" in part:
+            self._fault(f"{path}.fmu", f'{file!r}; expected the path of an FMU in quotes, such as "arm.fmu", and no type')
+            return None
+        try:
+            kind = foreign_program(name, (self.folder / file).resolve(), part)
+        except FieldError as problem:
+            self._fault(f"{path}.{problem.key}", str(problem))
+            return None
+        rest = {"type": "fmu", **{key: value for key, value in part.items() if key not in FMU_KEYS}}
+        rest = dict(_with_inputs(rest, kind))
+        return WrittenPart(name, kind, rest) if self._has_own_keys(path, rest, {"fmu": kind}) else None
 
     def _add_program(self, net: Network, part: "WrittenPart", kinds: "Kinds") -> None:
         try:
