@@ -24,7 +24,8 @@ def show_fmu(path: Path, *, json: bool) -> None:
     if json:
         print_json(found)
         return
-    tell(f"{found['model']}, FMI {found['fmi']}, {', '.join(found['kinds'])}, written by {found['tool'] or 'no named tool'}")
+    tool = found["tool"] or "no named tool"
+    tell(f"{found['model']}, FMI {found['fmi']}, {', '.join(found['kinds'])}, written by {tool}")
     tell(f"binaries: {', '.join(found['platforms']) or 'none'}")
     for causality in SHOWN:
         rows = [each for each in found["variables"] if each["causality"] == causality]

@@ -282,11 +282,11 @@ def _carry_out(
         mark_states=mark_states,
         span_states=span_states,
         lanes=beside,
-        troubles=np.array([_parted(ready, each, row) for each, row in zip(cases, begun.memory, strict=True)], object),
+        troubles=np.array([_end_partners(ready, *each) for each in zip(cases, begun.memory, strict=True)], object),
     )
 
 
-def _parted(ready: Prepared, case: Case, row: Array) -> str:
+def _end_partners(ready: Prepared, case: Case, row: Array) -> str:
     """Ends what a case has exchanged values with; why that failed, empty if it did not."""
     memory = as_memory(case, row) if ready.partners else {}
     trouble = troubles(ready.partners, memory)

@@ -3,7 +3,7 @@
 A step calls `exchange`; whoever has such partners puts the function that carries an exchange out into `OUTSIDE`.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 from vvdp.base.errors import RunError
@@ -63,6 +63,14 @@ def refuse_begun(partners: Mapping[str, Partner], memory: Mapping[str, Any]) -> 
     for name, partner in partners.items():
         if partner.is_begun(memory[name]):
             raise RunError(f"a run with the program {name!r} cannot be continued: the state of its model is outside")
+
+
+def refuse_partners(names: Iterable[str], what: str) -> None:
+    """Raises RunError if `what` is to hold programs whose models are outside, with their `names`."""
+    if found := ", ".join(map(repr, names)):
+        raise RunError(
+            f"{what} cannot contain the program {found}: its model is a foreign FMU; export the rest without it"
+        )
 
 
 def troubles(partners: Mapping[str, Partner], memory: Mapping[str, Any]) -> str:

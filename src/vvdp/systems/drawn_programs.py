@@ -95,7 +95,9 @@ class ProgramDrawer(ABC):
         """The program that an FMU makes, whose inputs are keys as those of any other; None with a fault."""
         path, file = f"programs.{name}", part["fmu"]
         if not isinstance(file, str) or "type" in part:
-            self._fault(f"{path}.fmu", f'{file!r}; expected the path of an FMU in quotes, such as "arm.fmu", and no type')
+            self._fault(
+                f"{path}.fmu", f'{file!r}; expected the path of an FMU in quotes, such as "arm.fmu", and no type'
+            )
             return None
         try:
             kind = foreign_program(name, (self.folder / file).resolve(), part)

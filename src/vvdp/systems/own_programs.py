@@ -29,9 +29,11 @@ def _own_types(content: Mapping[str, Any]) -> Iterator[str]:
 def absolute_fmus(table: Table, folder: Path) -> Table:
     """The table in which the path of each FMU leads there from any place; paths of a file begin in its `folder`."""
     programs = table.content.get("programs")
+    if not isinstance(programs, Mapping):
+        return table
     foreign = {
         name: {**part, "fmu": str((folder / part["fmu"]).absolute())}
-        for name, part in (programs.items() if isinstance(programs, Mapping) else ())
+        for name, part in programs.items()
         if isinstance(part, Mapping) and isinstance(part.get("fmu"), str)
     }
     return replace(table, content={**table.content, "programs": {**programs, **foreign}}) if foreign else table

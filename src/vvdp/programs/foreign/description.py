@@ -83,7 +83,7 @@ def read_description(text: bytes) -> Description:
         features=features,
         kinds=tuple(dict.fromkeys(kinds)),
         units=_units(below),
-        variables=(_variables2 if fmi == 2 else _variables3)(below, _declared_units(below)),
+        variables=(_variables2 if fmi == 2 else _variables3)(below, _type_units(below)),
     )
 
 
@@ -127,7 +127,7 @@ def _units(below: _Below) -> dict[str, FmuUnit]:
     return found
 
 
-def _declared_units(below: _Below) -> dict[str, str]:
+def _type_units(below: _Below) -> dict[str, str]:
     """The unit of each declared type."""
     found, name = dict[str, str](), ""
     for path, given in below:
@@ -174,7 +174,7 @@ def _add(found: dict[str, Variable], kind: str, given: Mapping[str, str], types:
     return name
 
 
-def _parsed(read: Callable[[str], float], given: Mapping[str, str], key: str, expected: str) -> float:
+def _read_attribute(read: Callable[[str], float], given: Mapping[str, str], key: str, expected: str) -> float:
     try:
         return read(given[key])
     except ValueError:
@@ -182,8 +182,8 @@ def _parsed(read: Callable[[str], float], given: Mapping[str, str], key: str, ex
 
 
 def _number(given: Mapping[str, str], key: str, usual: float | None) -> float | None:
-    return _parsed(float, given, key, "a number") if key in given and " " not in given[key] else usual
+    return _read_attribute(float, given, key, "a number") if key in given and " " not in given[key] else usual
 
 
 def _whole(given: Mapping[str, str], key: str) -> int:
-    return int(_parsed(int, given, key, "a whole number")) if key in given else 0
+    return int(_read_attribute(int, given, key, "a whole number")) if key in given else 0

@@ -114,8 +114,8 @@ class Instance:
         if self.plan.fmi == 2:
             self._call("DoStep", at, step, ctypes.c_int(1))
         else:
-            told = [ctypes.byref(each) for each in (*(ctypes.c_bool() for _ in range(3)), ctypes.c_double())]
-            self._call("DoStep", at, step, ctypes.c_bool(True), *told)
+            flags, last = [ctypes.byref(ctypes.c_bool()) for _ in range(3)], ctypes.byref(ctypes.c_double())
+            self._call("DoStep", at, step, ctypes.c_bool(True), *flags, last)
         self.time = time
         return self._outputs()
 
@@ -162,8 +162,8 @@ class Instance:
         calls = (ctypes.cast(memory.calloc, ctypes.c_void_p), ctypes.cast(memory.free, ctypes.c_void_p))
         self._logger = _Callbacks2(logger, *calls, None, None)
         folder = Path(plan.resources).as_uri().encode()
-        none = ctypes.c_int(0)
-        rest2 = (name, ctypes.c_int(1), key, folder, ctypes.byref(self._logger), none, none)
+        zero = ctypes.c_int(0)
+        rest2 = (name, ctypes.c_int(1), key, folder, ctypes.byref(self._logger), zero, zero)
         return self.functions["Instantiate"](*rest2)  # type: ignore[no-any-return]
 
     def _hear(self, words: bytes | None) -> None:

@@ -72,7 +72,7 @@ class Slot:
             return
         self.words[TIME] = np.float64(t).view(np.int64)
         if isinstance(self.instance, Separate):
-            self.words[CODE] = ctypes.cast(self.call, ctypes.c_void_p).value
+            self.words[CODE] = ctypes.cast(self.call, ctypes.c_void_p).value or 0
             return
         self.words[CODE], self.words[COMPONENT] = _native()[f"fmi{plan.fmi}"], self.instance.component
         self.words[SET : GET + 1] = [self.instance.address(name) for name in CALLS[plan.fmi]]
@@ -242,7 +242,11 @@ def _exchange_text(fmi: int) -> str:
     base = ", ".join(f"[ {16 * i}, %call{i} ]" for i in (1, 2, 3))
     lines += ["call4:", "  store double %t, ptr %time_at", "  ret void"]
     lines += ["fail:", f"  %found = phi i32 {found}", f"  %base = phi i64 {base}", "  %wide = zext i32 %found to i64"]
-    lines += ["  %status = add i64 %base, %wide", "  store double %t, ptr %time_at", "  store i64 %status, ptr %status_at"]
+    lines += [
+        "  %status = add i64 %base, %wide",
+        "  store double %t, ptr %time_at",
+        "  store i64 %status, ptr %status_at",
+    ]
     lines += [
         "  store i64 ptrtoint (ptr @idle to i64), ptr %slot",
         "  call void @idle(ptr %slot, double %t, ptr %in, ptr %out)",

@@ -13,12 +13,12 @@ import numpy as np
 from vvdp.base.errors import ParameterError
 from vvdp.network.program import ProgramType
 from vvdp.programs.foreign.archive import Archive, open_archive
-from vvdp.programs.foreign.description import INPUT, OUTPUT
+from vvdp.programs.foreign.description import INPUT, OUTPUT, Description
 from vvdp.programs.foreign.instance import Plan
 from vvdp.programs.foreign.partners import Foreign, register, release, slot_of
 from vvdp.programs.foreign.report import ExchangeReport
 from vvdp.programs.foreign.step import StepText
-from vvdp.programs.foreign.table import FieldError, flag, joints, named_entries, parameter, power_pairs
+from vvdp.programs.foreign.table import FieldError, joints, named_entries, parameter, power_pairs, switch
 from vvdp.simulation.exchange import Partner
 
 
@@ -28,17 +28,17 @@ def foreign_program(name: str, path: Path, table: Mapping[str, Any]) -> ProgramT
     Raises FieldError with the key and what is wrong.
     """
     try:
-        archive, digest = opened(path)
+        archive, digest = open_known(path)
     except ParameterError as problem:
         raise FieldError("fmu", f"{path.name}: {problem}") from None
     _refuse_unusable(archive, path)
-    both = [joints(archive, table, key, causality) for key, causality in (("inputs", INPUT), ("outputs", OUTPUT))]
-    text = StepText(*both, power_pairs(table, *both), extrapolates=flag(table, "extrapolate"))
+    read, given = (joints(archive, table, key, of) for key, of in (("inputs", INPUT), ("outputs", OUTPUT)))
+    text = StepText(read, given, power_pairs(table, read, given), extrapolates=switch(table, "extrapolate"))
     parameters = [parameter(archive, key, entry) for key, entry in named_entries(table, "values").items()]
-    references = [[joint.variable.reference for joint in each] for each in both]
+    references = [[joint.variable.reference for joint in each] for each in (read, given)]
     words = json.dumps([digest, references, parameters, text.source(0.0)])
     key = float(int(hashlib.sha256(words.encode()).hexdigest()[:13], 16))
-    register(key, Foreign(name, path, partial(_plan, archive, references, parameters)))
+    register(key, Foreign(name, path, partial(_plan, archive.description, (path, digest), references, parameters)))
     step, start = text.functions(name, key)
     return ProgramType(
         step=step,
@@ -52,17 +52,17 @@ def foreign_program(name: str, path: Path, table: Mapping[str, Any]) -> ProgramT
 
 
 @cache
-def _opened(path: Path, stamp: tuple[int, int]) -> tuple[Archive, str]:
+def _open(path: Path, stamp: tuple[int, int]) -> tuple[Archive, str]:
     return open_archive(path), hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def opened(path: Path) -> tuple[Archive, str]:
+def open_known(path: Path) -> tuple[Archive, str]:
     """The FMU in a file, and the hash of the file. Raises ParameterError if it cannot be used."""
     try:
         found = path.stat()
     except OSError as problem:
         raise ParameterError(f"cannot be read ({problem.strerror})") from None
-    return _opened(path, (found.st_mtime_ns, found.st_size))
+    return _open(path, (found.st_mtime_ns, found.st_size))
 
 
 def _refuse_unusable(archive: Archive, path: Path) -> None:
@@ -79,8 +79,14 @@ def _refuse_unusable(archive: Archive, path: Path) -> None:
         raise FieldError("fmu", f"{path.name}: {problem}") from None
 
 
-def _plan(archive: Archive, references: Sequence[Sequence[int]], parameters: Sequence[tuple[int, float]]) -> Plan:
-    known, (folder, binary) = archive.description, _unpacked(archive.path)
+def _plan(
+    known: Description,
+    file: tuple[Path, str],
+    references: Sequence[Sequence[int]],
+    parameters: Sequence[tuple[int, float]],
+) -> Plan:
+    """How the FMU in a file with a hash is called; unpacks it. Raises ParameterError."""
+    folder, binary = _unpack(*file)
     return Plan(
         fmi=known.fmi,
         binary=str(binary),
@@ -99,11 +105,14 @@ _folders: list[tempfile.TemporaryDirectory[str]] = []
 
 
 @cache
-def _unpacked(path: Path) -> tuple[Path, Path]:
-    """The folder in which an FMU was unpacked, and its binary there."""
+def _unpack(path: Path, digest: str) -> tuple[Path, Path]:
+    """The folder in which an FMU was unpacked, and its binary there. Raises ParameterError if the file is another."""
+    archive, now = open_known(path)
+    if now != digest:
+        raise ParameterError("the file has changed since the system was read")
     _folders.append(tempfile.TemporaryDirectory(prefix="vvdp-fmu-", ignore_cleanup_errors=True))
     folder = Path(_folders[-1].name)
-    return folder, opened(path)[0].unpack(folder)
+    return folder, archive.unpack(folder)
 
 
 def _is_begun(memory: Any) -> bool:

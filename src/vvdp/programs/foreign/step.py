@@ -1,13 +1,14 @@
 """The step of a program with a foreign FMU, written for its variables.
 
-At a sample the circuit is there already: the inputs are set to what is read then, the FMU steps to this instant, and
-its outputs are the command from then on. Where a command and a reading make a power, what the exchange creates or
-loses is counted, by the trapezoidal rule on both sides:
-E = T/2 [(y_0 u_0 + y_e u_1) - u_1 (y_0 + y_1)], with the reading u and the output y at the begin (0) and the end (1)
-of the period T, and the output y_e that the circuit had at its end (y_0 where it is held).
+At a sample the circuit is there already: the inputs are set to what is read then (with extrapolated outputs to the mean
+over the period), the FMU steps to this instant, and its outputs are the command from then on. Where a command and a
+reading make a power, what the exchange creates or loses is counted, by the trapezoidal rule on both sides:
+E = T/2 [(y_0 u_0 + y_e u_1) - u (y_0 + y_1)], with the reading and the output at the begin (0) and the end (1) of the
+period T, the input u that was set, and the output y_e that the circuit had at its end (y_0 if it is held). Held, E adds
+up to T/2 times the change of -y u, whatever the length of a run; extrapolated, E is proportional to T^2.
 
 Source  ours, after the energy residual of S. Sadjina et al., Energy conservation and power bonds in co-simulations,
-        Engineering with Computers 33 (2017), for inputs that are taken at the end of a step.
+        Engineering with Computers 33 (2017), for the inputs that are set here.
 """
 
 from collections.abc import Callable, Iterator
@@ -58,16 +59,20 @@ class StepText:
     @property
     def memory(self) -> type:
         """What it remembers: the handle of its instance, and what was exchanged last."""
-        last = [f"gave_{joint.name}" for joint in self.outputs] + [f"read_{joint.name}" for _, joint in self.power]
+        last = [f"gave_{joint.name}" for joint in self.outputs] + [f"read_{joint.name}" for joint in self.inputs]
         return named_tuple(
             "ForeignMemory", {"handle": Number, TIME: Time, **dict.fromkeys(last, Number), **self._further}
         )
 
     def source(self, key: float) -> str:
         """The text of its functions `step` and `start`, for the FMU with a key."""
-        given = ", ".join(joint.from_si(f"reading.{joint.name}") for joint in self.inputs) or "0.0"
+        read = [joint.name for joint in self.inputs]
+        given = ", ".join(joint.from_si(f"given_{joint.name}") for joint in self.inputs) or "0.0"
         held = ", ".join(joint.from_si(f"memory.gave_{joint.name}") for joint in self.outputs)
+        share = 0.5 if self.extrapolates else 0.0
         lines = [
+            f"share = {share} if memory.handle > 0.0 else 0.0",
+            *(f"given_{n} = reading.{n} + share * (memory.read_{n} - reading.{n})" for n in read),
             f"inputs, outputs = np.array(({given},)), np.array(({held},))",
             f"handle = exchange({key!r}, memory.handle, t, inputs, outputs)",
             "period = t - memory.time if memory.handle > 0.0 else 0.0",
@@ -77,7 +82,7 @@ class StepText:
         ]
         values = {"handle": "handle", TIME: "t"} | {name: f"further_{name}" for name in self._further}
         values |= {name: f"gave_{joint.name}" for joint in self.outputs for name in (joint.name, f"gave_{joint.name}")}
-        values |= {f"read_{joint.name}": f"reading.{joint.name}" for _, joint in self.power}
+        values |= {f"read_{name}": f"reading.{name}" for name in read}
         begin = {f"gave_{joint.name}": repr(joint.first) for joint in self.outputs}
         return "\n".join([
             "def step(t, memory, reading, settings):",
@@ -90,8 +95,9 @@ class StepText:
 
     def _ramp_lines(self) -> Iterator[str]:
         """Lines that find how outputs go on: as they changed over the last period."""
-        yield "share = 1.0 / period if period > 0.0 else 0.0"
-        yield from (f"further_{j.name}_rate = (gave_{j.name} - memory.gave_{j.name}) * share" for j in self.outputs)
+        yield "per_period = 1.0 / period if period > 0.0 else 0.0"
+        for name in (joint.name for joint in self.outputs):
+            yield f"further_{name}_rate = (gave_{name} - memory.gave_{name}) * per_period"
 
     def _energy_lines(self) -> Iterator[str]:
         """Lines that add up what the exchange creates or loses, and what passes."""
@@ -101,7 +107,7 @@ class StepText:
             went_on = f" + memory.{y.name}_rate * period" if self.extrapolates else ""
             yield f"here_0 = memory.gave_{y.name} * memory.read_{u.name}"
             yield f"here_1 = (memory.gave_{y.name}{went_on}) * reading.{u.name}"
-            yield f"there = reading.{u.name} * (memory.gave_{y.name} + gave_{y.name})"
+            yield f"there = given_{u.name} * (memory.gave_{y.name} + gave_{y.name})"
             yield f"{made} += 0.5 * period * (here_0 + here_1 - there)"
             yield f"{passed} += 0.5 * period * (abs(here_0) + abs(here_1))"
 

@@ -65,7 +65,8 @@ def named_entries(table: Mapping[str, Any], key: str) -> Mapping[str, Any]:
     return entry
 
 
-def flag(table: Mapping[str, Any], key: str) -> bool:
+def switch(table: Mapping[str, Any], key: str) -> bool:
+    """Whether a key of the program is set; without it, it is not. Raises FieldError."""
     entry = table.get(key, False)
     if not isinstance(entry, bool):
         raise FieldError(key, f"{entry!r}; expected true or false")
@@ -121,17 +122,17 @@ def _joint(archive: Archive, key: str, name: str, variable: Variable, told: str)
     if own is None and variable.unit and of is None:
         raise FieldError(key, f'the unit {variable.unit!r} of {variable.name!r} is not known; give one, unit = "..."')
     if own is None:
-        own = _known(told)
+        own = _named_unit(told)
     kind = PLAIN if own is None else quantity(of or Dimension(own.powers, own.angle))
     return Joint(name, variable, kind, *((1.0, 0.0) if own is None else own[:2]))
 
 
 def _unit(archive: Archive, name: str) -> FmuUnit | None:
     """A unit of an FMU, as it describes it or as its name says; None if neither does."""
-    return archive.description.units.get(name) or _known(name)
+    return archive.description.units.get(name) or _named_unit(name)
 
 
-def _known(name: str) -> FmuUnit | None:
+def _named_unit(name: str) -> FmuUnit | None:
     found = known_unit(name) if name not in ("", "1") else None
     return None if found is None else FmuUnit(found.size, found.zero, found.powers, dimension(name).angle)
 
@@ -146,7 +147,7 @@ def parameter(archive: Archive, name: str, entry: Any) -> tuple[int, float]:
         number, unit = number_and_unit(entry)
     except ParameterError as problem:
         raise FieldError(key, str(problem)) from None
-    own, given = _unit(archive, variable.unit), _known(unit)
+    own, given = _unit(archive, variable.unit), _named_unit(unit)
     if own is None or given is None or own.powers != given.powers:
         raise FieldError(key, f"{entry!r}; the FMU has it in {variable.unit or 'no unit'}")
     return variable.reference, (number * given.factor + given.offset - own.offset) / own.factor
