@@ -77,36 +77,19 @@ class ProgramDrawer(ABC):
     def _written_part(self, name: str, part: Mapping[str, Any]) -> "WrittenPart | None":
         """A program as it stands in the file, with its inputs by name; None where its type or keys are wrong."""
         path, types, word = f"programs.{name}", dict(PROGRAMS), part.get("type")
-        if "fmu" in part:
-            return self._foreign_part(name, part)
-        if isinstance(word, str) and ":" in word:
-            try:
+        try:
+            if "fmu" in part:
+                types, part = _foreign_type(name, part, self.folder)
+            elif isinstance(word, str) and ":" in word:
                 types[word] = own_program(word, self.content, self.folder)
-            except ParameterError as problem:
-                self._fault(f"{path}.type", str(problem))
-                return None
+        except ParameterError as problem:
+            self._fault(f"{path}.{getattr(problem, 'key', 'type')}", str(problem))
+            return None
         kind = self._type(path, part, types)
         if kind is None:
             return None
         part = _with_inputs(part, _own_type(kind))
         return WrittenPart(name, kind, part) if self._has_own_keys(path, part, types) else None
-
-    def _foreign_part(self, name: str, part: Mapping[str, Any]) -> "WrittenPart | None":
-        """The program that an FMU makes, whose inputs are keys as those of any other; None with a fault."""
-        path, file = f"programs.{name}", part["fmu"]
-        if not isinstance(file, str) or "type" in part:
-            self._fault(
-                f"{path}.fmu", f'{file!r}; expected the path of an FMU in quotes, such as "arm.fmu", and no type'
-            )
-            return None
-        try:
-            kind = foreign_program(name, (self.folder / file).resolve(), part)
-        except FieldError as problem:
-            self._fault(f"{path}.{problem.key}", str(problem))
-            return None
-        rest = {"type": "fmu", **{key: value for key, value in part.items() if key not in FMU_KEYS}}
-        rest = dict(_with_inputs(rest, kind))
-        return WrittenPart(name, kind, rest) if self._has_own_keys(path, rest, {"fmu": kind}) else None
 
     def _add_program(self, net: Network, part: "WrittenPart", kinds: "Kinds") -> None:
         try:
@@ -231,6 +214,15 @@ def read_inputs(
             message = 'missing; expected what it reads, such as "inlet.pressure"'
             faults.append(fault_at(origin, f"{part.path}.{name}", message))
     return found
+
+
+def _foreign_type(name: str, part: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The type of program that an FMU is, by a word, and the keys of the program with this type. Raises FieldError."""
+    file = part["fmu"]
+    if not isinstance(file, str) or "type" in part:
+        raise FieldError("fmu", f'{file!r}; expected the path of an FMU in quotes ("arm.fmu"), and no type')
+    kind = foreign_program(name, (folder / file).resolve(), part)
+    return {"fmu": kind}, {"type": "fmu", **{key: value for key, value in part.items() if key not in FMU_KEYS}}
 
 
 def _own_type(kind: ProgramType | GenericProgram) -> ProgramType:

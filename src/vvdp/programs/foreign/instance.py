@@ -5,7 +5,7 @@ It needs nothing but the standard library, so that a process of its own begins a
 
 import ctypes
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -92,7 +92,8 @@ class Instance:
     def begin(self, time: float, inputs: Sequence[float]) -> list[float]:
         """Instantiates and initialises at a time [s] with these inputs; the outputs there. Raises FmuError."""
         plan, start = self.plan, ctypes.c_double(time)
-        self.component = self._instantiate() or 0
+        create = self.functions[NEEDED[plan.fmi][0]]
+        self.component, self._called = _instantiate(plan, create, self._hear)
         if not self.component:
             raise FmuError(self._with_words("it refuses to be instantiated"))
         self.time = time
@@ -149,25 +150,22 @@ class Instance:
         self._call(CALLS[self.plan.fmi][2], self.outputs, count, row, *([count] if self.plan.fmi == 3 else []))
         return list(row)
 
-    def _instantiate(self) -> int | None:
-        plan = self.plan
-        name, key, off = b"vvdp", plan.token.encode(), ctypes.c_bool()
-        if plan.fmi == 3:
-            self._logger: Any = _LOGGER3(lambda _, status, category, words: self._hear(words))
-            folder, none = (plan.resources + "/").encode(), ctypes.c_void_p()
-            rest = (name, key, folder, off, off, off, off, none, ctypes.c_size_t(0), none, self._logger, none)
-            return self.functions["InstantiateCoSimulation"](*rest)  # type: ignore[no-any-return]
-        memory = ctypes.CDLL("msvcrt" if sys.platform == "win32" else None)
-        logger = _LOGGER2(lambda _, own, status, category, words: self._hear(words))
-        calls = (ctypes.cast(memory.calloc, ctypes.c_void_p), ctypes.cast(memory.free, ctypes.c_void_p))
-        self._logger = _Callbacks2(logger, *calls, None, None)
-        folder = Path(plan.resources).as_uri().encode()
-        zero = ctypes.c_int(0)
-        rest2 = (name, ctypes.c_int(1), key, folder, ctypes.byref(self._logger), zero, zero)
-        return self.functions["Instantiate"](*rest2)  # type: ignore[no-any-return]
-
     def _hear(self, words: bytes | None) -> None:
         self.said = (words or b"").decode(errors="replace").strip()[:300]
+
+
+def _instantiate(plan: Plan, function: Any, hear: Callable[[bytes | None], None]) -> tuple[int, Any]:
+    """A component, 0 if it is refused, and what it calls; `hear` is given its messages."""
+    name, key, off = b"vvdp", plan.token.encode(), ctypes.c_bool()
+    if plan.fmi == 3:
+        logger3, none = _LOGGER3(lambda _, status, category, words: hear(words)), ctypes.c_void_p()
+        rest = (off, off, off, off, none, ctypes.c_size_t(0), none, logger3, none)
+        return function(name, key, (plan.resources + "/").encode(), *rest) or 0, logger3
+    memory = ctypes.CDLL("msvcrt" if sys.platform == "win32" else None)
+    logger = _LOGGER2(lambda _, own, status, category, words: hear(words))
+    calls = _Callbacks2(logger, *(ctypes.cast(each, ctypes.c_void_p) for each in (memory.calloc, memory.free)))
+    zero, folder = ctypes.c_int(0), Path(plan.resources).as_uri().encode()
+    return function(name, ctypes.c_int(1), key, folder, ctypes.byref(calls), zero, zero) or 0, calls
 
 
 def _references(numbers: Sequence[int]) -> Any:

@@ -27,8 +27,7 @@ TOLD, WORDS = 11, 20
 FAILED = -1
 """The status of a slot whose instance failed in Python; otherwise 16 * (number of the call, from 1) + FMI status."""
 _Begin = ctypes.CFUNCTYPE(
-    ctypes.c_double, ctypes.c_double, ctypes.c_double, ctypes.c_double,
-    ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p, ctypes.c_int64,
+    ctypes.c_double, *[ctypes.c_double] * 2, *[ctypes.c_void_p, ctypes.c_int64] * 2,
 )  # fmt: skip
 _Exchange = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_double, ctypes.c_void_p, ctypes.c_void_p)
 
@@ -132,7 +131,7 @@ def release(handle: float) -> None:
         slot.close()
 
 
-def _begin(key: float, _: float, t: float, inputs: int, n: int, outputs: int, m: int) -> float:
+def _begin(key: float, t: float, inputs: int, n: int, outputs: int, m: int) -> float:
     """Starts an instance of the FMU with a key; its handle, the lowest that is free."""
     slot = Slot(KNOWN[key])
     with _lock:
@@ -182,7 +181,7 @@ define double @{SYMBOL}(double %key, double %handle, double %t, ptr %in, i64 %n,
   br i1 %new, label %begin, label %go
 begin:
   %start = inttoptr i64 {ctypes.cast(_BEGIN, ctypes.c_void_p).value} to ptr
-  %made = call double %start(double %key, double %handle, double %t, ptr %in, i64 %n, ptr %out, i64 %m)
+  %made = call double %start(double %key, double %t, ptr %in, i64 %n, ptr %out, i64 %m)
   ret double %made
 go:
   %table = inttoptr i64 {_table.ctypes.data} to ptr
