@@ -18,6 +18,15 @@ def own_code(content: Mapping[str, Any]) -> Any:
     return content["circuit"] if "circuit" in content else next(_own_types(content), None)
 
 
+def named_code(content: Mapping[str, Any]) -> dict[str, str]:
+    """All code that a run of a file executes, by what the file calls it: what kind of code it is."""
+    own, programs = own_code(content), content.get("programs")
+    parts = programs.values() if isinstance(programs, Mapping) else ()
+    files = [part.get("fmu") for part in parts if isinstance(part, Mapping)]
+    found = {own: "Python code"} if isinstance(own, str) else {}
+    return found | {str(Path(file)): "an FMU with machine code" for file in files if isinstance(file, str)}
+
+
 def _own_types(content: Mapping[str, Any]) -> Iterator[str]:
     programs = content.get("programs")
     for part in programs.values() if isinstance(programs, Mapping) else ():
