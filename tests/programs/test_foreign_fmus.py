@@ -130,6 +130,14 @@ def test_extrapolated_outputs_go_on_straight(system):
     assert run.final_memory["spring"].exchange / halved.final_memory["spring"].exchange == pytest.approx(4.0, rel=0.1)
 
 
+def test_sensors_stand_before_the_inputs(system):
+    """A resolution of 0.1 m/s: the first force is that of a velocity of 1.0 m/s, the next one of 0.9 or 1.0 m/s."""
+    coarse = system(2, ("reads =", 'sensors = { v = { resolution = "0.1 m/s" } }\nreads ='), ('"1000 N/m"', "0.0"))
+    forces = run_of(coarse).command.spring.force[1:]
+    assert forces[0] == pytest.approx(-C) and len(np.unique(forces.round(9))) < 10
+    assert np.abs(forces / (0.1 * C) - np.round(forces / (0.1 * C))).max() < 1e-9
+
+
 def test_own_process_version_and_threads_have_the_same_bits(system):
     """FMI 2 and FMI 3, in this process and in one of its own, even if the FMU prints; alone and in a batch."""
     one = run_of(system(2))
@@ -376,6 +384,7 @@ def test_platforms_links_and_archives_are_refused(made, system, tmp_path):
         ('"1000 N/m"', '"12 kg"', "values.k", "the FMU has it in N/m"),
         ('force = "v"', 'force = "w"', "power", "expected the name of an output"),
         ('["v"]', '["joint.F"]', "inputs.joint.F", "no plain name"),
+        ('outputs = { force = "joint.F" }', "", "outputs", "missing; expected one of joint.F"),
         ("reads =", "extrapolate = 1\nreads =", "extrapolate", "expected true or false"),
         ("reads =", 'type = "pi"\nreads =', "fmu", "and no type"),
     ],

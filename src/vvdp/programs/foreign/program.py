@@ -36,7 +36,7 @@ def foreign_program(name: str, path: Path, table: Mapping[str, Any]) -> ProgramT
     text = StepText(read, given, power_pairs(table, read, given), extrapolates=switch(table, "extrapolate"))
     parameters = [parameter(archive, key, entry) for key, entry in named_entries(table, "values").items()]
     references = [[joint.variable.reference for joint in each] for each in (read, given)]
-    words = json.dumps([digest, references, parameters, text.source(0.0)])
+    words = json.dumps([name, digest, references, parameters, text.source(0.0)])
     key = float(int(hashlib.sha256(words.encode()).hexdigest()[:13], 16))
     register(key, Foreign(name, path, partial(_plan, archive.description, (path, digest), references, parameters)))
     step, start = text.functions(name, key)
@@ -123,7 +123,8 @@ def _trouble(memory: Any) -> str:
     slot = slot_of(memory.handle)
     if slot is None:
         return ""
-    odd = [name.removeprefix("gave_") for name, value in memory._asdict().items() if not np.isfinite(value)]
+    given = {name.removeprefix("gave_"): value for name, value in memory._asdict().items() if name.startswith("gave_")}
+    odd = [name for name, value in given.items() if not np.isfinite(value)]
     return slot.why() or (slot.sentence(memory.time, f"it gave no finite {odd[0]}") if odd else "")
 
 

@@ -88,7 +88,7 @@ def joints(archive: Archive, table: Mapping[str, Any], key: str, causality: str)
         path = f"{key}.{name}"
         found.append(_joint(archive, path, name, _variable(archive, path, variable, causality), unit))
     if not found and causality == OUTPUT:
-        raise FieldError(key, f"missing; expected outputs of the FMU{nearest('', _names(archive, OUTPUT))}")
+        raise FieldError(key, f"missing{nearest('', _names(archive, OUTPUT))}")
     return tuple(found)
 
 
