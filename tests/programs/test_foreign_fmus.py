@@ -155,6 +155,14 @@ def test_own_process_version_and_threads_have_the_same_bits(system):
     assert not partners._slots  # every instance has been ended
 
 
+def test_an_fmu_for_one_instance_per_process_has_its_own(made, system, monkeypatch):
+    monkeypatch.setattr(partners, "Instance", None)  # an instance in this process would fail
+    single = entries_of(2, made[2], features='canBeInstantiatedOnlyOncePerProcess="true"')
+    assert run_of(system(2, entries=single)).finished
+    with pytest.raises(RunError, match="failed at t = 0 s"):
+        run_of(system(2))
+
+
 CONTROLLER = """
 title = "A controller alone"
 [nodes]

@@ -24,7 +24,7 @@ from vvdp.simulation.parts import Part
 from vvdp.simulation.reach import Functions, reachable, words
 from vvdp.simulation.values import names
 
-WRITERS = ("assembly", "dialect", "flat", "in_place", "lane_math", "lane_values", "lane_vectors", "queue")
+WRITERS = ("assembly", "dialect", "exchange", "flat", "in_place", "lane_math", "lane_values", "lane_vectors", "queue")
 BASE = ("powers", "select", "signal")
 """Modules by which, or with which, code is made, whatever the model; the generator itself is one more."""
 SECONDS_EACH, SECONDS_PER_BYTE = 0.02, 4e-5

@@ -34,11 +34,15 @@ _Exchange = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_double, ctypes.c_vo
 
 @dataclass(frozen=True)
 class Foreign:
-    """A foreign FMU in its place: `plan` unpacks it and says how it is called; raises ParameterError."""
+    """A foreign FMU in its place: `plan` unpacks it and says how it is called; raises ParameterError.
+
+    With `is_single` each instance needs a process of its own, trusted or not.
+    """
 
     name: str
     path: Path
     plan: Callable[[], Plan]
+    is_single: bool = False
 
 
 KNOWN: dict[float, Foreign] = {}
@@ -64,7 +68,8 @@ class Slot:
         try:
             plan = self.foreign.plan()
             self.words[IN_COUNT] = len(plan.inputs)
-            self.instance = (Instance if self.foreign.path in TRUSTED else Separate)(plan)
+            is_inside = self.foreign.path in TRUSTED and not self.foreign.is_single
+            self.instance = (Instance if is_inside else Separate)(plan)
             outputs[:] = self.instance.begin(t, inputs[: len(plan.inputs)].tolist())
         except BaseException as problem:  # nothing may leave a call from compiled code
             self._fail(problem, t)

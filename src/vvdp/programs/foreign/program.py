@@ -38,7 +38,8 @@ def foreign_program(name: str, path: Path, table: Mapping[str, Any]) -> ProgramT
     references = [[joint.variable.reference for joint in each] for each in (read, given)]
     words = json.dumps([name, digest, references, parameters, text.source(0.0)])
     key = float(int(hashlib.sha256(words.encode()).hexdigest()[:13], 16))
-    register(key, Foreign(name, path, partial(_plan, archive.description, (path, digest), references, parameters)))
+    plan = partial(_plan, archive.description, (path, digest), references, parameters)
+    register(key, Foreign(name, path, plan, archive.description.has("canBeInstantiatedOnlyOncePerProcess")))
     step, start = text.functions(name, key)
     return ProgramType(
         step=step,
