@@ -20,9 +20,9 @@ class ExchangeReport(ProgramReport):
 
     GROUP = "Exchange with an FMU"
     QUANTITIES: Quantities = MappingProxyType({
-        "exchange_throughput_J": (EXCHANGED_ENERGY, "energy that passes between circuit and FMU"),
-        "exchange_made_J": (EXCHANGED_ENERGY, "energy given by the circuit minus energy received by the FMU"),
-        "exchange_share": (SIGNED_FRACTION, "the same, as a share of what passes"),
+        "exchange_throughput_J": (EXCHANGED_ENERGY, "energy through the exchange with the FMU"),
+        "exchange_made_J": (EXCHANGED_ENERGY, "energy created or lost by the exchange, circuit minus FMU"),
+        "exchange_share": (SIGNED_FRACTION, "energy created or lost by the exchange, share of the energy through it"),
     })  # fmt: skip
 
     def numbers(self, run: "Run") -> dict[str, float]:
