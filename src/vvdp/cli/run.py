@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 MOST_CHANGES = 5
 """Numbers that `--check` prints."""
+FAILED = 1
 NOT_TRUSTED = 3
 INTERRUPTED = 130
 
@@ -53,6 +54,14 @@ class Ways:
             help="Put the system into the report, so that its values can be changed there (needs the extra `web`).",
         ),
     ] = False
+    trust: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--trust",
+            metavar="FILE.fmu",
+            help="Run this foreign FMU in the process of vvdp, without the cost of a process of its own (repeatable).",
+        ),
+    ] = None
     watched: Annotated[
         bool,
         typer.Option("--watch", help="Run again whenever the file is saved; print what changed."),
@@ -97,6 +106,11 @@ def run(
         from vvdp.systems.displacement.recorded_cycle import with_cycle
 
         loaded = with_cycle(loaded, ways.cycle)
+    if ways.trust:
+        from vvdp.programs.foreign.partners import trust
+
+        for path in ways.trust:
+            trust(path)
     _simulate(loaded, output, ways, run_command(case.system, case.settings, until))
 
 
@@ -123,7 +137,8 @@ def _simulate(loaded: "System", output: Output, ways: Ways, command: str) -> Non
         with report_reach(end, lambda now: f"t = {now:.4g} s of {end:.4g} s") as reach:
             done = run_system(loaded, progress=reach.move, say=reach.say, command=typed_command(), checked=ways.checked)
         if not done.has("finished"):
-            say(f"interrupted at t = {done.number('duration_s'):.6g} s; writing what was reached")
+            why = done.meta.get("failed") or f"interrupted at t = {done.number('duration_s'):.6g} s"
+            say(f"{why}; writing what was reached")
         changes: tuple[Move, ...] = ()
         if ways.check and done.has("finished"):
             with report_reach(end, lambda now: f"check: t = {now:.4g} s of {end:.4g} s") as reach:
@@ -170,7 +185,7 @@ def _exit(run: "RecordedRun") -> None:
     if not trusted:
         say("this run is not to be trusted: its warnings say why")
     if not run.has("finished"):
-        raise typer.Exit(INTERRUPTED)
+        raise typer.Exit(FAILED if run.meta.get("failed") else INTERRUPTED)
     if not trusted:
         raise typer.Exit(NOT_TRUSTED)
 

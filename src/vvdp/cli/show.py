@@ -1,5 +1,6 @@
 """`vvdp show`."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -23,8 +24,14 @@ def show(
 ) -> None:
     """Show nodes, components and values of a system.
 
-    Each value is shown with its status and source; pressure levels are shown gauge and absolute.
+    Each value is shown with its status and source; pressure levels are shown gauge and absolute. Of a foreign FMU
+    (FILE.fmu), the description is shown; nothing of it is run.
     """
+    if system.endswith(".fmu"):
+        from vvdp.cli.show_fmu import show_fmu
+
+        show_fmu(Path(system), json=json)
+        return
     from vvdp.cli.screen import print_json
     from vvdp.systems.system import load_system
 

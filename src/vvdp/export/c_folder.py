@@ -32,6 +32,7 @@ from vvdp.generator.c_text import identifier, wrap
 from vvdp.generator.c_writer import write_c
 from vvdp.generator.calls import callables
 from vvdp.generator.llvm_writer import write_llvm
+from vvdp.simulation.exchange import refuse_partners
 from vvdp.simulation.link import quiet
 from vvdp.simulation.values import flat
 from vvdp.systems.system import System
@@ -65,12 +66,13 @@ def c_part(system: System, part: str) -> CPart:
     """A part of a system in C: the step of a program by its name, or `circuit`.
 
     Raises ConfigError where there is no such part; LanguageError, with file and line, where its text uses what cannot
-    be exported.
+    be exported; RunError for a foreign FMU.
     """
     model, case = system.model, system.case
     names = (CIRCUIT, MACHINE, *model.programs)
     if part not in names:
         raise ConfigError([Fault("--part", 0, part, f"unknown{nearest(part, names)}")])
+    refuse_partners(model.partners.keys() & {part}, "exported code")
     is_circuit = part == CIRCUIT
     entries = circuit_entries(model, case) if is_circuit else [program_entry(model, case, part)]
     module = module_of(entries)

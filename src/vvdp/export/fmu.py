@@ -4,7 +4,6 @@ import hashlib
 import html
 import io
 import os
-import platform
 import shutil
 import subprocess
 import sys
@@ -23,10 +22,10 @@ from vvdp.export.fmu_model import FmuModel
 from vvdp.export.fmu_sources import TOKEN_SIZE, source_files
 from vvdp.export.fmu_units import unit_name
 from vvdp.export.zig import has_zig, run_zig
+from vvdp.programs.foreign.archive import ENDS, platform_folder
 
 KINDS = ("cs",)
 """What can be exported: co-simulation."""
-ENDS = {"linux": ".so", "darwin": ".dylib", "win32": ".dll"}
 WHEN = (1980, 1, 1, 0, 0, 0)
 """The time of each entry: the same text gives the same file."""
 
@@ -105,14 +104,6 @@ def _hash_of(model: FmuModel, fmi: int) -> str:
     names = [each.name for each in model.variables]
     words = "\n".join([version("vvdp"), *texts.values(), *names])
     return hashlib.sha256(words.encode()).hexdigest()[: TOKEN_SIZE - 8]
-
-
-def platform_folder(fmi: int) -> str:
-    """The folder of binaries for this machine."""
-    processor = {"amd64": "x86_64", "arm64": "aarch64"}.get(platform.machine().lower(), platform.machine().lower())
-    if fmi == 3:
-        return f"{processor}-{ {'linux': 'linux', 'darwin': 'darwin', 'win32': 'windows'}[sys.platform] }"
-    return {"linux": "linux", "darwin": "darwin", "win32": "win"}[sys.platform] + "64"
 
 
 def compile_binary(sources: Mapping[str, str], flags: Sequence[str]) -> tuple[str, bytes]:

@@ -18,6 +18,7 @@ from vvdp.generator.unit import Unit
 from vvdp.generator.verify import verify
 from vvdp.simulation import loop
 from vvdp.simulation.dialect import model_options
+from vvdp.simulation.exchange import refuse_partners
 from vvdp.simulation.flat import store
 from vvdp.simulation.layout import blocks, vectors
 from vvdp.simulation.model import Case, Model
@@ -51,8 +52,9 @@ def machine_module(model: Model, case: Case) -> Module:
     """The verified tree of a system with its loop; its entries are `run`, the loop, and `outputs`.
 
     Lengths of arrays and places of signals are those of `case`. Raises LanguageError where a function uses what the
-    language does not have.
+    language does not have, RunError where a program exchanges values with a model outside.
     """
+    refuse_partners(model.partners, "exported code")
     known, unit = _functions(model, case), Unit(model_options())
     functions: list[Kind] = [Known(known[name]) for name in FUNCTIONS]
     unit.add(loop.run, [*functions, *loop.RUN[len(FUNCTIONS) :]], "run")

@@ -266,7 +266,9 @@ class Places:
         elif program := net.programs.get(name):
             recorded = {key: f"outputs.{name}_{key}" for key in names(program.type.command)}
             kinds = field_kinds(type(program.type.command))
-            found = {key: Quantity(f"u.{name}.{key}", kinds[key] or NUMBER, "", text) for key, text in recorded.items()}
+            now = {key: f"u.{name}.{key}" for key in recorded}
+            now |= {key: f"({now[key]} + {now[key]}_rate * (t - u.{name}.time))" for key in program.type.ramps}
+            found = {key: Quantity(now[key], kinds[key] or NUMBER, "", text) for key, text in recorded.items()}
         if what in found:
             return found[what]
         if found and not what:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from vvdp.base.params import Params
+from vvdp.simulation.exchange import Partner
 from vvdp.simulation.model import no_memory
 
 
@@ -18,6 +19,8 @@ class ProgramType:
     settings class of its values
     start    start(settings) -> memory
     level    level(reading, settings) -> float: called where its floor changes instead of at samples
+    partner  what its step exchanges values with outside of compiled code
+    ramps    fields NAME of its command that go on between samples, from its field `time` on at its field `NAME_rate`
     report   report(network, name, sample period [s]) -> what it adds to the results, as `programs.report.ProgramReport`
     """
 
@@ -28,6 +31,8 @@ class ProgramType:
     start: Callable[..., Any] = no_memory
     level: Callable[..., Any] | None = None
     report: Callable[[Any, str, float], Any] | None = None
+    partner: Partner | None = None
+    ramps: frozenset[str] = frozenset()
 
     @property
     def defaults(self) -> Mapping[str, float]:

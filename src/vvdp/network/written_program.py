@@ -108,6 +108,7 @@ class WrittenProgram:
             period=self.part.period,
             phase=self.part.phase,
             latency=self.part.latency,
+            partner=kind.partner,
         )
 
 

@@ -183,4 +183,5 @@ def _sections(run: RecordedRun, bench: RotaryBench | None, course: list[Chart], 
 
 def remarks(run: RecordedRun) -> tuple[str, ...]:
     """What the simulation itself remarked."""
-    return tuple(map(str, run.meta.get("remarks", ())))
+    failed = [run.meta["failed"]] if "failed" in run.meta else []
+    return tuple(map(str, [*run.meta.get("remarks", ()), *failed]))

@@ -19,11 +19,12 @@ from vvdp.generator.calls import Entry
 from vvdp.generator.kinds import External, Known
 from vvdp.generator.source import LanguageError
 from vvdp.simulation.cache import is_kept, keep, one_at_a_time, quiet, read_kept
+from vvdp.simulation.exchange import outside_symbols
 from vvdp.simulation.parts import Part
 from vvdp.simulation.reach import Functions, reachable, words
 from vvdp.simulation.values import names
 
-WRITERS = ("assembly", "dialect", "flat", "in_place", "lane_math", "lane_values", "lane_vectors", "queue")
+WRITERS = ("assembly", "dialect", "exchange", "flat", "in_place", "lane_math", "lane_values", "lane_vectors", "queue")
 BASE = ("powers", "select", "signal")
 """Modules by which, or with which, code is made, whatever the model; the generator itself is one more."""
 SECONDS_EACH, SECONDS_PER_BYTE = 0.02, 4e-5
@@ -162,7 +163,7 @@ class Assembly:
 
         reasons, _, code = code.partition(b"\n")
         called = dict(symbols or {})
-        addresses = {name: int(entry) for name, entry in called.items()}
+        addresses = outside_symbols() | {name: int(entry) for name, entry in called.items()}
         loaded = binding.load_code(code, [part.name for part in self.parts], addresses)
         found = {}
         add_reasons(self._base, json.loads(reasons))

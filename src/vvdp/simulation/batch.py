@@ -13,6 +13,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError, RunError
 from vvdp.simulation import places
 from vvdp.simulation.crew import Crew, all_cores, never
+from vvdp.simulation.exchange import release_all, troubles
 from vvdp.simulation.lanes import SideBySide, run_lanes, side_by_side
 from vvdp.simulation.layout import as_memory, case_form
 from vvdp.simulation.layout import case_shape as case_shape
@@ -128,6 +129,8 @@ def simulate_batch(
     code: SideBySide | str = "lanes were not asked for"
     if lanes and stepping.method is Method.STIFF:
         code = "the stiff method carries each case alone"
+    elif lanes and model.partners:
+        code = "a program exchanges values with a model outside"
     elif lanes:
         code = side_by_side(model, cases[0], ready.linked.digest, cache, say)
     rows = int(np.clip(_places(ready, len(cases)), 16, MOST_ROWS))
@@ -142,10 +145,14 @@ def simulate_batch(
                 whole[some] = piece
     clocks = part.clocks
     low, high = start_bounds(cases[0].state)
-    ended = (part.status == places.DONE) & ((low <= part.start) & (part.start <= high)).all(axis=1)
+    ended = (
+        (part.status == places.DONE) & (part.troubles == "") & ((low <= part.start) & (part.start <= high)).all(axis=1)
+    )
     reasons = tuple(
-        None if well else _reason(case, clock, state, status)
-        for well, case, clock, state, status in zip(ended, cases, clocks, part.final, part.status, strict=True)
+        None if well else trouble or _reason(case, clock, state, status)
+        for well, trouble, case, clock, state, status in zip(
+            ended, part.troubles, cases, clocks, part.final, part.status, strict=True
+        )
     )
     return BatchRun(
         model=model,
@@ -226,6 +233,7 @@ class _Carried(NamedTuple):
     mark_states: Array
     span_states: Array
     lanes: npt.NDArray[np.bool_]
+    troubles: npt.NDArray[np.object_]
 
 
 def _carry_out(
@@ -274,7 +282,16 @@ def _carry_out(
         mark_states=mark_states,
         span_states=span_states,
         lanes=beside,
+        troubles=np.array([_end_partners(ready, *each) for each in zip(cases, begun.memory, strict=True)], object),
     )
+
+
+def _end_partners(ready: Prepared, case: Case, row: Array) -> str:
+    """Ends what a case has exchanged values with; why that failed, empty if it did not."""
+    memory = as_memory(case, row) if ready.partners else {}
+    trouble = troubles(ready.partners, memory)
+    release_all(ready.partners, memory)
+    return trouble
 
 
 def _run_alone(

@@ -17,6 +17,7 @@ from vvdp.generator.operations import choose, combine, truth
 from vvdp.generator.unit import Options
 from vvdp.generator.values import is_array, parts
 from vvdp.simulation import lane_vectors
+from vvdp.simulation.exchange import EXCHANGE, exchange
 from vvdp.simulation.flat import corner, moving, record_stop, record_value, store, view
 from vvdp.simulation.queue import TAKE, take
 from vvdp.simulation.reach import compiled_form
@@ -63,6 +64,7 @@ def model_options(plain: Mapping[str, Callable[..., float]] | None = None, *, ch
             power: Intrinsic("vvdp_power", (FLOAT, FLOAT), texts["power"], known["power"]),
             expm1: Intrinsic("vvdp_expm1", (FLOAT,), texts["expm1"], known["expm1"]),
             take: TAKE,
+            exchange: EXCHANGE,
             lane_vectors.call: lane_vectors.CALL,
         },
         words={

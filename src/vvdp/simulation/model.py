@@ -8,6 +8,7 @@ import numpy as np
 
 from vvdp.base.conservation import NOTHING
 from vvdp.base.params import field_types
+from vvdp.simulation.exchange import Partner
 from vvdp.simulation.values import blank, names, same
 
 
@@ -37,7 +38,7 @@ class Program:
 
     It is called at `phase`, and then every `period` [s] (None: the run's sample period); with a trigger instead at
     each event, where a step of the run ends exactly. Its command acts `latency` [s] later, at most one period.
-    `command` is what holds before the first one acts.
+    `command` is what holds before the first one acts. A step that calls `simulation.exchange` names its `partner`.
     """
 
     measure: Callable[..., Any]
@@ -48,6 +49,7 @@ class Program:
     period: float | None = None
     phase: float = 0.0
     latency: float = 0.0
+    partner: Partner | None = None
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,11 @@ class Model:
     programs: Mapping[str, Program] = field(default_factory=dict)
     mark: Callable[..., Any] = no_mark
     stop: Callable[..., Any] = no_stop
+
+    @property
+    def partners(self) -> Mapping[str, Partner]:
+        """What programs exchange with outside of compiled code, by the names of the programs."""
+        return {name: program.partner for name, program in self.programs.items() if program.partner is not None}
 
 
 @dataclass(frozen=True, eq=False)

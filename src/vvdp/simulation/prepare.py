@@ -1,6 +1,6 @@
 """What a run needs before its first step: a checked and linked case as flat vectors, and the compiled loop."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -13,6 +13,7 @@ from vvdp.base.kinds import KINK, PRESSURE_LEVEL
 from vvdp.numerics.sparse import Pattern, pattern
 from vvdp.simulation import places
 from vvdp.simulation.check import check_model, check_times
+from vvdp.simulation.exchange import Partner
 from vvdp.simulation.layout import Vectors, command_parts, vectors
 from vvdp.simulation.link import Linked, link, quiet
 from vvdp.simulation.model import Case, Model
@@ -46,6 +47,7 @@ class Prepared(Tables):
     """A case with the compiled functions."""
 
     linked: Linked
+    partners: Mapping[str, Partner]
 
 
 def prepare(
@@ -64,7 +66,7 @@ def prepare(
     check_model(model, case)
     check_times(model, stepping.sample_period)
     linked = link(model, case, cache, say, checked=checked)
-    return Prepared(linked=linked, **vars(tables(model, case, stepping, linked.digest)))
+    return Prepared(linked=linked, partners=model.partners, **vars(tables(model, case, stepping, linked.digest)))
 
 
 def tables(model: Model, case: Case, stepping: Stepping, digest: str | None = None) -> Tables:

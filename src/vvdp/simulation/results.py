@@ -59,7 +59,8 @@ def origin(run: Run) -> dict[str, Any]:
         "finished": run.finished,
         "seconds": run.seconds,
     }
-    return found | ({"remarks": list(run.remarks)} if run.remarks else {})
+    further = {"remarks": list(run.remarks), "failed": run.failed}
+    return found | {word: value for word, value in further.items() if value}
 
 
 def write_results(folder: Path, results: Results) -> None:

@@ -14,6 +14,7 @@ from vvdp.base.display import long_time
 from vvdp.base.errors import RunError
 from vvdp.generator.library import Failure
 from vvdp.simulation import places
+from vvdp.simulation.exchange import refuse_begun, release_all, troubles
 from vvdp.simulation.layout import as_memory, memory_parts
 from vvdp.simulation.limiting import LimitingState, state_words
 from vvdp.simulation.link import quiet
@@ -82,6 +83,7 @@ class Run:
     finished: bool
     remarks: tuple[str, ...]
     reached: Reached
+    failed: str = ""  # why something outside ended the run, as a foreign FMU
 
     @property
     def state(self) -> Any:
@@ -194,13 +196,20 @@ def simulate(
     ready = prepare(model, case, stepping, cache, say, checked=checked)
     loop = compiled_loop(say, cache, checked=checked)
     before = carried_on(continue_from, ready, stepping) if continue_from else start_run(ready, stepping)
-    reached, rows, began, finished = before.copy(), _Rows(before, stepping), time.perf_counter(), True
+    refuse_begun(model.partners, as_memory(case, before.memory))
+    reached, rows, began, finished, trouble = before.copy(), _Rows(before, stepping), time.perf_counter(), True, ""
     if continue_from is not None:
         rows.low, rows.high = continue_from.low.copy(), continue_from.high.copy()
     try:
         finished = _carry(loop, ready, stepping, reached, rows, case, _Watcher(progress, stop, portion, say))
     except KeyboardInterrupt:
         finished = False
+    finally:
+        memory = as_memory(case, reached.memory)
+        trouble = troubles(model.partners, memory)
+        release_all(model.partners, memory)
+    if trouble and reached.clock[places.TIME] <= stepping.begin:
+        raise RunError(trouble)
     counts = _counts(before, reached)
     stored, marks, spans = (int(reached.clock[place]) for place in (places.RECORDS, places.STORED, places.SPANS))
     end = float(reached.clock[places.TIME])
@@ -227,6 +236,7 @@ def simulate(
         digest=ready.linked.digest,
         finished=finished,
         remarks=remarks(reached.clock),
+        failed=trouble,
         reached=reached,
         **counts,
     )
@@ -274,6 +284,8 @@ def _carry(
             )
         except Failure as problem:
             raise RunError(f"the run ended at t = {clock[places.TIME]:.6g} s: {problem}") from None
+        if ready.partners and troubles(ready.partners, as_memory(case, reached.memory)):
+            return False
         if status == places.MARKS_FULL:
             if rows.mark_times.size > MOST_MARKS:
                 until = f"until t = {clock[places.TIME]:.6g} s"

@@ -18,6 +18,9 @@ from vvdp.network.network import Network
 from vvdp.network.nodes import Source
 from vvdp.network.paths import Places
 from vvdp.network.program import ProgramType
+from vvdp.programs.foreign.program import foreign_program
+from vvdp.programs.foreign.table import KEYS as FMU_KEYS
+from vvdp.programs.foreign.table import FieldError
 from vvdp.programs.generic import GenericProgram
 from vvdp.programs.library import PROGRAMS
 from vvdp.programs.quantities import INPUT, LARGEST, PLAIN, SECOND, written_quantity
@@ -74,12 +77,14 @@ class ProgramDrawer(ABC):
     def _written_part(self, name: str, part: Mapping[str, Any]) -> "WrittenPart | None":
         """A program as it stands in the file, with its inputs by name; None where its type or keys are wrong."""
         path, types, word = f"programs.{name}", dict(PROGRAMS), part.get("type")
-        if isinstance(word, str) and ":" in word:
-            try:
+        try:
+            if "fmu" in part:
+                types, part = _foreign_type(name, part, self.folder)
+            elif isinstance(word, str) and ":" in word:
                 types[word] = own_program(word, self.content, self.folder)
-            except ParameterError as problem:
-                self._fault(f"{path}.type", str(problem))
-                return None
+        except ParameterError as problem:
+            self._fault(f"{path}.{getattr(problem, 'key', 'type')}", str(problem))
+            return None
         kind = self._type(path, part, types)
         if kind is None:
             return None
@@ -209,6 +214,15 @@ def read_inputs(
             message = 'missing; expected what it reads, such as "inlet.pressure"'
             faults.append(fault_at(origin, f"{part.path}.{name}", message))
     return found
+
+
+def _foreign_type(name: str, part: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The type of program that an FMU is, by a word, and the keys of the program with this type. Raises FieldError."""
+    file = part["fmu"]
+    if not isinstance(file, str) or "type" in part:
+        raise FieldError("fmu", f'{file!r}; expected the path of an FMU in quotes ("arm.fmu"), and no type')
+    kind = foreign_program(name, (folder / file).resolve(), part)
+    return {"fmu": kind}, {"type": "fmu", **{key: value for key, value in part.items() if key not in FMU_KEYS}}
 
 
 def _own_type(kind: ProgramType | GenericProgram) -> ProgramType:

@@ -1,11 +1,12 @@
 """Programs of a user's own in a file that draws its circuit: `type = "my_module:HOLD"`."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.tables import nearest
+from vvdp.base.tables import Table, nearest
 from vvdp.network.program import ProgramType
 from vvdp.programs.generic import GenericProgram
 from vvdp.systems.circuits import load_module
@@ -17,12 +18,34 @@ def own_code(content: Mapping[str, Any]) -> Any:
     return content["circuit"] if "circuit" in content else next(_own_types(content), None)
 
 
+def named_code(content: Mapping[str, Any]) -> dict[str, str]:
+    """All code that a run of a file executes, by what the file calls it: what kind of code it is."""
+    own, programs = own_code(content), content.get("programs")
+    parts = programs.values() if isinstance(programs, Mapping) else ()
+    files = [part.get("fmu") for part in parts if isinstance(part, Mapping)]
+    found = {own: "Python code"} if isinstance(own, str) else {}
+    return found | {str(Path(file)): "an FMU with machine code" for file in files if isinstance(file, str)}
+
+
 def _own_types(content: Mapping[str, Any]) -> Iterator[str]:
     programs = content.get("programs")
     for part in programs.values() if isinstance(programs, Mapping) else ():
         word = part.get("type") if isinstance(part, Mapping) else None
         if isinstance(word, str) and ":" in word:
             yield word
+
+
+def absolute_fmus(table: Table, folder: Path) -> Table:
+    """The table in which the path of each FMU leads there from any place; paths of a file begin in its `folder`."""
+    programs = table.content.get("programs")
+    if not isinstance(programs, Mapping):
+        return table
+    foreign = {
+        name: {**part, "fmu": str((folder / part["fmu"]).absolute())}
+        for name, part in programs.items()
+        if isinstance(part, Mapping) and isinstance(part.get("fmu"), str)
+    }
+    return replace(table, content={**table.content, "programs": {**programs, **foreign}}) if foreign else table
 
 
 def own_program(word: str, content: Mapping[str, Any], folder: Path) -> ProgramType | GenericProgram:

@@ -50,7 +50,7 @@ from vvdp.systems.fault_tables import FAULTS, FaultReader
 from vvdp.systems.faults import NamedFault, OtherValue, change_entries, change_tables, faulty_network
 from vvdp.systems.options import duration_of, lasting, option_keys, without_other_position
 from vvdp.systems.own_modules import OwnModule, folder_of_saved, own_module
-from vvdp.systems.own_programs import own_code
+from vvdp.systems.own_programs import absolute_fmus, own_code
 from vvdp.systems.program_reports import reported_programs
 from vvdp.systems.spool_travel import rotary_valves
 from vvdp.valve.rotary import RotaryValve
@@ -279,7 +279,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     """
     faults: list[Fault] = []
     expansion = expand(table, folder)
-    table = expansion.table
+    table = absolute_fmus(expansion.table, folder)
     content = dict(table.content)
     run, method = _run_table(content.pop("run", None), table, faults)
     function = _function(table, folder, faults)

@@ -13,6 +13,7 @@ from vvdp.generator.kinds import INT, Address, Known, registers_of
 from vvdp.generator.llvm_text import TYPES, result_type
 from vvdp.simulation import loop
 from vvdp.simulation.assembly import Assembly
+from vvdp.simulation.exchange import refuse_partners
 from vvdp.simulation.link import ModelAssemblies
 from vvdp.simulation.loops import plain_part
 from vvdp.simulation.model import Case, Model
@@ -36,6 +37,7 @@ def web_module(model: Model, case: Case) -> WebModule:
     `vvdp_stored` what `link` and `parts` have by these names.
     Raises MissingExtraError without the extra `web`, RunError where a function cannot be compiled.
     """
+    refuse_partners(model.partners, "a page")
     found = ModelAssemblies(model, case)
     shown = _assembly_of_outputs(model, case)
     objects, reasons = [_loop_object()], dict[int, str]()

@@ -1,16 +1,17 @@
 """Which systems the page may open: the shipped ones, and the system files of one folder."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from vvdp.base.errors import ConfigError, Fault, unusable
 from vvdp.base.files import write_whole
 from vvdp.base.tables import LARGEST_FILE, Table, parsed_table, with_settings
 from vvdp.logs.source import FORMATS
 from vvdp.systems.circuits import circuit_names
+from vvdp.systems.expansion import expand
 from vvdp.systems.options import lasting, without_other_position
-from vvdp.systems.own_programs import own_code
+from vvdp.systems.own_programs import named_code
 from vvdp.systems.system import System, built_system, named_systems
 
 MOST_FILES = 200
@@ -32,12 +33,12 @@ class Asked:
 class Offer:
     """The shipped systems and the files of `folder`; `first` is what the page shows when it opens.
 
-    Of circuits in Python only `trusted` is run, the one that the command line names.
+    Of Python and FMUs only `trusted` is run, what the file on the command line names.
     """
 
     folder: Path
     first: str
-    trusted: str = ""
+    trusted: frozenset[str] = frozenset()
 
     def names(self) -> dict[str, str]:
         """Name and title of each system: the files of the folder, then the shipped ones."""
@@ -100,11 +101,11 @@ class Offer:
 
     def _refuse_foreign_code(self, table: Table) -> None:
         """A page may draw circuits; Python is run only if the command line has named the file that names it."""
-        code: Any = own_code(table.content)
-        if isinstance(code, str) and code not in (*circuit_names(), self.trusted):
-            key = "circuit" if "circuit" in table.content else "programs"
-            message = f"{code!r} is Python code; name the file on the command line to run it: vvdp workbench FILE"
-            raise ConfigError([Fault(table.place, table.lines.get(key, 0), key, message)])
+        for code, kind in named_code(expand(table, self.folder).table.content).items():
+            if code not in (*circuit_names(), *self.trusted):
+                key = "circuit" if "circuit" in table.content else "programs"
+                message = f"{code!r} is {kind}; name the file on the command line to run it: vvdp workbench FILE"
+                raise ConfigError([Fault(table.place, table.lines.get(key, 0), key, message)])
 
 
 def offer_at(path: Path) -> Offer:
@@ -116,8 +117,10 @@ def offer_at(path: Path) -> Offer:
     if path.suffix != SUFFIX or not path.is_file():
         raise unusable(path, "is no system file (TOML), result directory or folder")
     offer = Offer(path.resolve().parent, path.resolve().name)
-    code = own_code(parsed_table(offer.text(offer.first), path.name).content)
-    return Offer(offer.folder, offer.first, code if isinstance(code, str) else "")
+    table = parsed_table(offer.text(offer.first), path.name)
+    with suppress(ConfigError):  # the page shows what is wrong
+        table = expand(table, offer.folder).table
+    return Offer(offer.folder, offer.first, frozenset(named_code(table.content)))
 
 
 def _is_plain(path: Path, most: int = LARGEST_FILE) -> bool:
