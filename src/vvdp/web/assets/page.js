@@ -166,8 +166,10 @@ const vvdp = (() => {
         return [before, { ...line, x: at(scaled("time_s", own.x)), y: at(scaled(own.key, own.y)) }];
       }) })) };
       if (series) described.panels = described.panels.map((panel) => ({ ...panel, levels: [] }));
-      live.node.remove();
-      page.live.set(name, Object.assign(new LiveChart(described, live.figure, (i) => (i < 0 ? columns[-1 - i] : page.column(i))), { first: live.first }));
+      const column = (i) => (i < 0 ? columns[-1 - i] : page.column(i));
+      if (live.fits(described)) { live.update(described, column); continue; }
+      live.close();
+      page.live.set(name, Object.assign(new LiveChart(described, live.figure, column), { first: live.first }));
     }
   }
 

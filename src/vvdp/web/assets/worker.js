@@ -41,7 +41,7 @@ function vvdpWorker(model, { moduleOf, isFused } = vvdpModules(model)) {
     return s.average_from === null ? {} : { average_from: (s.average_from / model.stepping.until) * until };
   }
 
-  let running = 0;
+  let running = 0, last = Promise.resolve();
   /* Lets messages in; a timer would take 4 ms each time. */
   const breath = () => new Promise((resolve) => {
     const { port1, port2 } = new MessageChannel();
@@ -68,7 +68,11 @@ function vvdpWorker(model, { moduleOf, isFused } = vvdpModules(model)) {
   }
 
   return {
-    run: (wanted, reach) => { const mine = ++running; return run(wanted, reach, () => mine !== running || mine === stopped); },
+    run: (wanted, reach) => {
+      const mine = ++running, found = last.then(() => run(wanted, reach, () => mine !== running || mine === stopped));
+      last = found.catch(() => {});
+      return found;
+    },
     stop: () => { stopped = running; },
     moduleOf, isFused,
   };
