@@ -15,7 +15,7 @@ from vvdp.simulation.run import simulate
 from vvdp.systems.system import System, load_system
 from vvdp.web.page import web_page
 
-SYSTEMS, PLAIN = ("prototype", "displacement-control", "accumulator-charging"), "prototype"
+SYSTEMS, PLAIN = ("prototype", "cylinder-stops", "accumulator-charging"), "prototype"
 QUICK_TARGET, EXACT_TARGET, DRAG_TARGET, OPEN_TARGET, MEMORY_TARGET = 2.5, 8.0, 0.15, 1.0, 150e6
 LEVELS = {"exact": EXACT_TARGET, "quick": QUICK_TARGET}
 DRAG = """
@@ -104,7 +104,7 @@ def dragging(name: str, html: str, count: int, drags: int) -> None:
 
 
 def main(short: bool) -> None:
-    """Exact by the browser's instruction and in software, quick, each beside the command line; then what a reader waits for."""
+    """Levels beside the command line, exact also in software; then what a reader waits for."""
     rounds, count, drags = (1, 3, 50) if short else (ROUNDS, 25, 1000)
     for name in SYSTEMS[2:] if short else SYSTEMS:
         system = load_system(name, (), "0.1 s" if short else "0.5 s")

@@ -12,6 +12,8 @@ from pathlib import Path
 DOCS = Path(__file__).parents[1]
 FOLDER, ONLY = "live", "VVDP_LIVE_PAGES"
 """Where the pages lie below the site; names of those that are made where not all are wanted."""
+LEFT_OUT = {"displacement-control", "displacement-control-gerotor"}
+"""Systems whose runs are so long that their pages would exceed 1 MB."""
 PLACE = re.compile(
     r"!\[Circuit of (?P<shown>[\w-]+)\]\(images/systems/(?P=shown)\.svg\)|<!-- live: (?P<named>[\w.-]+) -->"
 )
@@ -33,7 +35,8 @@ def names() -> list[str]:
 
 def _named(markdown: str) -> Iterator[str]:
     for place in PLACE.finditer(markdown):
-        yield place["shown"] or place["named"]
+        if place["shown"] not in LEFT_OUT:
+            yield place["shown"] or place["named"]
 
 
 def with_frames(markdown: str, path: str) -> str:
@@ -42,6 +45,8 @@ def with_frames(markdown: str, path: str) -> str:
 
     def frame(place: re.Match[str]) -> str:
         name = place["shown"] or place["named"]
+        if place["shown"] in LEFT_OUT:
+            return place[0]
         return FRAME.format(before=place[0] if place["shown"] else "", up=up, folder=FOLDER, name=name)
 
     return PLACE.sub(frame, markdown)

@@ -61,7 +61,7 @@ class WebPage:
 
 
 def web_page(system: System, command: str = "", say: Callable[[str], None] = quiet) -> WebPage:
-    """The page of a system, which is run once for what it shows first; it has no quick level if it were too large with it.
+    """The page of a system, which is run once for what it shows first. It has no quick level if that made it too large.
 
     command  the line that runs the system as it is, to which the page adds what is set there
     Raises MissingExtraError without the extra `web`, RunError where the run fails or the page becomes too large.
