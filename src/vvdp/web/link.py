@@ -80,12 +80,12 @@ def _library(way: Way) -> tuple[bytes, ...]:
         flags = [*TARGET, f"-mcpu={way.machine[-1]}", "-nostdlib", "-fno-builtin", "-O2", "-ffp-contract=off", "-w"]
         flags += [*way.defined, "-I.", f"-I{musl / 'math'}", f"-I{musl}"]
 
-        def compiled(name: str) -> bytes:
+        def object_of(name: str) -> bytes:
             run_zig(folder, ["cc", *flags, "-c", sources[name], "-o", f"{name}.o"])
             return (folder / f"{name}.o").read_bytes()
 
         with ThreadPoolExecutor() as threads:
-            return tuple(threads.map(compiled, sources))
+            return tuple(threads.map(object_of, sources))
 
 
 def source(name: str) -> bytes:

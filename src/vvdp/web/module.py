@@ -96,14 +96,14 @@ def _loop_text(fused: bool) -> str:
 def _object(text: str, way: Way) -> bytes:
     """The object of a text; ways have the same one where nothing is multiplied and added with one rounding."""
     if not way.text or FMA not in text:
-        return _compiled(text, SOFTWARE.llvm_features)
+        return _object_of(text, SOFTWARE.llvm_features)
     lines = [line for line in text.split("\n") if not (line.startswith("declare ") and FMA in line)]
     text = "\n".join([*lines, way.text]).replace(f'"{FMA}"', FMA).replace(f"@{FMA}", "@vvdp_fma")
-    return _compiled(text, way.llvm_features)
+    return _object_of(text, way.llvm_features)
 
 
 @lru_cache(maxsize=64)
-def _compiled(text: str, features: str) -> bytes:
+def _object_of(text: str, features: str) -> bytes:
     return binding.compile_foreign(text, TRIPLE, features)
 
 

@@ -118,7 +118,7 @@ def run_model(system: System, modules: WebModules, values: Sequence[Changeable])
     conditions = held_part(system.case)
     return {
         **call(system, prepare(system.model, system.case, system.stepping)),
-        "modules": {name: _packed(code) for name, code in modules.codes.items()},
+        "modules": {name: _module_text(code) for name, code in modules.codes.items()},
         "reasons": {str(number): words for number, words in modules.reasons.items()},
         "pages": PAGES,
         "name": system.name,
@@ -128,7 +128,7 @@ def run_model(system: System, modules: WebModules, values: Sequence[Changeable])
     }
 
 
-def _packed(code: bytes) -> str:
+def _module_text(code: bytes) -> str:
     return base64.b64encode(gzip.compress(code, mtime=0)).decode()
 
 
