@@ -60,7 +60,7 @@ def against_native(system: System, html: str, name: str, rounds: int) -> None:
         for level in LEVELS:
             for _ in range(4):
                 seconds(browser, level)
-        times: dict[str, list[float]] = {level: [] for level in LEVELS} | {"native": []}
+        times: dict[str, list[float]] = {name: [] for name in (*LEVELS, "native")}
         for _ in range(rounds):
             times["native"] += interleaved(variants, 1, time.perf_counter)["native"]
             for level in LEVELS:
