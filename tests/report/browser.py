@@ -43,7 +43,8 @@ class Browser:
         """The answer to a command of the browser's protocol."""
         answer = self._answer(method, values)
         assert "error" not in answer, answer
-        return answer["result"]
+        result: Mapping[str, Any] = answer["result"]
+        return result
 
     def _answer(self, method: str, values: Mapping[str, Any]) -> Mapping[str, Any]:
         self._count += 1
@@ -122,7 +123,8 @@ class Browser:
             assert ready, "the browser does not answer"
             self._rest += os.read(self._from, 1 << 16)
         message, self._rest = self._rest.split(b"\0", 1)
-        return json.loads(message)
+        event: Mapping[str, Any] = json.loads(message)
+        return event
 
 
 @contextlib.contextmanager
