@@ -15,8 +15,8 @@ from benchmarks.run import BEGIN, END, NAMES, README, written
 from benchmarks import peers, reference
 
 ROOT = Path(__file__).parents[2]
-NEEDED = {"against_c": "gcc"}
-MODULES = {"estimators": ("filterpy",), "logs": ("h5py", "pyarrow")}
+NEEDED = {"against_c": "gcc", "pages": "chromium"}
+MODULES = {"estimators": ("filterpy",), "logs": ("h5py", "pyarrow"), "pages": ("ziglang",)}
 
 
 @pytest.mark.thorough

@@ -28,8 +28,8 @@ PATIENCE = 60.0
 class Browser:
     """One page, driven over the pipe that browsers offer to their developers' tools."""
 
-    def __init__(self, to_browser: int, from_browser: int) -> None:
-        self._to, self._from = to_browser, from_browser
+    def __init__(self, to_browser: int, from_browser: int, profile: Path) -> None:
+        self._to, self._from, self.profile = to_browser, from_browser, str(profile)
         self._rest = b""
         self._count = 0
         self._session: str | None = None
@@ -43,7 +43,8 @@ class Browser:
         """The answer to a command of the browser's protocol."""
         answer = self._answer(method, values)
         assert "error" not in answer, answer
-        return answer["result"]
+        result: Mapping[str, Any] = answer["result"]
+        return result
 
     def _answer(self, method: str, values: Mapping[str, Any]) -> Mapping[str, Any]:
         self._count += 1
@@ -122,7 +123,8 @@ class Browser:
             assert ready, "the browser does not answer"
             self._rest += os.read(self._from, 1 << 16)
         message, self._rest = self._rest.split(b"\0", 1)
-        return json.loads(message)
+        event: Mapping[str, Any] = json.loads(message)
+        return event
 
 
 @contextlib.contextmanager
@@ -141,7 +143,7 @@ def running(program: str, profile: Path) -> Iterator[Browser]:
     os.close(its_input)
     os.close(its_output)
     try:
-        yield Browser(to_browser, from_browser)
+        yield Browser(to_browser, from_browser, profile)
     finally:
         process.terminate()
         process.wait(timeout=30)

@@ -100,6 +100,7 @@ function redrawCharts() { if (state.figures) showCharts(state.figures.charts, st
 function showChart(described, column) {
   const found = live.get(described.name);
   if (found?.chart.fits(described)) { found.chart.update(described, column); return; }
+  found?.chart.close();
   found?.figure.remove();
   const figure = element("figure");
   const height = 150 + 130 * described.panels.length;
