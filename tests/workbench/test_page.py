@@ -145,6 +145,28 @@ def test_a_measured_channel_lies_over_the_scope_of_its_unit(page):
     assert [len(each) for each in page.ask(lines)] == [2, 4, 2]
 
 
+def test_a_series_is_added_by_name_to_a_scope_of_its_own(page):
+    lines = "live.get('series')?.chart.plots.map((plot) => plot.content.lines.map((line) => line.label))"
+    for name in ("inlet_pressure", "pump_flow"):
+        page.ask("document.getElementById('series').focus()")
+        page.call("Input.insertText", text=name)
+        page.press("Enter")
+        wait_for(page, f"live.has('series') && {lines}.flat().length === added.names.length")
+    assert page.ask(lines) == [["inlet"], ["pump"]]
+    slider = f"{DUTY}.closest('.value').querySelector('[type=range]')"
+    enter(page, slider, 0.4, "input")
+    wait_for(page, "document.body.classList.contains('is-draft')")
+    enter(page, slider, 0.4, "change")
+    wait_for(page, f"{COMPLETE} && state.runs.length === 2")
+    page.ask("document.querySelector('#runs input').click()")
+    assert page.ask(lines) == [["inlet", "inlet (run 1)"], ["pump", "pump (run 1)"]]
+    enter(page, "document.getElementById('series')", "nonsense", "change")
+    assert "no series of this run" in page.ask("document.getElementById('series-fault').textContent")
+    for _ in range(2):
+        page.ask("document.querySelector('#series-added button').click()")
+    wait_for(page, "!live.has('series')")
+
+
 def test_many_changes_leave_nothing_waiting(page):
     """200 changes in 3 s: fewer drafts than changes, and the last figure is that of the last value."""
     slider = f"{DUTY}.closest('.value').querySelector('[type=range]')"

@@ -229,6 +229,32 @@ def test_a_draft_has_only_what_is_on_view(server):
         assert {"times", "nodes", "flows", "openings"} <= described(packet)["course"].keys()
 
 
+def test_series_are_added_by_name(server):
+    """Absolute and gauge pressures are two quantities; of a whole run the scope comes without another run."""
+    asked = {"system": "prototype", "set": [], "until": "0.2 s"}
+    names = ["inlet_pressure", "load_flow", "load_pressure", "states.inlet", "nonsense"]
+    with socket_of(server) as page:
+        page.send(json.dumps({**asked, "n": 1, "kind": "whole"}))
+        *_, last = answers(page, "numbers")
+        known = dict(described(last)["series"])
+        assert known["load_flow"] == "to load" and set(names[:-1]) < set(known) and "amplitude" not in known
+        page.send(json.dumps({**asked, "n": 2, "kind": "series", "series": names}))
+        (packet,) = answers(page, "series")
+        head = described(packet)
+        (scope,) = head["charts"]
+        assert [len(panel["lines"]) for panel in scope["panels"]] == [2, 1, 1]
+        gauge, _, absolute = (panel["lines"][0] for panel in scope["panels"])
+        times, gauge, again, absolute = columns_of(packet, head, gauge["x"], gauge["y"], absolute["x"], absolute["y"])
+        assert np.array_equal(times, again) and times[-1] == 0.2
+        assert absolute - gauge == pytest.approx(np.full(times.size, 1.01325), abs=2e-5)  # 24 bits of up to 200 bar
+        page.send(json.dumps({**asked, "n": 3, "kind": "draft", "series": names, "charts": ["series"]}))
+        *_, packet = answers(page, "draft")
+        assert [chart["name"] for chart in described(packet)["charts"]] == ["series"]
+        page.send(json.dumps({**asked, "n": 4, "kind": "series", "series": ["nonsense"]}))
+        (packet,) = answers(page, "series")
+        assert "charts" not in described(packet)
+
+
 def test_compiling_says_how_long_it_takes(server):
     name = f"node{secrets.token_hex(4)}"  # a circuit that no cache knows
     text = re.sub(r"\bnode\b", name, source_text("buck-converter"))

@@ -1,12 +1,13 @@
 """Which systems the page may open: the shipped ones, and the system files of one folder."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 from vvdp.base.errors import ConfigError, Fault, unusable
 from vvdp.base.files import write_whole
-from vvdp.base.tables import LARGEST_FILE, Table, parsed_table, with_settings
+from vvdp.base.tables import LARGEST_FILE, Table, copy_tables, parsed_table, with_settings
 from vvdp.logs.source import FORMATS
 from vvdp.systems.circuits import circuit_names
 from vvdp.systems.options import lasting, without_other_position
@@ -79,7 +80,8 @@ class Offer:
         self.path(asked.system)
         text = self.text(asked.system) if asked.text is None else asked.text
         place = asked.system.removesuffix(SUFFIX)
-        table = parsed_table(text, f"{place}{SUFFIX}")
+        kept = _parsed(text, f"{place}{SUFFIX}")
+        table = replace(kept, content=copy_tables(kept.content))
         settings = list(asked.settings)
         if settings:
             table = with_settings(without_other_position(table, settings), settings)
@@ -118,6 +120,10 @@ def offer_at(path: Path) -> Offer:
     offer = Offer(path.resolve().parent, path.resolve().name)
     code = own_code(parsed_table(offer.text(offer.first), path.name).content)
     return Offer(offer.folder, offer.first, code if isinstance(code, str) else "")
+
+
+_parsed = lru_cache(maxsize=8)(parsed_table)
+"""The last texts, since values are dragged in the same one."""
 
 
 def _is_plain(path: Path, most: int = LARGEST_FILE) -> bool:

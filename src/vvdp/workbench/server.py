@@ -26,7 +26,7 @@ from vvdp.workbench.tab import LONGEST_MESSAGE, Tab, asked_by
 from vvdp.workbench.work import faults_of, text_drawing
 
 HOST = "127.0.0.1"
-OWN_SCRIPTS = ("motion.js", "schematic.js", "teach.js", "measured.js", "build.js", "workbench.js")
+OWN_SCRIPTS = ("motion.js", "schematic.js", "teach.js", "measured.js", "series.js", "build.js", "workbench.js")
 """In the order in which they are needed; the last one begins."""
 
 

@@ -3,7 +3,7 @@
 import math
 import shlex
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -13,6 +13,8 @@ from vvdp.base.kinds import Kind
 from vvdp.base.tables import Sourced
 from vvdp.base.units import in_unit
 from vvdp.report.result_page import listing_html
+from vvdp.results.chart import Chart
+from vvdp.results.result import Table
 from vvdp.runs.result import course, run_result
 from vvdp.runs.run import RecordedRun
 from vvdp.runs.simulate import json_summary, recorded_run
@@ -21,6 +23,7 @@ from vvdp.simulation.record import record_of
 from vvdp.simulation.run import Run, simulate
 from vvdp.systems.summary import run_summary
 from vvdp.systems.system import System
+from vvdp.workbench import scope
 from vvdp.workbench.offer import Asked, Offer
 from vvdp.workbench.packet import packet
 from vvdp.workbench.schematic import course_of, drawing, mean_texts
@@ -96,10 +99,11 @@ def command_line(asked: Asked) -> str:
 
 
 class View(NamedTuple):
-    """What a page shows of a draft: names of charts (None: all), and whether its diagram moves."""
+    """What a page shows: names of charts (None: all), whether its diagram moves, series that were added by name."""
 
     charts: frozenset[str] | None = None
     moves: bool = False
+    series: tuple[str, ...] = ()
 
 
 def draft(system: System, before: Run | None, view: View, number: Any, say: Callable[[str], None]) -> tuple[Run, bytes]:
@@ -119,23 +123,36 @@ def draft(system: System, before: Run | None, view: View, number: Any, say: Call
         say=say,
     )
     run = RecordedRun(system, record_of(done), run_summary(system, done), {})
-    charts, tables = course(run, view.charts)
     head = {"kind": "draft", "n": number, "rows": int(done.times.size)}
     head["means"] = mean_texts(system, run.summary, is_draft=True)
-    return done, packet(head, charts, tables, course=course_of(run) if view.moves else None)
+    return done, packet(head, *_scopes(run, view), course=course_of(run) if view.moves else None)
 
 
-def whole(
-    system: System, asked: Asked, stop: Callable[[], bool], number: Any, say: Callable[[str], None]
-) -> Iterator[bytes]:
-    """The packets of a whole run: figures and diagram at once, then its numbers, findings and warnings."""
-    done = simulate(system.model, system.case, system.stepping, stop=stop, say=say)
-    run = recorded_run(system, done)
-    charts, tables = course(run)
+def _scopes(run: RecordedRun, view: View) -> tuple[list[Chart], dict[str, Table]]:
+    """The charts of a run that are on view, with the tables that they draw."""
+    charts, tables = course(run, view.charts)
+    if not view.series or (view.charts is not None and scope.NAME not in view.charts):
+        return charts, tables
+    own, every = scope.own_scope(run, tables, view.series)
+    return [*charts, *own], every
+
+
+def whole(system: System, stop: Callable[[], bool], say: Callable[[str], None]) -> RecordedRun:
+    """The run from the start of the file to its end, or to where `stop` ends it."""
+    return recorded_run(system, simulate(system.model, system.case, system.stepping, stop=stop, say=say))
+
+
+def figures(run: RecordedRun, view: View, number: Any) -> bytes:
+    """The packet of a whole run that is shown at once: charts and diagram, with the values that they are of."""
+    system = run.system
     head = {"kind": "figures", "n": number, "svg": drawing(system), "title": system.title, "values": value_rows(system)}
-    head |= {"means": mean_texts(system, run.summary, is_draft=False), "finished": done.finished}
-    yield packet({**head, "rows": int(done.times.size)}, charts, tables, course=course_of(run))
-    yield packet({"kind": "numbers", "n": number, "line": command_line(asked), **numbers(run)})
+    head |= {"means": mean_texts(system, run.summary, is_draft=False), "finished": run.has("finished")}
+    return packet({**head, "rows": int(run.times.size)}, *_scopes(run, view), course=course_of(run))
+
+
+def added_series(run: RecordedRun, view: View, number: Any) -> bytes:
+    """The packet of the scope of series alone, of a run that was shown before."""
+    return packet({"kind": "series", "n": number}, *scope.own_scope(run, course(run)[1], view.series))
 
 
 def numbers(run: RecordedRun) -> dict[str, Any]:
@@ -148,6 +165,7 @@ def numbers(run: RecordedRun) -> dict[str, Any]:
         "badges": [[str(each.grade), each.words] for each in result.badges],
         "findings": [[str(each.grade), each.title, each.text, each.remedy] for each in result.findings],
         "finished": run.has("finished"),
+        "series": scope.listed_series(run, result.tables),
     }
 
 

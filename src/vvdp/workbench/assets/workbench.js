@@ -11,7 +11,7 @@ let counting = 0;
 function ask(kind, more = {}) {
   state.asked += 1;
   const text = state.text === state.saved ? {} : { text: state.text };
-  const view = kind === "draft" ? { charts: [...live.keys()], moves: $("teach").open } : {};
+  const view = { series: added.names, ...(kind === "draft" ? { charts: [...live.keys()], moves: $("teach").open } : {}) };
   const message = { n: state.asked, kind, system: state.system, set: [...state.changes.values()], ...view, ...text, ...more };
   clearInterval(counting);
   if (kind === "whole") say("running …");
@@ -54,6 +54,8 @@ function receive(head, column) {
   state.answered = head.n;
   if (head.kind !== "draft" && head.n !== state.asked) return;
   clearInterval(counting);
+  const charts = (head.charts ?? []).map((each) => ({ ...each, column }));
+  if (head.kind === "series") { takeSeries(charts); return; }
   showFaults(head.faults ?? []);
   if (head.faults) { document.body.classList.add("is-old"); say("not valid"); $("stop").disabled = true; return; }
   if (head.svg) showDiagram(head.svg);
@@ -62,7 +64,7 @@ function receive(head, column) {
   if (head.values) showValues(head.values);
   if (head.title) document.title = `${head.title} · vvdp workbench`;
   if (head.kind === "drawing") { document.body.classList.add("is-old"); say("drawn; not yet run"); }
-  if (head.charts) { if (head.kind === "figures") state.figures = { charts: head.charts, column }; showCharts(head.charts, column); }
+  if (head.charts) { if (head.kind === "figures") state.figures = { charts }; showCharts(charts); }
   if (head.kind === "draft") document.body.classList.add("is-draft");
   if (head.kind === "figures") { document.body.classList.remove("is-draft"); document.body.classList.add("is-old"); }
   if (head.kind === "numbers") showNumbers(head);
@@ -78,11 +80,12 @@ function showNumbers(head) {
   const page = new DOMParser().parseFromString(head.listings, "text/html");
   $("listings").replaceChildren(...[...page.body.childNodes].map((each) => document.importNode(each, true)));
   $("line").textContent = head.line;
+  showKnownSeries(head.series);
   keep(head);
 }
 
 /** Charts in place of those of the same form; only what is chosen is drawn, and a draft has no other. */
-function showCharts(charts, column) {
+function showCharts(charts) {
   const names = state.figures?.charts.map((each) => each.name) ?? charts.map((each) => each.name);
   if (state.wanted === null || !names.some((name) => state.wanted.has(name))) state.wanted = new Set(names.slice(0, 1));
   $("chosen").replaceChildren(...names.map((name) => {
@@ -91,15 +94,15 @@ function showCharts(charts, column) {
     return button;
   }));
   for (const [name, { figure }] of live) if (!state.wanted.has(name) || !names.includes(name)) { figure.remove(); live.delete(name); }
-  for (const described of charts.filter((each) => state.wanted.has(each.name))) showChart(...withOthers(described, column));
+  for (const described of charts.filter((each) => state.wanted.has(each.name))) showChart(withOthers(described));
 }
 
 /** The charts of the last whole run again: what is chosen, or lies over them, has changed. */
-function redrawCharts() { if (state.figures) showCharts(state.figures.charts, state.figures.column); }
+function redrawCharts() { if (state.figures) showCharts(state.figures.charts); }
 
-function showChart(described, column) {
+function showChart(described) {
   const found = live.get(described.name);
-  if (found?.chart.fits(described)) { found.chart.update(described, column); return; }
+  if (found?.chart.fits(described)) { found.chart.update(described, described.column); return; }
   found?.figure.remove();
   const figure = element("figure");
   const height = 150 + 130 * described.panels.length;
@@ -107,22 +110,27 @@ function showChart(described, column) {
   still.setAttribute("height", String(described.sideBySide ? 330 : height));
   figure.append(still);
   $("charts").append(figure);
-  live.set(described.name, { chart: new LiveChart(described, figure, column), figure });
+  live.set(described.name, { chart: new LiveChart(described, figure, described.column), figure });
 }
 
 /** The chart with the lines of the selected other runs, dashed, and measured ones, dotted, on the same axes. */
-function withOthers(described, column) {
+function withOthers(described) {
   const others = state.runs.filter((run) => run.on && run.figures !== state.figures);
-  if (!others.length && !measured.laid.length) return [described, column];
+  if (!others.length && !measured.laid.length) return described;
   const stride = 100000;
   const laid = [];
-  const panels = described.panels.map((panel, i) => panel.kind !== "lines" ? panel : { ...panel, lines: [...panel.lines, ...others.flatMap((run, r) => {
-    const own = run.figures.charts.find((each) => each.name === described.name)?.panels[i];
-    const moved = (place) => place === undefined ? {} : place + stride * (r + 1);
-    return (own?.lines ?? []).map((line) => ({ ...line, x: moved(line.x), y: moved(line.y), low: undefined, high: undefined, stroke: "--", label: `${line.label} (${run.name})` }));
-  }), ...laidLines(panel, stride * (others.length + 1), laid)] });
-  const sources = [column, ...others.map((run) => run.figures.column), (place) => laid[place]];
-  return [{ ...described, panels }, (place) => sources[Math.floor(place / stride)](place % stride)];
+  const sources = [described.column];
+  const ofOther = (panel, i, run) => {
+    const chart = run.figures.charts.find((each) => each.name === described.name);
+    const own = [chart?.panels[i], ...(chart?.panels ?? [])].find((each) => each?.title === panel.title && each.y?.label === panel.y.label);
+    if (!own) return [];
+    const begin = stride * (sources.push(chart.column) - 1);
+    return own.lines.map((line) => ({ ...line, x: line.x + begin, y: line.y + begin, low: undefined, high: undefined, stroke: "--", label: `${line.label} (${run.name})` }));
+  };
+  const panels = described.panels.map((panel, i) => panel.kind !== "lines" ? panel : { ...panel, lines: [...panel.lines, ...others.flatMap((run) => ofOther(panel, i, run))] });
+  const first = stride * (sources.push((place) => laid[place]) - 1);
+  const whole = panels.map((panel) => panel.kind !== "lines" ? panel : { ...panel, lines: [...panel.lines, ...laidLines(panel, first, laid)] });
+  return { ...described, panels: whole, column: (place) => sources[Math.floor(place / stride)](place % stride) };
 }
 
 function keep(head) {
@@ -302,6 +310,7 @@ async function save() {
 async function open(name) {
   const found = await post("/api/text", { system: name });
   if (found.faults) { showFaults(found.faults); return; }
+  nameSeries([]);
   Object.assign(state, { system: name, saved: found.text, saves: found.saves, changes: new Map(), past: [], wanted: null });
   for (const { figure } of live.values()) figure.remove();
   live.clear();
@@ -343,6 +352,7 @@ function listen() {
   $("text").addEventListener("input", () => { state.text = $("text").value; numberLines(); markChanged(); clearTimeout(timer); ask("draw"); });
   $("text").addEventListener("scroll", () => { $("numbers-of-lines").scrollTop = $("text").scrollTop; });
   $("filter").addEventListener("input", filterValues);
+  listenSeries();
   listenMeasured();
   listenTeach();
   listenBuild();
