@@ -245,7 +245,7 @@ def test_series_are_added_by_name(server):
         assert [len(panel["lines"]) for panel in scope["panels"]] == [2, 1, 1]
         gauge, _, absolute = (panel["lines"][0] for panel in scope["panels"])
         times, gauge, again, absolute = columns_of(packet, head, gauge["x"], gauge["y"], absolute["x"], absolute["y"])
-        assert np.array_equal(times, again) and times[-1] == 0.2
+        assert np.array_equal(times, again) and times[-1] == pytest.approx(0.2, rel=1e-12)
         assert absolute - gauge == pytest.approx(np.full(times.size, 1.01325), abs=2e-5)  # 24 bits of up to 200 bar
         page.send(json.dumps({**asked, "n": 3, "kind": "draft", "series": names, "charts": ["series"]}))
         *_, packet = answers(page, "draft")
