@@ -26,8 +26,8 @@ def test_a_live_report_repeats_the_line_of_the_run(vvdp, here):
     assert vvdp("report", "run", "--live").code == 0
     again = model(here / "run")
     assert again["command"] == "vvdp run run/system.toml"
-    assert {key: again[key] for key in ("cells", "texts", "series", "summary", "module")} == {
-        key: found[key] for key in ("cells", "texts", "series", "summary", "module")
+    assert {key: again[key] for key in ("cells", "texts", "series", "summary", "modules")} == {
+        key: found[key] for key in ("cells", "texts", "series", "summary", "modules")
     }
 
 

@@ -28,8 +28,8 @@ PATIENCE = 60.0
 class Browser:
     """One page, driven over the pipe that browsers offer to their developers' tools."""
 
-    def __init__(self, to_browser: int, from_browser: int) -> None:
-        self._to, self._from = to_browser, from_browser
+    def __init__(self, to_browser: int, from_browser: int, profile: Path) -> None:
+        self._to, self._from, self.profile = to_browser, from_browser, str(profile)
         self._rest = b""
         self._count = 0
         self._session: str | None = None
@@ -141,7 +141,7 @@ def running(program: str, profile: Path) -> Iterator[Browser]:
     os.close(its_input)
     os.close(its_output)
     try:
-        yield Browser(to_browser, from_browser)
+        yield Browser(to_browser, from_browser, profile)
     finally:
         process.terminate()
         process.wait(timeout=30)

@@ -15,25 +15,28 @@ from vvdp.simulation.run import Run
 
 
 class InNode:
-    """A model of a page in Node."""
+    """A model of a page in Node.
 
-    def __init__(self, model: Mapping[str, Any], folder: Path) -> None:
-        self.folder = folder
+    relaxed  whether Node has the instruction of the module `fused`
+    """
+
+    def __init__(self, model: Mapping[str, Any], folder: Path, *, relaxed: bool = False) -> None:
+        self.folder, self.flags = folder, ["--experimental-wasm-relaxed-simd"] if relaxed else []
         (folder / "model.json").write_text(json.dumps(model), "utf-8")
 
-    def ask(self, what: str, values: Mapping[str, Any] | None = None) -> Any:
+    def ask(self, what: str, values: Mapping[str, Any] | None = None, level: str = "exact") -> Any:
         """What the script of the tests answers."""
         scripts = str(resources.files("vvdp.web") / "assets")
-        job = json.dumps({"what": what, "values": values or {}})
-        command = [required_program("node"), str(Path(__file__).with_name("run.mjs")), scripts]
+        job = json.dumps({"what": what, "values": values or {}, "level": level})
+        command = [required_program("node"), *self.flags, str(Path(__file__).with_name("run.mjs")), scripts]
         command += [str(self.folder / "model.json"), job, str(self.folder / "rows.bin")]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
         return json.loads(done.stdout)
 
-    def rows(self, values: Mapping[str, Any] | None = None) -> dict[str, Array]:
+    def rows(self, values: Mapping[str, Any] | None = None, level: str = "exact") -> dict[str, Array]:
         """All that a run leaves in memory, by the names of the loop."""
-        told = self.ask("rows", values)
+        told = self.ask("rows", values, level)
         assert told["answer"] == 0
         content, found, at = (self.folder / "rows.bin").read_bytes(), {}, 0
         for name, size in told["bytes"].items():

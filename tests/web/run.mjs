@@ -3,15 +3,19 @@ import fs from "node:fs";
 
 const [, , scripts, modelFile, job, out] = process.argv;
 const text = ["loop.js", "numbers.js", "values.js", "worker.js"].map((name) => fs.readFileSync(`${scripts}/${name}`, "utf8")).join("\n");
-const { vvdpLoop, vvdpValues, vvdpWorker } = new Function(`${text}; return { vvdpLoop, vvdpValues, vvdpWorker };`)();
+const { vvdpLoop, vvdpModules, vvdpValues, vvdpWorker } = new Function(`${text}; return { vvdpLoop, vvdpModules, vvdpValues, vvdpWorker };`)();
 const model = JSON.parse(fs.readFileSync(modelFile, "utf8"));
-const module = new WebAssembly.Module(Buffer.from(model.module, "base64"));
-const { values, what } = JSON.parse(job);
+const { values, what, level } = JSON.parse(job), modules = vvdpModules(model), module = await modules.moduleOf(level);
 
 if (what === "imports") {
-  console.log(JSON.stringify(WebAssembly.Module.imports(module)));
+  console.log(JSON.stringify([WebAssembly.Module.imports(module), modules.isFused]));
+} else if (what === "step") {
+  const call = vvdpLoop(model).begin(module, {}), before = call.get("clock")[model.places.steps];
+  call.numbers.budget = 1;
+  while (call.get("clock")[model.places.steps] < before + values.steps) call.portion();
+  console.log(JSON.stringify([...call.get("y")]));
 } else if (what === "run") {
-  const { summary, warnings, series } = await vvdpWorker(model, module).run({ values }, () => {});
+  const { summary, warnings, series } = await vvdpWorker(model, modules).run({ values, level }, () => {});
   console.log(JSON.stringify({ summary, warnings, rows: series.time_s?.length, keys: Object.keys(series) }));
 } else {
   const loop = vvdpLoop(model), at = loop.places, { vectorsFor } = vvdpValues(model, loop), vectors = vectorsFor(values);

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from vvdp.generator import arithmetic
+from vvdp.generator import arithmetic, elementary
 from vvdp.generator.arrays import (
     element,
     elementwise,
@@ -233,19 +233,26 @@ class Written:
 
 
 FROM_LIBRARY = {
-    "exp": "exp", "expm1": "expm1", "exp2": "exp2", "log": "log", "log1p": "log1p", "log2": "log2", "log10": "log10",
-    "sin": "sin", "cos": "cos", "tan": "tan", "sinh": "sinh", "cosh": "cosh", "tanh": "tanh", "asin": "arcsin",
-    "acos": "arccos", "atan": "arctan", "atan2": "arctan2", "asinh": "arcsinh", "acosh": "arccosh", "atanh": "arctanh",
-    "hypot": "hypot", "cbrt": "cbrt", "pow": "power", "fmod": "fmod", "nextafter": "nextafter", "copysign": "copysign",
-    "sqrt": "sqrt", "fabs": "fabs", "trunc": "trunc",
+    "exp": "exp", "expm1": "expm1", "exp2": "exp2", "log": "log", "log2": "log2", "log10": "log10", "tan": "tan",
+    "sinh": "sinh", "cosh": "cosh", "tanh": "tanh", "acos": "arccos", "atan": "arctan", "atan2": "arctan2",
+    "asinh": "arcsinh", "acosh": "arccosh", "atanh": "arctanh", "hypot": "hypot", "cbrt": "cbrt", "pow": "power",
+    "fmod": "fmod", "nextafter": "nextafter", "copysign": "copysign", "sqrt": "sqrt", "fabs": "fabs", "trunc": "trunc",
 }  # fmt: skip
 """By their names in the C library, the functions of math, and their names in NumPy."""
+
+ELEMENTARY: dict[Callable[..., float], tuple[Any, Any]] = {
+    elementary.sine: (math.sin, np.sin), elementary.cosine: (math.cos, np.cos),
+    elementary.arcsine: (math.asin, np.arcsin), elementary.log_of_one_plus: (math.log1p, np.log1p),
+}  # fmt: skip
+"""What the language has itself in place of functions of math and NumPy."""
 
 WORDS: dict[Any, Word] = {
     **{getattr(math, name): _library(name) for name in FROM_LIBRARY if name != "trunc"},
     **{getattr(np, name): _library(c_name) for c_name, name in FROM_LIBRARY.items()},
     **{function: _library(name) for name, function in (("floor", np.floor), ("ceil", np.ceil), ("rint", np.rint))},
     math.floor: _to_whole("floor"), math.ceil: _to_whole("ceil"), math.trunc: _to_whole("trunc"),
+    **{word: _function(function) for function, named in ELEMENTARY.items() for word in named},
+    elementary.far_sine: _library("sin"), elementary.far_cosine: _library("cos"),
     math.erf: _library("erf"), math.erfc: _library("erfc"), math.gamma: _library("tgamma"),
     math.lgamma: _library("lgamma"),
     abs: _absolute, np.absolute: _absolute,
@@ -270,5 +277,6 @@ FOLDED = (range, tuple, list, zip, enumerate, reversed)
 def word_names() -> list[str]:
     """The listed functions as a person writes them, in order."""
     homes = {"builtins": "", "math": "math."}
-    names = {f"{homes.get(getattr(f, '__module__', ''), 'np.')}{f.__name__}" for f in WORDS}
+    listed = [f for f in WORDS if getattr(f, "__module__", "") != elementary.__name__]
+    names = {f"{homes.get(getattr(f, '__module__', ''), 'np.')}{f.__name__}" for f in listed}
     return sorted(names | {f.__name__ for f in FOLDED if hasattr(builtins, f.__name__)})

@@ -115,8 +115,11 @@ class Assembly:
                 _LOADED[self.digest] = self._entries(code, symbols)
             return _LOADED[self.digest]
 
-    def llvm_text(self, *, debug: bool = False) -> tuple[str, tuple[str, ...]]:
-        """The LLVM text, and the reasons of its failures. Raises RunError where the language lacks something."""
+    def llvm_text(self, *, debug: bool = False, fused: bool | None = None) -> tuple[str, tuple[str, ...]]:
+        """The LLVM text, and the reasons of its failures. Raises RunError where the language lacks something.
+
+        fused  whether powers multiply and add with one rounding; by default where this processor does
+        """
         from vvdp.generator.llvm_writer import (  # what reads and writes is loaded where it is needed
             write_llvm,
             written_out,
@@ -125,7 +128,7 @@ class Assembly:
         from vvdp.generator.verify import verify
         from vvdp.simulation.dialect import model_options
 
-        unit = Unit(model_options(checked=self.checked))
+        unit = Unit(model_options(checked=self.checked, fused=fused))
         try:
             for part in self.parts:
                 unit.add(part.function(), part.kinds, part.name)

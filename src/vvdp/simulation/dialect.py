@@ -50,13 +50,16 @@ class _Forms(dict[Any, Any]):
         return compiled_form(function) or default if isinstance(function, types.FunctionType) else default
 
 
-def model_options(plain: Mapping[str, Callable[..., float]] | None = None, *, checked: bool = False) -> Options:
+def model_options(
+    plain: Mapping[str, Callable[..., float]] | None = None, *, checked: bool = False, fused: bool | None = None
+) -> Options:
     """How the functions of models are read.
 
     plain  powers and exponentials for the tree that is run by CPython, by default NumPy's
+    fused  whether they multiply and add with one rounding; by default where this processor does
     """
     known = plain or {"power": np.float_power, "expm1": np.expm1}
-    texts = _in_place_texts()
+    texts = _in_place_texts(fused)
     return Options(
         replaced=_Forms({signal_value: record_value, signal_stop: record_stop}),
         intrinsics={
@@ -77,7 +80,7 @@ def model_options(plain: Mapping[str, Callable[..., float]] | None = None, *, ch
 
 
 @cache
-def _in_place_texts() -> dict[str, str]:
+def _in_place_texts(fused: bool | None) -> dict[str, str]:
     """The LLVM text of each function that is worked out in place."""
     from llvmlite import ir
 
@@ -92,7 +95,7 @@ def _in_place_texts() -> dict[str, str]:
         function = ir.Function(module, ir.FunctionType(double, [double] * count), f"vvdp_{name}")
         function.linkage = "internal"
         function.attributes.add("alwaysinline")
-        code = Code(ir.IRBuilder(function.append_basic_block()), 1, is_fused())
+        code = Code(ir.IRBuilder(function.append_basic_block()), 1, is_fused() if fused is None else fused)
         code.builder.ret(write(code, *(Vector(code, argument) for argument in function.args)).value)
         found[name] = str(module)
     return found

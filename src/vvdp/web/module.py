@@ -1,12 +1,12 @@
 """A model with its loop as one WebAssembly module that imports nothing but its memory.
 
-The texts are those that the command line compiles. What they call of the C library comes from `link`; products and
-sums that a processor rounds once are rounded once in software, so that the numbers keep their bits.
+The texts are those that the command line compiles. What they call of the C library comes from `link`, and so does the
+way in which products and sums are worked out that a processor rounds once.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 from vvdp.generator import binding
 from vvdp.generator.kinds import INT, Address, Known, registers_of
@@ -17,32 +17,53 @@ from vvdp.simulation.link import ModelAssemblies
 from vvdp.simulation.loops import plain_part
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.parts import outputs_part, stored_part
-from vvdp.web.link import FEATURES, TRIPLE, link
+from vvdp.web.link import RELAXED, SOFTWARE, SPLIT, TRIPLE, Way, link
+
+EXACT, FUSED, QUICK = "exact", "fused", "quick"
+WAYS = {EXACT: SOFTWARE, FUSED: RELAXED, QUICK: SPLIT}
+"""The modules of a page by name: with the bits of the command line, the same where a browser can, and for drafts."""
+
+
+FMA = "llvm.fma.f64"
 
 
 @dataclass(frozen=True)
-class WebModule:
-    """A module, and why its code may fail: file, line and reason by number."""
+class WebModules:
+    """The modules of `WAYS`, and why their code may fail: file, line and reason by number."""
 
-    code: bytes
+    codes: Mapping[str, bytes]
     reasons: Mapping[int, str]
 
 
-def web_module(model: Model, case: Case) -> WebModule:
-    """The module of a model for values of the shape of `case`.
+def web_modules(model: Model, case: Case) -> WebModules:
+    """The modules of a model for values of the shape of `case`.
 
-    It exports functions that take the address of their arguments, 8 bytes each, behind which they write their answer
+    Each exports functions that take the address of their arguments, 8 bytes each, behind which they write their answer
     and the number of a failure: `vvdp_run` the loop, whose functions it knows, `vvdp_sample`, `vvdp_outputs` and
     `vvdp_stored` what `link` and `parts` have by these names.
     Raises MissingExtraError without the extra `web`, RunError where a function cannot be compiled.
     """
-    found = ModelAssemblies(model, case)
-    shown = _assembly_of_outputs(model, case)
-    objects, reasons = [_loop_object()], dict[int, str]()
-    for each in (*found, shown):
-        text, why = each.llvm_text()
-        reasons |= {each.failure_number(place): words for place, words in enumerate(why)}
-        objects.append(_object(_with_symbols(text, each)))
+    found, shown = ModelAssemblies(model, case), _assembly_of_outputs(model, case)
+    assemblies, reasons = [*found, shown], dict[int, str]()
+    entries = _entry_texts(found, shown)
+    texts = {fused: list(_texts(assemblies, fused, reasons)) for fused in (True, False)}
+    codes = {}
+    for name, way in WAYS.items():
+        objects = [_object(text, way) for text in (*texts[way.fused], *entries.values())]
+        codes[name] = link(objects, [f"vvdp_{name}" for name in entries], way)
+    return WebModules(codes, reasons)
+
+
+def _texts(assemblies: Sequence[Assembly], fused: bool, reasons: dict[int, str]) -> Iterator[str]:
+    """The texts of a module but its entries; why its code may fail is added to `reasons`."""
+    yield _loop_text(fused)
+    for each in assemblies:
+        text, why = each.llvm_text(fused=fused)
+        reasons.update((each.failure_number(place), words) for place, words in enumerate(why))
+        yield _with_symbols(text, each)
+
+
+def _entry_texts(found: ModelAssemblies, shown: Assembly) -> dict[str, str]:
     known = [
         (assembly.symbol(name), kind)
         for assembly, name, kind in (
@@ -58,8 +79,7 @@ def web_module(model: Model, case: Case) -> WebModule:
     }
     for part in shown.parts:
         texts[part.name] = _entry_text(part.name, shown.symbol(part.name), Address(part.kinds, None))
-    objects += [_object(text) for text in texts.values()]
-    return WebModule(link(objects, [f"vvdp_{name}" for name in texts]), reasons)
+    return texts
 
 
 def _assembly_of_outputs(model: Model, case: Case) -> Assembly:
@@ -68,17 +88,23 @@ def _assembly_of_outputs(model: Model, case: Case) -> Assembly:
     return Assembly(parts if model.stored is None else [*parts, stored_part(model.stored, case)])
 
 
-def _loop_assembly() -> Assembly:
-    return Assembly([plain_part(loop.run, loop.RUN, INT)])
-
-
 @cache
-def _loop_object() -> bytes:
-    return _object(_loop_assembly().llvm_text()[0])
+def _loop_text(fused: bool) -> str:
+    return Assembly([plain_part(loop.run, loop.RUN, INT)]).llvm_text(fused=fused)[0]
 
 
-def _object(text: str) -> bytes:
-    return binding.compile_foreign(text, TRIPLE, FEATURES)
+def _object(text: str, way: Way) -> bytes:
+    """The object of a text; ways have the same one where nothing is multiplied and added with one rounding."""
+    if not way.text or FMA not in text:
+        return _compiled(text, SOFTWARE.llvm_features)
+    lines = [line for line in text.split("\n") if not (line.startswith("declare ") and FMA in line)]
+    text = "\n".join([*lines, way.text]).replace(f'"{FMA}"', FMA).replace(f"@{FMA}", "@vvdp_fma")
+    return _compiled(text, way.llvm_features)
+
+
+@lru_cache(maxsize=64)
+def _compiled(text: str, features: str) -> bytes:
+    return binding.compile_foreign(text, TRIPLE, features)
 
 
 def _with_symbols(text: str, assembly: Assembly) -> str:

@@ -1,6 +1,7 @@
 """One HTML file that shows a run of a system and repeats it, in the browser, for other values; nothing is fetched."""
 
 import base64
+import gzip
 import json
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -28,13 +29,11 @@ from vvdp.systems.changeable import Changeable, changeable_values
 from vvdp.systems.overview import warnings
 from vvdp.systems.system import System
 from vvdp.web.call import call
-from vvdp.web.module import WebModule, web_module
+from vvdp.web.module import EXACT, WebModules, web_modules
 from vvdp.web.motion import motion
 from vvdp.web.numbers import judgement, labels, summary_sums
 from vvdp.web.series import followed_charts, recorded_columns, table_courses
 
-LEVEL = "exact"
-"""The one level of a page: products and sums are rounded as on the command line, so that the bits are the same."""
 MOST_BYTES = 1_000_000
 WORKING, OWN = ("loop.js", "numbers.js", "values.js", "worker.js"), ("motion.js", "page.js")
 """Scripts of the worker that carries runs out, and of the page."""
@@ -47,7 +46,7 @@ class WebPage:
     """The page, with what it consists of."""
 
     html: str
-    module: WebModule
+    modules: WebModules
     values: tuple[Changeable, ...]
     model: Mapping[str, Any]
 
@@ -57,7 +56,7 @@ class WebPage:
         changeable = sum(not value.why_not for value in self.values)
         return {
             "verb": "export web", "system": self.model["name"], "bytes": len(self.html.encode()),
-            "module_bytes": len(self.module.code), "values": changeable, "level": LEVEL,
+            "module_bytes": len(self.modules.codes[EXACT]), "values": changeable, "level": EXACT,
         }  # fmt: skip
 
 
@@ -69,25 +68,25 @@ def web_page(system: System, command: str = "", say: Callable[[str], None] = qui
     """
     run = recorded_run(system, simulate(system.model, system.case, system.stepping, say=say))
     result = run_result(run)
-    model, values, module = shown_model(run, result, command or f"vvdp run {system.name}")
+    model, values, modules = shown_model(run, result, command or f"vvdp run {system.name}")
     html = "\n".join(_lines(run, result, model, values))
     if (size := len(html.encode())) > MOST_BYTES:
         raise unusable("export web", f"the page has {size} bytes; at most {MOST_BYTES}: record less (run.window)")
-    return WebPage(html, module, values, model)
+    return WebPage(html, modules, values, model)
 
 
 def shown_model(
     run: RecordedRun, result: Result, command: str
-) -> tuple[dict[str, Any], tuple[Changeable, ...], WebModule]:
-    """What the scripts of a page need to repeat and show a run, the values that a page may change, and the module.
+) -> tuple[dict[str, Any], tuple[Changeable, ...], WebModules]:
+    """What the scripts of a page need to repeat and show a run, the values that a page may change, and the modules.
 
     Raises MissingExtraError without the extra `web`, RunError where the system cannot be compiled.
     """
     system = run.system
-    module = web_module(system.model, system.case)
+    modules = web_modules(system.model, system.case)
     values = changeable_values(system, _outside_vectors)
-    model = {**run_model(system, module, values), **_shown_numbers(run, result), "command": command}
-    return model, values, module
+    model = {**run_model(system, modules, values), **_shown_numbers(run, result), "command": command}
+    return model, values, modules
 
 
 def page_head() -> str:
@@ -111,19 +110,23 @@ def _outside_vectors(system: System) -> Any:
     return system.circuit.text, programs, system.stepping, summary_sums(system)
 
 
-def run_model(system: System, module: WebModule, values: Sequence[Changeable]) -> dict[str, Any]:
+def run_model(system: System, modules: WebModules, values: Sequence[Changeable]) -> dict[str, Any]:
     """What the scripts of a page need to carry a system out."""
     conditions = held_part(system.case)
     return {
         **call(system, prepare(system.model, system.case, system.stepping)),
-        "module": base64.b64encode(module.code).decode(),
-        "reasons": {str(number): words for number, words in module.reasons.items()},
+        "modules": {name: _packed(code) for name, code in modules.codes.items()},
+        "reasons": {str(number): words for number, words in modules.reasons.items()},
         "pages": PAGES,
         "name": system.name,
         "held": [conditions.start, conditions.stop],
         "outputs": outputs_size(system.model, system.case),
         "values": [value.flat for value in values],
     }
+
+
+def _packed(code: bytes) -> str:
+    return base64.b64encode(gzip.compress(code, mtime=0)).decode()
 
 
 def _shown_numbers(run: RecordedRun, result: Result) -> dict[str, Any]:

@@ -37,7 +37,15 @@ class LiveChart {
       plot.open(plot.host.clientWidth, Math.max(Math.round(share), 100));
       plot.join();
     }
-    new ResizeObserver(() => this.#resize()).observe(this.grid);
+    this.observer = new ResizeObserver(() => this.#resize());
+    this.observer.observe(this.grid);
+  }
+
+  /** Takes the chart off the page, with all that waits for events. */
+  close() {
+    this.observer.disconnect();
+    for (const plot of this.plots) plot.close();
+    this.node.remove();
   }
 
   #resize() {

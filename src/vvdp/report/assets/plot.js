@@ -159,6 +159,12 @@ class Plot {
     if (zoomed.has(this.link)) this.adopt();
   }
 
+  /** Leaves the panels of the same x, and the page. */
+  close() {
+    linked.get(this.link)?.delete(this);
+    this.frame.destroy();
+  }
+
   /** Shows what the panels of the same x show, unless it has nothing there. */
   adopt() {
     const view = zoomed.get(this.link);

@@ -225,10 +225,20 @@ function vvdpLoop(model) {
     }
   }
 
-  /* A run from its beginning; `vectors` may replace y, command, memory, params. */
+  const kept = new Map();
+
+  /* An instance of a module with its memory, which one run after the other takes: browsers are slow to free memory. */
+  function instanceOf(module) {
+    if (!kept.has(module)) {
+      const memory = new WebAssembly.Memory({ initial: model.pages });
+      kept.set(module, { memory, instance: new WebAssembly.Instance(module, { env: { memory } }) });
+    }
+    return kept.get(module);
+  }
+
+  /* A run from its beginning, which ends those before it; `vectors` may replace y, command, memory, params. */
   function begin(module, stepping, vectors) {
-    const memory = new WebAssembly.Memory({ initial: model.pages });
-    const instance = new WebAssembly.Instance(module, { env: { memory } });
+    const { instance, memory } = instanceOf(module);
     const call = new Call(instance, memory, { ...model.stepping, ...stepping }, vectors || {});
     if (vectors) call.hold();
     call.initial = call.get("y").slice();

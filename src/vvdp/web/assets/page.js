@@ -5,11 +5,11 @@ const vvdp = (() => {
   const url = URL.createObjectURL(new Blob([document.getElementById("worker").textContent], { type: "text/javascript" }));
   const worker = new Worker(url), waiting = new Map();
   const place = (id) => document.getElementById(id);
-  let count = 0, latest = 0, timer = 0;
+  let count = 0, latest = 0, draft = "exact", running = null, next = null;
   const set = {};
 
   worker.onmessage = ({ data }) => {
-    if (data.ready) { readied(); return; }
+    if (data.ready) { draft = data.isFused ? "exact" : "quick"; readied(); return; }
     const mine = waiting.get(data.id);
     if (data.reach !== undefined) { mine?.reach(data.reach); return; }
     waiting.delete(data.id);
@@ -166,8 +166,10 @@ const vvdp = (() => {
         return [before, { ...line, x: at(scaled("time_s", own.x)), y: at(scaled(own.key, own.y)) }];
       }) })) };
       if (series) described.panels = described.panels.map((panel) => ({ ...panel, levels: [] }));
-      live.node.remove();
-      page.live.set(name, Object.assign(new LiveChart(described, live.figure, (i) => (i < 0 ? columns[-1 - i] : page.column(i))), { first: live.first }));
+      const column = (i) => (i < 0 ? columns[-1 - i] : page.column(i));
+      if (live.fits(described)) { live.update(described, column); continue; }
+      live.close();
+      page.live.set(name, Object.assign(new LiveChart(described, live.figure, column), { first: live.first }));
     }
   }
 
@@ -176,19 +178,20 @@ const vvdp = (() => {
     place("state").textContent = is ? "running" : place("state").textContent;
   }
 
-  async function runNow() {
+  async function runNow(level = "exact") {
     const mine = ++latest;
     fault("");
     showSetting();
     busy(true);
     try {
       const began = performance.now();
-      const found = await send({ values: { ...set }, until: untilSet() }, (reach) => { if (mine === latest) place("reach").value = reach; });
+      const found = await send({ values: { ...set }, until: untilSet(), level }, (reach) => { if (mine === latest) place("reach").value = reach; });
       if (mine !== latest) return;
       showNumbers(found.summary);
       showNotes(found.warnings);
       moving.show(found.moving);
       await showCharts(found.series);
+      place("level").textContent = found.level;
       place("state").textContent = `${found.summary.finished ? "done" : "stopped"} in ${((performance.now() - began) / 1000).toPrecision(2)} s`;
     } catch (problem) {
       if (mine === latest) { fault(problem.message); place("state").textContent = "no result"; }
@@ -199,10 +202,21 @@ const vvdp = (() => {
 
   const moving = vvdpMotion(model, () => send({ values: { ...set }, until: untilSet() }).then((found) => found.moving, (problem) => { fault(problem.message); return null; }));
 
-  const soon = () => { clearTimeout(timer); timer = setTimeout(runNow, 60); };
+  /* Runs what is set: at once in place of a run in progress, but behind one that shows what is being dragged. */
+  async function soon(isDragged = false) {
+    next = { isDragged };
+    if (running?.isDragged) return;
+    while (next) {
+      const mine = (running = next);
+      next = null;
+      await runNow(mine.isDragged ? draft : "exact");
+      if (running !== mine) return;
+    }
+    running = null;
+  }
 
   /* A value from its slider or its number; what is not one is left to the worker to refuse. */
-  function change(box, text) {
+  function change(box, text, isDragged) {
     const value = model.values[Number(box.dataset.place)], number = text.trim().replace(",", ".");
     const [slider, field] = box.querySelectorAll("input");
     if (field !== document.activeElement || Number(number) === value.number) field.value = number;
@@ -211,11 +225,12 @@ const vvdp = (() => {
     if (isSame) delete set[value.setting];
     else set[value.setting] = number;
     box.classList.toggle("changed", !isSame);
-    soon();
+    soon(isDragged);
   }
 
   function reset() {
     latest++;
+    next = running = null;
     worker.postMessage({ stop: true });
     for (const box of document.querySelectorAll(".value")) {
       const value = model.values[Number(box.dataset.place)];
@@ -226,6 +241,7 @@ const vvdp = (() => {
     place("until").value = model.stepping.until;
     place("reach").value = 0;
     place("state").textContent = "";
+    place("level").textContent = "exact";
     fault("");
     showSetting();
     showNumbers(null);
@@ -241,15 +257,16 @@ const vvdp = (() => {
     slider.addEventListener("input", () => {
       const at = Number(slider.value), isEnd = at <= value.low || at >= value.high;
       const number = isEnd ? at : Number((value.low + Math.round((at - value.low) / step) * step).toPrecision(6));
-      change(box, String(Math.min(Math.max(number, value.low), value.high)));
+      change(box, String(Math.min(Math.max(number, value.low), value.high)), true);
       field.value = set[value.setting] ?? value.number;
     });
+    slider.addEventListener("change", () => soon());
     field.addEventListener("change", () => change(box, field.value));
   }
-  place("start").addEventListener("click", runNow);
+  place("start").addEventListener("click", () => soon());
   place("stop").addEventListener("click", () => worker.postMessage({ stop: true }));
   place("reset").addEventListener("click", reset);
-  place("until").addEventListener("change", soon);
+  place("until").addEventListener("change", () => soon());
   place("until").value = model.stepping.until;
   for (const name of [...Object.keys(model.charts), ...Object.keys(model.texts ?? {})]) place(`figure-${name}`).classList.add("follows");
   showNumbers(null);

@@ -4,12 +4,6 @@
    last sum rounds as the exact one would (Boldo, Melquiond: Emulation of FMA and correctly rounded sums, 2008). */
 #include "libm.h"
 
-static double product_error(double a, double b, double p) {
-    double s = 134217729.0 * a, t = 134217729.0 * b;
-    double ah = s - (s - a), bh = t - (t - b), al = a - ah, bl = b - bh;
-    return ((ah * bh - p) + ah * bl + al * bh) + al * bl;
-}
-
 static double sum_error(double a, double b, double s) {
     double z = s - a;
     return (a - (s - z)) + (b - z);

@@ -103,6 +103,7 @@ function redrawCharts() { if (state.figures) showCharts(state.figures.charts); }
 function showChart(described) {
   const found = live.get(described.name);
   if (found?.chart.fits(described)) { found.chart.update(described, described.column); return; }
+  found?.chart.close();
   found?.figure.remove();
   const figure = element("figure");
   const height = 150 + 130 * described.panels.length;
