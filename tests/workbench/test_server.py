@@ -230,7 +230,7 @@ def test_a_draft_has_only_what_is_on_view(server):
 
 
 def test_series_are_added_by_name(server):
-    """Absolute and gauge pressures are two quantities; of a whole run the scope comes without another run."""
+    """Series of one unit share a panel, pressures are gauge; of a whole run the scope comes without another run."""
     asked = {"system": "prototype", "set": [], "until": "0.2 s"}
     names = ["inlet_pressure", "load_flow", "load_pressure", "states.inlet", "nonsense"]
     with socket_of(server) as page:
@@ -242,11 +242,11 @@ def test_series_are_added_by_name(server):
         (packet,) = answers(page, "series")
         head = described(packet)
         (scope,) = head["charts"]
-        assert [len(panel["lines"]) for panel in scope["panels"]] == [2, 1, 1]
-        gauge, _, absolute = (panel["lines"][0] for panel in scope["panels"])
-        times, gauge, again, absolute = columns_of(packet, head, gauge["x"], gauge["y"], absolute["x"], absolute["y"])
-        assert np.array_equal(times, again) and times[-1] == pytest.approx(0.2, rel=1e-12)
-        assert absolute - gauge == pytest.approx(np.full(times.size, 1.01325), abs=2e-5)  # 24 bits of up to 200 bar
+        pressures, flows = (panel["lines"] for panel in scope["panels"])
+        assert [len(pressures), len(flows)] == [3, 1] and {line["unit"] for line in pressures} == {"bar"}
+        times, shown, state = columns_of(packet, head, pressures[0]["x"], pressures[0]["y"], pressures[2]["y"])
+        assert times[-1] == pytest.approx(0.2, rel=1e-12)
+        assert np.array_equal(shown, state) and shown.max() > 50.0
         page.send(json.dumps({**asked, "n": 3, "kind": "draft", "series": names, "charts": ["series"]}))
         *_, packet = answers(page, "draft")
         assert [chart["name"] for chart in described(packet)["charts"]] == ["series"]

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from vvdp.report.chosen import series_names
+from vvdp.report.plot import column_unit
 from vvdp.results.chart import Chart, Lines
 from vvdp.results.quick import TIME, abscissa, quick_panel, stacked_chart
 from vvdp.results.result import Result, Table
@@ -26,17 +27,17 @@ def own_scope(
 ) -> tuple[list[Chart], dict[str, Table]]:
     """The scope of the series `names` with the tables that it draws; names of nothing recorded are left out.
 
-    Series of one physical quantity share a panel. It shows what the report shows first: the last periods.
+    Series of one unit share a panel. It shows what the report shows first: the last periods.
     """
     every = _every(run, tables)
     known = _known(every)
     panels: dict[str, Lines] = {}
     for table, key in dict.fromkeys(known[name] for name in names if name in known):
-        kind = every[table].columns[key].kind
-        assert kind is not None  # `_known` has no others
-        panel, lines = panels.get(kind.name), quick_panel(table, every[table], key).lines
-        before = () if panel is None else panel.lines
-        panels[kind.name] = Lines(lines=(*before, *(replace(line, table=table) for line in lines)), label=kind.name)
+        column = every[table].columns[key]
+        unit = column_unit(column).symbol
+        panel = panels.get(unit, Lines(lines=(), label=column.kind.name if column.kind else ""))
+        lines = (replace(line, table=table) for line in quick_panel(table, every[table], key).lines)
+        panels[unit] = replace(panel, lines=(*panel.lines, *lines))
     if not panels:
         return [], every
     left, right = run.times[run.detail().rows[[0, -1]]]
