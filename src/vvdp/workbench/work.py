@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from vvdp.base import kinds
-from vvdp.base.errors import ConfigError, VvdpError
+from vvdp.base.errors import ConfigError, RunError, VvdpError
 from vvdp.base.kinds import Kind
 from vvdp.base.tables import Sourced
 from vvdp.base.units import in_unit
@@ -107,7 +107,7 @@ class View(NamedTuple):
 
 
 def draft(system: System, before: Run | None, view: View, number: Any, say: Callable[[str], None]) -> tuple[Run, bytes]:
-    """A short run that goes on from the last draft, and the packet of its figures."""
+    """A short run that goes on from the last draft, and the packet of its figures. Raises RunError without a step."""
     length, begin = DRAFT * system.stepping.until, 0.0 if before is None else before.end
     until = begin + length
     stepping = replace(
@@ -122,6 +122,8 @@ def draft(system: System, before: Run | None, view: View, number: Any, say: Call
         stop=lambda: time.perf_counter() > ends,
         say=say,
     )
+    if not done.end > begin:
+        raise RunError(f"no draft: the first step takes more than {PATIENCE:g} s; release the slider for the whole run")
     run = RecordedRun(system, record_of(done), run_summary(system, done), {})
     head = {"kind": "draft", "n": number, "rows": int(done.times.size)}
     head["means"] = mean_texts(system, run.summary, is_draft=True)

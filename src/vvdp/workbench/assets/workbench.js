@@ -164,7 +164,9 @@ function showCompared() {
 
 function showFaults(faults) {
   const words = (each) => [each.line ? `line ${each.line}` : "", each.key, each.message].filter(Boolean).join(": ");
-  const beside = (each) => [...document.querySelectorAll(".value")].find((row) => row.dataset.key === each.key);
+  const rows = new Map([...document.querySelectorAll(".value")].map((row) => [row.dataset.key, row]));
+  const last = [...state.changes.keys()].at(-1); // what was changed last is the likeliest cause of a fault without a field
+  const beside = (each) => rows.get(each.key) ?? (state.text === state.saved ? rows.get(last) : undefined);
   for (const old of document.querySelectorAll(".wrong")) old.remove();
   for (const each of faults) beside(each)?.append(element("span", { class: "wrong" }, each.message));
   $("faults").hidden = !faults.length;
@@ -240,6 +242,7 @@ let dragged = "";
 function change(row, number, isDrag) {
   if (!isDrag || dragged !== row.key) state.past.push(new Map(state.changes));
   dragged = isDrag ? row.key : "";
+  state.changes.delete(row.key);
   state.changes.set(row.key, `${row.key}=${number}${row.unit ? ` ${row.unit}` : ""}`);
   markChanged();
   clearTimeout(timer);
