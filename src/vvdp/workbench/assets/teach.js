@@ -93,7 +93,7 @@ function showInstant(time) {
   $("instant").value = String(teach.clock.share);
   $("instant").setAttribute("aria-valuetext", `${formatNumber(1000 * (time - teach.course.period[0]), 3)} ms`);
   teach.chart.plots.forEach((plot, i) => { teach.now[i].style.transform = `translateX(${plot.frame.valToPos(1000 * (time - teach.course.period[0]), "x")}px)`; });
-  $("teach-pressures").replaceChildren(...lessonPressures(teach.course).map((name, i) => element("span", { style: `color:${FULL[i]}` }, `${name.replaceAll("_", " ")} `, element("b", {}, `${shown.nodes[name].toFixed(1)} bar`))));
+  $("teach-pressures").replaceChildren(...lessonPressures(teach.course).map((name, i) => element("span", { style: `--own:${FULL[i]}` }, `${name.replaceAll("_", " ")} `, element("b", {}, `${shown.nodes[name].toFixed(1)} bar`))));
 }
 
 function play(isRunning) {
