@@ -114,6 +114,11 @@ def test_numbers_are_those_of_the_command_line(server, message, tmp_path):
     printed = json.loads(done.stdout)
     measured = {key: printed[key] for key in ("out", "wall_time_s")}
     assert found | measured == printed
+    with socket_of(server) as page:
+        page.send(json.dumps({"n": 1, "kind": "whole", **message}))
+        *_, last = answers(page, "numbers")
+    shown = described(last)["result"]
+    assert shown | {key: printed[key] for key in ("out", "wall_time_s")} == printed
 
 
 @pytest.mark.parametrize(

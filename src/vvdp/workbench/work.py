@@ -17,7 +17,7 @@ from vvdp.results.chart import Chart
 from vvdp.results.result import Table
 from vvdp.runs.result import course, run_result
 from vvdp.runs.run import RecordedRun
-from vvdp.runs.simulate import json_summary, recorded_run
+from vvdp.runs.simulate import json_summary, recorded_run, with_closed_forms
 from vvdp.runs.tables import screen_listings
 from vvdp.simulation.record import record_of
 from vvdp.simulation.run import Run, simulate
@@ -140,16 +140,15 @@ def _scopes(run: RecordedRun, view: View) -> tuple[list[Chart], dict[str, Table]
 
 
 def whole(system: System, stop: Callable[[], bool], say: Callable[[str], None]) -> RecordedRun:
-    """The run from the start of the file to its end, or to where `stop` ends it."""
-    return recorded_run(system, simulate(system.model, system.case, system.stepping, stop=stop, say=say))
+    """The run from the start of the file to its end, or to where `stop` ends it; its closed forms are left out yet."""
+    done = simulate(system.model, system.case, system.stepping, stop=stop, say=say)
+    return recorded_run(system, done, summarise=run_summary)
 
 
 def figures(run: RecordedRun, view: View, number: Any) -> bytes:
-    """The packet of a whole run that is shown at once: charts and diagram, with the values that they are of."""
-    system = run.system
-    head = {"kind": "figures", "n": number, "svg": drawing(system), "title": system.title, "values": value_rows(system)}
-    head |= {"means": mean_texts(system, run.summary, is_draft=False), "finished": run.has("finished")}
-    return packet({**head, "rows": int(run.times.size)}, *_scopes(run, view), course=course_of(run))
+    """The packet of a whole run that is shown at once: its charts."""
+    head = {"kind": "figures", "n": number, "finished": run.has("finished"), "rows": int(run.times.size)}
+    return packet(head, *_scopes(run, view), course=course_of(run))
 
 
 def added_series(run: RecordedRun, view: View, number: Any) -> bytes:
@@ -158,9 +157,12 @@ def added_series(run: RecordedRun, view: View, number: Any) -> bytes:
 
 
 def numbers(run: RecordedRun) -> dict[str, Any]:
-    """What a whole run comes to, for people and as `vvdp run --json` has it."""
+    """What a whole run comes to, with diagram and values, for people and as `vvdp run --json` has it."""
+    run = with_closed_forms(run)
     result = run_result(run)
     return {
+        **_drawn(run.system),
+        "means": mean_texts(run.system, run.summary, is_draft=False),
         "result": json_summary(run),
         "labels": {key: each.label for key, each in run.numbers.items()},
         "listings": "".join(map(listing_html, screen_listings(run))),
@@ -173,5 +175,8 @@ def numbers(run: RecordedRun) -> dict[str, Any]:
 
 def text_drawing(offer: Offer, asked: Asked) -> Mapping[str, Any]:
     """The diagram and the values of a text, without running it."""
-    system = offer.system(asked)
-    return {"kind": "drawing", "svg": drawing(system), "title": system.title, "values": value_rows(system)}
+    return {"kind": "drawing", **_drawn(offer.system(asked))}
+
+
+def _drawn(system: System) -> dict[str, Any]:
+    return {"svg": drawing(system), "title": system.title, "values": value_rows(system)}

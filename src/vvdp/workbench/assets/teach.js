@@ -11,10 +11,12 @@ function showCourse(course) {
 }
 
 function openTeach() {
+  const drawn = $("diagram").querySelector("svg");
+  if (!drawn) return;
   $("teach").showModal();
   $("teach-title").textContent = document.title.replace(/ · vvdp workbench$/, "");
   teach.chart = null;
-  const svg = $("diagram").querySelector("svg").cloneNode(true);
+  const svg = drawn.cloneNode(true);
   for (const each of svg.querySelectorAll("[tabindex]")) for (const name of ["tabindex", "role", "aria-label"]) each.removeAttribute(name);
   svg.setAttribute("role", "img");
   for (const line of svg.querySelectorAll("text tspan:not([font-weight])")) line.remove();
