@@ -266,24 +266,25 @@ function undo() {
 
 /** Puts the changed values into the text: only the value of each line, so that origins and comments stay. */
 function writeInto(text, changes) {
-  const lines = text.split("\n");
   const missing = [];
   for (const [key, setting] of changes) {
-    const value = JSON.stringify(setting.slice(setting.indexOf("=") + 1));
-    const cut = key.lastIndexOf(".");
-    let header = "";
-    const place = lines.findIndex((line) => {
-      header = /^\s*\[\s*([^\[\]]+?)\s*\]/.exec(line)?.[1] ?? header;
-      return header === key.slice(0, cut) && new RegExp(`^\\s*${key.slice(cut + 1)}\\s*=`).test(line);
-    });
-    if (place < 0) { missing.push(key); continue; }
-    const quoted = /(=\s*)("(?:[^"\\]|\\.)*"|'[^']*'|[-+.\w]+)/;
-    const inner = /(\bvalue\s*=\s*)("(?:[^"\\]|\\.)*"|'[^']*'|[-+.\w]+)/;
-    const isTable = /=\s*\{/.test(lines[place]);
-    if (isTable && !inner.test(lines[place])) { missing.push(key); continue; }
-    lines[place] = lines[place].replace(isTable ? inner : quoted, (_, before) => before + value);
+    const found = written(text, key, JSON.stringify(setting.slice(setting.indexOf("=") + 1)));
+    if (found === null) missing.push(key); else text = found;
   }
-  return [lines.join("\n"), missing];
+  return [text, missing];
+}
+
+/** The text with another value under a key; a default gets a line. Null of what stands in a part's own file. */
+function written(text, key, value) {
+  const [header, name] = [key.slice(0, key.lastIndexOf(".")), key.slice(key.lastIndexOf(".") + 1)];
+  const another = (old) => old.startsWith("{") ? old.replace(/(\bvalue\s*=\s*)("(?:[^"\\]|\\.)*"|'[^']*'|[-+.\w]+)/, (_, before) => before + value) : value;
+  const lines = text.split("\n");
+  const span = tableSpan(lines, header);
+  if (!span) return withPair(lines, header, name, another) ?? (/^(nodes|components|parts|programs)\./.test(header) ? null : withTable(text, header, [`${name} = ${value}`]));
+  const place = lines.slice(...span).findIndex((line) => new RegExp(`^\\s*${name}\\s*=`).test(line)) + span[0];
+  if (place < span[0]) return withLine(text, header, name, value);
+  lines[place] = lines[place].replace(/(=\s*)(\{[^}]*\}|"(?:[^"\\]|\\.)*"|'[^']*'|[-+.\w]+)/, (_, before, old) => before + another(old));
+  return lines.join("\n");
 }
 
 function setText(text) { state.text = text; $("text").value = text; numberLines(); }
@@ -293,7 +294,7 @@ function write() {
   state.past.push(state.text);
   setText(text);
   state.changes = new Map([...state.changes].filter(([key]) => missing.includes(key)));
-  if (missing.length) say(`no line of their own: ${missing.join(", ")}`);
+  if (missing.length) say(`these stand in the file of a part: ${missing.join(", ")}`);
   markChanged();
   ask("whole");
 }
