@@ -3,9 +3,7 @@
 A pump of 16 cm³/rev turns at 1500 rpm. It has no leakage. Which flow does it give to a line at 100 bar?
 """
 
-import sys
-
-from vvdp.api.exercise import Exercise
+from vvdp.api.exercise import ask
 
 CIRCUIT = """
 [oil]
@@ -28,12 +26,10 @@ friction_torque = "0 N*m"
 until = "0.1 s"
 """
 
-EXERCISE = Exercise(
-    question=__doc__ or "",
+EXERCISE = ask(
+    __name__,
+    __doc__,
     circuit=CIRCUIT,
     key="flow_mean_pump_m3_s",
     hint="A pump gives its displacement once per revolution.",
 )
-
-if __name__ == "__main__":
-    sys.exit(EXERCISE.main())

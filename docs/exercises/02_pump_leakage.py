@@ -4,9 +4,7 @@ The pump of exercise 1, 16 cm³/rev at 1500 rpm, has a leakage of 5e-12 m³/(s P
 inlet. Which flow is left at 200 bar?
 """
 
-import sys
-
-from vvdp.api.exercise import Exercise
+from vvdp.api.exercise import ask
 
 CIRCUIT = """
 [oil]
@@ -29,8 +27,9 @@ friction_torque = "0 N*m"
 until = "0.1 s"
 """
 
-EXERCISE = Exercise(
-    question=__doc__ or "",
+EXERCISE = ask(
+    __name__,
+    __doc__,
     circuit=CIRCUIT,
     key="flow_mean_pump_m3_s",
     hint="Take the leakage, conductance times pressure, off the ideal flow.",
@@ -40,6 +39,3 @@ EXERCISE = Exercise(
         (lambda right: 1e-4, "That is the leakage itself; asked is what is left."),
     ),
 )
-
-if __name__ == "__main__":
-    sys.exit(EXERCISE.main())

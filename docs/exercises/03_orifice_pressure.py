@@ -4,9 +4,7 @@ A flow of 20 L/min passes an orifice of 12 mm² with a discharge coefficient of 
 870 kg/m³. Which pressure is there before the orifice?
 """
 
-import sys
-
-from vvdp.api.exercise import Exercise
+from vvdp.api.exercise import ask
 
 CIRCUIT = """
 [oil]
@@ -32,8 +30,9 @@ until = "0.5 s"
 average_from = "0.4 s"
 """
 
-EXERCISE = Exercise(
-    question=__doc__ or "",
+EXERCISE = ask(
+    __name__,
+    __doc__,
     circuit=CIRCUIT,
     key="pressure_mean_line_Pa",
     hint="Q = Cd A sqrt(2 dp / rho): solve it for the pressure.",
@@ -49,6 +48,3 @@ EXERCISE = Exercise(
         ),
     ),
 )
-
-if __name__ == "__main__":
-    sys.exit(EXERCISE.main())

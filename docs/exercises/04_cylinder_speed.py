@@ -4,9 +4,7 @@
 How fast does its rod go out?
 """
 
-import sys
-
-from vvdp.api.exercise import Exercise
+from vvdp.api.exercise import ask
 
 CIRCUIT = """
 [oil]
@@ -45,8 +43,9 @@ until = "0.5 s"
 average_from = "0.3 s"
 """
 
-EXERCISE = Exercise(
-    question=__doc__ or "",
+EXERCISE = ask(
+    __name__,
+    __doc__,
     circuit=CIRCUIT,
     key="velocity_mean_rod_m_s",
     hint="The rod goes out so fast that the chamber takes the flow.",
@@ -58,6 +57,3 @@ EXERCISE = Exercise(
         (lambda right: right * 2000 / 800, "That is flow over the area of the rod alone."),
     ),
 )
-
-if __name__ == "__main__":
-    sys.exit(EXERCISE.main())

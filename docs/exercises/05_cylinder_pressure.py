@@ -4,9 +4,7 @@ The cylinder of exercise 4, with a piston of 2000 mm², pushes 10 kN slowly; the
 Which pressure is in the chamber?
 """
 
-import sys
-
-from vvdp.api.exercise import Exercise
+from vvdp.api.exercise import ask
 
 CIRCUIT = """
 [oil]
@@ -45,8 +43,9 @@ until = "0.5 s"
 average_from = "0.3 s"
 """
 
-EXERCISE = Exercise(
-    question=__doc__ or "",
+EXERCISE = ask(
+    __name__,
+    __doc__,
     circuit=CIRCUIT,
     key="pressure_mean_chamber_Pa",
     hint="Pressure is force over area.",
@@ -55,6 +54,3 @@ EXERCISE = Exercise(
         (lambda right: 0.1 * right, "N/mm² are MPa: 1 MPa is 10 bar."),
     ),
 )
-
-if __name__ == "__main__":
-    sys.exit(EXERCISE.main())

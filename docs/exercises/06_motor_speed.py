@@ -3,9 +3,7 @@
 30 L/min drive a hydraulic motor of 25 cm³/rev without leakage. How fast does its shaft turn?
 """
 
-import sys
-
-from vvdp.api.exercise import Exercise
+from vvdp.api.exercise import ask
 
 CIRCUIT = """
 [oil]
@@ -35,13 +33,11 @@ until = "3 s"
 average_from = "2.5 s"
 """
 
-EXERCISE = Exercise(
-    question=__doc__ or "",
+EXERCISE = ask(
+    __name__,
+    __doc__,
     circuit=CIRCUIT,
     key="speed_mean_shaft_rad_s",
     hint="In one revolution the motor takes its displacement.",
     mistakes=(),
 )
-
-if __name__ == "__main__":
-    sys.exit(EXERCISE.main())

@@ -4,9 +4,7 @@ All 20 L/min of a pump go over a relief valve that opens at 150 bar and is at 16
 40 L/min; in between its flow grows evenly with the pressure. Which power turns to heat in it?
 """
 
-import sys
-
-from vvdp.api.exercise import Exercise
+from vvdp.api.exercise import ask
 
 CIRCUIT = """
 [oil]
@@ -31,8 +29,9 @@ until = "0.5 s"
 average_from = "0.4 s"
 """
 
-EXERCISE = Exercise(
-    question=__doc__ or "",
+EXERCISE = ask(
+    __name__,
+    __doc__,
     circuit=CIRCUIT,
     key="loss_relief_valve_W",
     hint="The power is pressure times flow; find first the pressure at which 20 L/min pass.",
@@ -45,6 +44,3 @@ EXERCISE = Exercise(
         (lambda right: 600.0 * right, "bar times L/min are not watts: divide by 600 for kilowatts."),
     ),
 )
-
-if __name__ == "__main__":
-    sys.exit(EXERCISE.main())

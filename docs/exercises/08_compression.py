@@ -4,9 +4,7 @@
 air. To which pressure does it rise?
 """
 
-import sys
-
-from vvdp.api.exercise import Exercise
+from vvdp.api.exercise import ask
 
 CIRCUIT = """
 [oil]
@@ -24,8 +22,9 @@ flow = "6 lpm"
 until = "0.1 s"
 """
 
-EXERCISE = Exercise(
-    question=__doc__ or "",
+EXERCISE = ask(
+    __name__,
+    __doc__,
     circuit=CIRCUIT,
     key="pressure_max_line_Pa",
     hint="The share by which the oil is compressed, times the bulk modulus.",
@@ -34,6 +33,3 @@ EXERCISE = Exercise(
         (lambda right: 100.0 * right, "The compressed volume belongs over the whole volume of 1 L."),
     ),
 )
-
-if __name__ == "__main__":
-    sys.exit(EXERCISE.main())

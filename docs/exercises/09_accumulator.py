@@ -4,9 +4,7 @@ An accumulator holds 1 L of nitrogen at 10 bar gauge. 0.4 L of oil go into it so
 gas (exponent 1.4). Which gauge pressure has it then?
 """
 
-import sys
-
-from vvdp.api.exercise import Exercise
+from vvdp.api.exercise import ask
 
 CIRCUIT = """
 [oil]
@@ -29,8 +27,9 @@ flow = "12 lpm"
 until = "2 s"
 """
 
-EXERCISE = Exercise(
-    question=__doc__ or "",
+EXERCISE = ask(
+    __name__,
+    __doc__,
     circuit=CIRCUIT,
     key="pressure_max_accumulator_Pa",
     hint="p V^1.4 stays the same, with the absolute pressure.",
@@ -46,6 +45,3 @@ EXERCISE = Exercise(
         (lambda right: 11.01325e5 / 0.4**1.4 - 1.01325e5, "0.4 L is what went in; 0.6 L of the gas are left."),
     ),
 )
-
-if __name__ == "__main__":
-    sys.exit(EXERCISE.main())

@@ -4,12 +4,11 @@ The spool of the shipped system `prototype` has 3 helical sections, and each swi
 turns at 1477 rpm. At which frequency does the valve switch?
 """
 
-import sys
+from vvdp.api.exercise import ask
 
-from vvdp.api.exercise import Exercise
-
-EXERCISE = Exercise(
-    question=__doc__ or "",
+EXERCISE = ask(
+    __name__,
+    __doc__,
     circuit="prototype",
     key="pwm_frequency_Hz",
     hint="Each section switches once per revolution of the spool.",
@@ -20,6 +19,3 @@ EXERCISE = Exercise(
         ),
     ),
 )
-
-if __name__ == "__main__":
-    sys.exit(EXERCISE.main())

@@ -1,14 +1,16 @@
-"""Pages that MkDocs finds beside those that are written: verbs, Python, literature and notebooks."""
+"""Pages that MkDocs finds beside those that are written: verbs, Python, literature, notebooks, circuits that run."""
 
 import sys
 from pathlib import Path
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
+from mkdocs.structure.pages import Page
 
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parents[1] / "src")]
 
+import live_pages  # noqa: E402
 import notebooks  # noqa: E402
 import reference_pages  # noqa: E402
 
@@ -22,10 +24,15 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Adds the generated pages."""
-    pages = {**reference_pages.pages(), **notebooks.pages()}
+    pages = {**reference_pages.pages(), **notebooks.pages(), **dict(live_pages.pages())}
     for path, text in pages.items():
         files.append(File.generated(config, path, content=text))
     return files
+
+
+def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Puts circuits that run into the pages that show them."""
+    return live_pages.with_frames(markdown, page.url)
 
 
 def on_post_build(config: MkDocsConfig) -> None:

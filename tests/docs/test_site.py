@@ -8,6 +8,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.report.browser import running
+
+from vvdp.systems.system import shipped_systems
 
 pytestmark = pytest.mark.thorough
 
@@ -27,7 +30,8 @@ def site(tmp_path_factory) -> Path:
 
 
 def _environment() -> dict[str, str]:
-    return {**os.environ, "NO_MKDOCS_2_WARNING": "1", "PYTHONPATH": str(ROOT / "src")}
+    circuits = {"VVDP_LIVE_PAGES": "press.toml,accumulator-charging"}
+    return {**os.environ, "NO_MKDOCS_2_WARNING": "1", "PYTHONPATH": str(ROOT / "src"), **circuits}
 
 
 def pages(site: Path) -> dict[str, str]:
@@ -109,3 +113,20 @@ def test_every_link_between_pages_leads_somewhere(site):
             if not (site / target).is_file() or (anchor and target in anchors and anchor not in anchors[target]):
                 broken.append((name, link))
     assert not broken
+
+
+def test_circuits_run_in_the_site(site, chromium, tmp_path):
+    """The first circuit below its text and by itself; what it shows first is what the page on it prints: 79.29 bar."""
+    page = (site / "first-circuit.html").read_text("utf-8")
+    frames = re.findall(r'<iframe src="([^"]+)"', page)
+    assert frames == ["live/press.toml.html", "live/unit.toml.html"]
+    assert (
+        '<iframe src="../live/displacement-control.html"' in (site / "subjects/displacement-control.html").read_text()
+    )
+    assert (site / "gallery.html").read_text("utf-8").count("<iframe src=") == len(shipped_systems())
+    with running(chromium, tmp_path / "profile") as browser:
+        browser.open(site / frames[0])
+        found = browser.ask("vvdp.run({}).then(({ summary }) => summary.pressure_mean_rail_Pa)")
+        assert found / 1e5 == pytest.approx(79.29, abs=5e-3)
+        asked = [event["request"]["url"] for event in browser.named("Network.requestWillBeSent")]
+        assert all(url.startswith(("file:", "blob:")) for url in asked)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 from vvdp.api.run import Run
 from vvdp.api.system import load, loads
@@ -111,3 +112,15 @@ class Exercise:
             return USAGE
         write_whole(Path(files[0]), web_page(self.run.system).html)
         return 0
+
+
+def ask(name: str, question: str | None, **exercise: Any) -> Exercise:
+    """The exercise of a file, which checks an answer where the file is run as a program.
+
+    name, question  `__name__` and `__doc__` of the file
+    exercise        the other fields of `Exercise`
+    """
+    found = Exercise(question or "", **exercise)
+    if name == "__main__":
+        sys.exit(found.main())
+    return found

@@ -146,15 +146,19 @@ function vvdpLoop(model) {
       if (number) throw new Error(`the run ended at t = ${plain(this.time)} s: ${model.reasons[String(number)] ?? "a check failed"}`);
     }
 
-    /* Calls a function that takes a time and arrays, each { address, count }; `which` goes before the time. */
-    enter(name, time, arrays, which) {
-      const bits = new DataView(new ArrayBuffer(8));
-      bits.setFloat64(0, time);
-      const words = [...(which === undefined ? [] : [BigInt(which)]), bits.getBigInt64(0), ...arrays.flatMap(({ address, count }) => [BigInt(address), BigInt(count)])];
-      this.entrance ??= this.room(8 * 24);
-      new BigInt64Array(this.memory.buffer, this.entrance, words.length + 2).set([...words, 0n, 0n]);
-      this.instance.exports[name](this.entrance);
-      this.fail(new BigInt64Array(this.memory.buffer, this.entrance, words.length + 2)[words.length + 1]);
+    /* Readies a call of a function that takes a time and arrays, each { address, count }; `which` goes before the time. */
+    entry(name, arrays, which) {
+      const words = [...(which === undefined ? [] : [BigInt(which)]), 0n, ...arrays.flatMap(({ address, count }) => [BigInt(address), BigInt(count)])];
+      const slots = this.room(8 * (words.length + 2)), at = words.length - 2 * arrays.length - 1;
+      new BigInt64Array(this.memory.buffer, slots, words.length).set(words);
+      const numbers = new BigInt64Array(this.memory.buffer, slots, words.length + 2), floats = new Float64Array(this.memory.buffer, slots, words.length);
+      return (time, addresses = []) => {
+        numbers[words.length + 1] = 0n;
+        floats[at] = time;
+        addresses.forEach((address, i) => { numbers[at + 1 + 2 * i] = BigInt(address); });
+        this.instance.exports[name](slots);
+        this.fail(numbers[words.length + 1]);
+      };
     }
 
     vector(name) {
@@ -171,7 +175,7 @@ function vvdpLoop(model) {
       const [first, last] = model.held;
       if (first === last) return;
       const to = this.scratch("held", this.arrays.command.shape[0]);
-      this.enter("vvdp_sample", this.time, [this.vector("y"), this.vector("command"), this.vector("memory"), this.vector("params"), to], 0);
+      this.entry("vvdp_sample", [this.vector("y"), this.vector("command"), this.vector("memory"), this.vector("params"), to], 0)(this.time);
       this.get("command").set(new Float64Array(this.memory.buffer, to.address + 8 * first, last - first), first);
     }
 
@@ -179,7 +183,7 @@ function vvdpLoop(model) {
     stored(state) {
       const from = this.scratch("state", state.length), to = this.scratch("stored", 64);
       new Float64Array(this.memory.buffer, from.address, from.count).set(state);
-      this.enter("vvdp_stored", 0, [from, this.vector("params"), to]);
+      this.entry("vvdp_stored", [from, this.vector("params"), to])(0);
       return new Float64Array(this.memory.buffer, to.address, to.count).slice();
     }
 
@@ -187,11 +191,12 @@ function vvdpLoop(model) {
     outputs(rows) {
       const [n, commands] = [this.arrays.record.shape[1], this.arrays.record_command.shape[1]];
       const to = this.scratch("outputs", model.outputs), found = new Float64Array(rows * model.outputs), times = this.get("record_times").slice();
+      const { address: state } = this.arrays.record, { address: command } = this.arrays.record_command;
+      const outputs = this.entry("vvdp_outputs", [{ address: state, count: n }, { address: command, count: commands }, this.vector("params"), to]);
+      const row = new Float64Array(this.memory.buffer, to.address, model.outputs);
       for (let i = 0; i < rows; i++) {
-        const state = { address: this.arrays.record.address + 8 * i * n, count: n };
-        const command = { address: this.arrays.record_command.address + 8 * i * commands, count: commands };
-        this.enter("vvdp_outputs", times[i], [state, command, this.vector("params"), to]);
-        found.set(new Float64Array(this.memory.buffer, to.address, model.outputs), i * model.outputs);
+        outputs(times[i], [state + 8 * i * n, command + 8 * i * commands]);
+        found.set(row, i * model.outputs);
       }
       return found;
     }

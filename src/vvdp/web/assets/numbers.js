@@ -134,8 +134,9 @@ function vvdpNumbers(model, loop) {
     const of = { time: [call.get("record_times"), 1], state: [call.get("record"), call.arrays.record.shape[1]],
       command: [call.get("record_command"), call.arrays.record_command.shape[1]], output: [outputs, model.outputs] };
     const [shown, moving] = named.map((each) => Object.fromEntries(Object.entries(each).map(([key, [kind, place, less]]) => {
-      const [values, width] = of[kind];
-      return [key, Float64Array.from({ length: rows }, (_, i) => values[i * width + place] - less)];
+      const [values, width] = of[kind], column = new Float64Array(rows);
+      for (let i = 0; i < rows; i++) column[i] = values[i * width + place] - less;
+      return [key, column];
     })));
     return { series: shown, moving: { ...moving, time: call.get("record_times").slice(0, rows) } };
   }
