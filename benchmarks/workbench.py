@@ -27,30 +27,51 @@ FIGURE, SLOWEST, RATE, WHOLE, REST, TEXT = 120.0, 240.0, 15.0, 3.0, 100.0, 60.0
 GROWTH, SERVER, PAGE = 1.2, 300e6, 150e6
 HELPERS = """
 window.drawn = [];
-{ const own = receive;
-  receive = (...parts) => { own(...parts); requestAnimationFrame(() => drawn.push([parts[0].kind, performance.now()])); }; }
+{
+  const own = receive;
+  receive = (...parts) => {
+    own(...parts);
+    requestAnimationFrame(() => drawn.push([parts[0].kind, performance.now()]));
+  };
+}
 window.slider = document.getElementById("value-KEY").closest(".value").querySelector("[type=range]");
-window.place = (i, kind) => { slider.value = 0.3 + 0.4 * ((i * 0.618) % 1); slider.dispatchEvent(new Event(kind)); };
-window.after = async (kind, begun) => { for (;;) {
-  const found = drawn.find(([each, at]) => each === kind && at > begun);
-  if (found) return found[1] - begun;
-  await new Promise((next) => setTimeout(next, 1)); } };
+window.place = (i) => { slider.value = 0.3 + 0.4 * ((i * 0.618) % 1); slider.dispatchEvent(new Event("input")); };
+window.after = async (kind, begun) => {
+  for (;;) {
+    const found = drawn.find(([each, at]) => each === kind && at > begun);
+    if (found) return found[1] - begun;
+    await new Promise((next) => setTimeout(next, 1));
+  }
+};
+window.repeat = async (count, act) => {
+  const found = [];
+  for (let i = 0; i < count; i++) found.push(await act(i, performance.now()));
+  return found;
+};
+window.enter = (i) => change(state.rows.find(({ key }) => key === "KEY"), String(0.3 + 0.4 * ((i * 0.618) % 1)), false);
+window.typed = (i) => {
+  const text = document.getElementById("text");
+  text.value = `${state.saved}# ${i}\\n`;
+  text.dispatchEvent(new Event("input"));
+};
 """.replace("KEY", KEY)
-"""Each packet that is drawn, with the time at which the next frame begins; a slider that is moved."""
-CHANGES = """(async () => { const found = [];
-  for (let i = 0; i < COUNT; i++) { const begun = performance.now(); place(i, "input"); found.push(await after("draft", begun)); }
-  return found; })()"""
-DRAG = """(async () => { drawn.length = 0; const begun = performance.now();
-  for (let i = 0; performance.now() - begun < 1000 * SECONDS; i++) { place(i, "input"); await new Promise((next) => setTimeout(next, 16)); }
-  return drawn.filter(([kind]) => kind === "draft").length / SECONDS; })()"""
-WHOLES = """(async () => { const found = [];
-  for (let i = 0; i < COUNT; i++) { const begun = performance.now(); change(state.rows.find((row) => row.key === "KEY"), String(0.3 + 0.4 * ((i * 0.618) % 1)), false);
-    const figure = await after("figures", begun); found.push([figure, await after("numbers", begun) - figure]); }
-  return found; })()""".replace("KEY", KEY)
-TYPED = """(async () => { const text = document.getElementById("text"), found = [];
-  for (let i = 0; i < COUNT; i++) { const begun = performance.now(); text.value = `${state.saved}# ${i}\\n`; text.dispatchEvent(new Event("input"));
-    found.push(await after("drawing", begun)); }
-  return found; })()"""
+"""Each packet that is drawn, with the time at which the next frame begins; a slider that is moved, values, text."""
+CHANGES = "repeat(COUNT, (i, begun) => { place(i); return after('draft', begun); })"
+WHOLES = """repeat(COUNT, async (i, begun) => {
+  enter(i);
+  const figure = await after("figures", begun);
+  return [figure, await after("numbers", begun) - figure];
+})"""
+TYPED = "repeat(COUNT, (i, begun) => { typed(i); return after('drawing', begun); })"
+DRAG = """(async () => {
+  drawn.length = 0;
+  const begun = performance.now();
+  for (let i = 0; performance.now() - begun < 1000 * SECONDS; i++) {
+    place(i);
+    await new Promise((next) => setTimeout(next, 16));
+  }
+  return drawn.filter(([kind]) => kind === "draft").length / SECONDS;
+})()"""
 
 
 @contextmanager
@@ -87,7 +108,9 @@ def waits(page: Browser, count: int) -> None:
     draft = 0.5 * (before + simulated(DRAFT * until, count))
     report("draft, change to figure", spread(changes, "ms"), f"{FIGURE:g} ms", median(changes) <= FIGURE)
     report("draft, slowest", f"{max(changes):.4g} ms", f"{SLOWEST:g} ms", max(changes) <= SLOWEST)
-    report("draft, change to figure over `simulate`", f"{median(changes) / draft:.3g} times {draft:.3g} ms", listed=True)
+    report(
+        "draft, change to figure over `simulate`", f"{median(changes) / draft:.3g} times {draft:.3g} ms", listed=True
+    )
     rate = page.ask(DRAG.replace("SECONDS", "3" if count > 5 else "0.5"))
     report("figures per s while dragging", f"{rate:.3g}", f"{RATE:g}", rate >= RATE)
     before = simulated(until, count)
@@ -114,7 +137,9 @@ def many(server: Running, count: int) -> None:
         for n in range(count):
             began = time.perf_counter()
             setting = f"{KEY}={0.3 + 0.4 * ((n * 0.618) % 1.0):.4f}"
-            page.send(json.dumps({"n": n, "kind": "draft", "system": SYSTEM, "set": [setting], "charts": ["cycle-time"]}))
+            page.send(
+                json.dumps({"n": n, "kind": "draft", "system": SYSTEM, "set": [setting], "charts": ["cycle-time"]})
+            )
             page.recv(timeout=60)
             times.append(time.perf_counter() - began)
             held.append(resident(server))

@@ -150,8 +150,8 @@ dirty = "rail"
 def test_entries_in_one_line_and_parts_are_changed_where_they_stand(drawing):
     page = drawing
     page.ask(f"setText({INLINE!r})")
-    of = "Object.fromEntries([...drawnOwners(state.text)].map(([name, {{a, dirty, table}}]) => [name, [a ?? dirty, table]]))"
-    assert page.ask(of.format()) == {"load": ["rail", "components"], "fine": ["rail", "parts"]}
+    owners = "[...drawnOwners(state.text)].map(([name, {a, dirty, table}]) => [name, a ?? dirty, table])"
+    assert page.ask(owners) == [["load", "rail", "components"], ["fine", "rail", "parts"]]
     assert page.ask("[...drawnParts(state.text, 'nodes')].map(([name, {type}]) => [name, type])") == [
         ["tank", "tank"], ["rail", "volume"],
     ]  # fmt: skip
@@ -166,10 +166,9 @@ def test_entries_in_one_line_and_parts_are_changed_where_they_stand(drawing):
     assert changes(INLINE, changed)[1] == [
         'rail = { type = "volume", volume = { value = "2 l", status = "assumed" }, start = "5 bar" }'
     ]
-    defaults = (
-        "new Map([['oil.density', 'oil.density=870 kg/m^3'], ['nodes.fine_bowl.volume', 'nodes.fine_bowl.volume=1 l']])"
-    )
-    text, missing = page.ask(f"writeInto(state.text, {defaults})")
+    settings = ("oil.density=870 kg/m^3", "nodes.fine_bowl.volume=1 l")
+    both = [[setting.partition("=")[0], setting] for setting in settings]
+    text, missing = page.ask(f"writeInto(state.text, new Map({both}))")
     assert changes(INLINE, text) == ([], ["", "[oil]", 'density = "870 kg/m^3"'])
     assert missing == ["nodes.fine_bowl.volume"]
     page.ask("setText(state.saved)")

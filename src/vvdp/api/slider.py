@@ -52,8 +52,8 @@ def slider(
     >>> vvdp.slider(system, "operation.duty_ratio", "0.2", "0.8")
 
     Without ends it covers the range that the file gives, or a tenth to ten times the value. `until` is as of
-    `System.run`. The count of runs is shown on stderr. Values that the system refuses are left out. Raises ConfigError for an unknown key or a value that is
-    no number, and where no run is possible.
+    `System.run`. The count of runs is shown on stderr. Values that the system refuses are left out. Raises ConfigError
+    for an unknown key or a value that is no number, and where no run is possible.
     """
     row = next((each for each in system.rows if each.setting == key), None)
     if row is None:

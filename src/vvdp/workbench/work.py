@@ -161,7 +161,7 @@ def numbers(run: RecordedRun) -> dict[str, Any]:
     run = with_closed_forms(run)
     result = run_result(run)
     return {
-        **_drawn(run.system),
+        **_circuit_packet(run.system),
         "means": mean_texts(run.system, run.summary, is_draft=False),
         "result": json_summary(run),
         "labels": {key: each.label for key, each in run.numbers.items()},
@@ -175,8 +175,8 @@ def numbers(run: RecordedRun) -> dict[str, Any]:
 
 def text_drawing(offer: Offer, asked: Asked) -> Mapping[str, Any]:
     """The diagram and the values of a text, without running it."""
-    return {"kind": "drawing", **_drawn(offer.system(asked))}
+    return {"kind": "drawing", **_circuit_packet(offer.system(asked))}
 
 
-def _drawn(system: System) -> dict[str, Any]:
+def _circuit_packet(system: System) -> dict[str, Any]:
     return {"svg": drawing(system), "title": system.title, "values": value_rows(system)}
