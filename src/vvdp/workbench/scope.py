@@ -19,7 +19,7 @@ RECORD = "record"
 def listed_series(run: RecordedRun, tables: Mapping[str, Table]) -> list[tuple[str, str]]:
     """Name and label of each series over time that a scope can show."""
     every = _every(run, tables)
-    return [(name, every[table].columns[key].label) for name, (table, key) in _known(every).items()]
+    return [(name, every[table].columns[key].label) for name, (table, key) in _series_places(every).items()]
 
 
 def own_scope(
@@ -30,7 +30,7 @@ def own_scope(
     Series of one unit share a panel. It shows what the report shows first: the last periods.
     """
     every = _every(run, tables)
-    known = _known(every)
+    known = _series_places(every)
     panels: dict[str, Lines] = {}
     for table, key in dict.fromkeys(known[name] for name in names if name in known):
         column = every[table].columns[key]
@@ -51,7 +51,7 @@ def _every(run: RecordedRun, tables: Mapping[str, Table]) -> dict[str, Table]:
     return {**tables, RECORD: record_table(run.record)}
 
 
-def _known(tables: Mapping[str, Table]) -> dict[str, tuple[str, str]]:
+def _series_places(tables: Mapping[str, Table]) -> dict[str, tuple[str, str]]:
     """Table and column of each series over time, by its name."""
     over_time = {name for name, table in tables.items() if abscissa(table) == TIME}
     found = series_names(Result(verb="run", title="", system="", tables=tables))
