@@ -42,6 +42,8 @@ def test_by_keyboard_alone_a_value_is_moved_and_two_runs_are_compared(page):
         page.press(" ")
     assert page.ask("document.querySelectorAll('#compared tbody tr').length") > 10
     assert "nan" not in page.ask("document.getElementById('compared').textContent").lower()
+    first = "[...document.querySelector('#compared tbody tr').children].map((e) => e.textContent)"
+    assert page.ask(first) == ["operation.duty_ratio", "as in the file", page.ask(f"{DUTY}.value")]
     assert page.ask("[...live.values()][0].chart.plots[0].content.lines.length") == 4  # two of each run
 
 

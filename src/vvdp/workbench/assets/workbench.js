@@ -159,7 +159,10 @@ function showCompared() {
   const keys = Object.keys(on[0].labels).filter((key) => on.some((run) => run.result[key] !== on[0].result[key]));
   const head = element("tr", {}, element("th", {}, "SI units"), ...on.map((run) => element("th", { class: "n" }, run.name)));
   const rows = keys.map((key) => element("tr", {}, element("th", { title: key }, on[0].labels[key]), ...on.map((run) => element("td", { class: "n" }, typeof run.result[key] === "number" ? formatNumber(run.result[key]) : String(run.result[key] ?? "not known")))));
-  $("compared").replaceChildren(element("table", {}, element("thead", {}, head), element("tbody", {}, ...rows)));
+  const settings = on.map((run) => new Map(run.words.split(", ").map((words) => words.split("="))));
+  const changed = [...new Set(settings.flatMap((each) => [...each.keys()]))].filter((key) => key.includes("."));
+  const values = changed.map((key) => element("tr", {}, element("th", { title: key }, key), ...settings.map((each) => element("td", { class: "n" }, each.get(key) ?? "as in the file"))));
+  $("compared").replaceChildren(element("table", {}, element("thead", {}, head), element("tbody", {}, ...values, ...rows)));
 }
 
 function showFaults(faults) {
