@@ -16,7 +16,7 @@ from benchmarks import peers, reference
 
 ROOT = Path(__file__).parents[2]
 NEEDED = {"against_c": "gcc", "pages": "chromium", "workbench": "chromium"}
-MODULES = {"estimators": ("filterpy",), "logs": ("h5py", "pyarrow")}
+MODULES = {"estimators": ("filterpy",), "logs": ("h5py", "pyarrow"), "pages": ("ziglang",)}
 
 
 @pytest.mark.thorough

@@ -30,13 +30,13 @@ from vvdp.systems.changeable import Changeable, changeable_values
 from vvdp.systems.overview import warnings
 from vvdp.systems.system import System
 from vvdp.web.call import call
-from vvdp.web.module import EXACT, WebModules, web_modules
+from vvdp.web.module import EXACT, QUICK, WebModules, web_modules
 from vvdp.web.motion import motion
 from vvdp.web.numbers import judgement, labels, summary_sums
 from vvdp.web.series import followed_charts, recorded_columns, table_courses
 
 MOST_BYTES = 1_000_000
-WORKING, OWN = ("loop.js", "numbers.js", "values.js", "worker.js"), ("motion.js", "page.js")
+WORKING, OWN = ("loop.js", "numbers.js", "values.js", "worker.js"), ("motion.js", "scope.js", "page.js")
 """Scripts of the worker that carries runs out, and of the page."""
 PAGES = 64
 """Memory that a module has from the start, in pages of 64 KiB: its tables and its stack."""
@@ -62,7 +62,7 @@ class WebPage:
 
 
 def web_page(system: System, command: str = "", say: Callable[[str], None] = quiet) -> WebPage:
-    """The page of a system, which is run once for what it shows first.
+    """The page of a system, which is run once for what it shows first; it has no quick level if it were too large with it.
 
     command  the line that runs the system as it is, to which the page adds what is set there
     Raises MissingExtraError without the extra `web`, RunError where the run fails or the page becomes too large.
@@ -71,6 +71,9 @@ def web_page(system: System, command: str = "", say: Callable[[str], None] = qui
     result = run_result(run)
     model, values, modules = shown_model(run, result, command or f"vvdp run {system.name}")
     html = "\n".join(_lines(run, result, model, values))
+    if len(html.encode()) > MOST_BYTES:
+        del model["modules"][QUICK]
+        html = "\n".join(_lines(run, result, model, values))
     if (size := len(html.encode())) > MOST_BYTES:
         raise unusable("export web", f"the page has {size} bytes; at most {MOST_BYTES}: record less (run.window)")
     return WebPage(html, modules, values, model)

@@ -187,16 +187,16 @@ function vvdpLoop(model) {
       return new Float64Array(this.memory.buffer, to.address, to.count).slice();
     }
 
-    /* The outputs of the circuit at the recorded rows, one row after the other. */
-    outputs(rows) {
+    /* Some outputs of the circuit at the recorded rows, by their places. */
+    outputs(rows, places) {
       const [n, commands] = [this.arrays.record.shape[1], this.arrays.record_command.shape[1]];
-      const to = this.scratch("outputs", model.outputs), found = new Float64Array(rows * model.outputs), times = this.get("record_times").slice();
+      const to = this.scratch("outputs", model.outputs), found = new Map(places.map((place) => [place, new Float64Array(rows)]));
       const { address: state } = this.arrays.record, { address: command } = this.arrays.record_command;
       const outputs = this.entry("vvdp_outputs", [{ address: state, count: n }, { address: command, count: commands }, this.vector("params"), to]);
-      const row = new Float64Array(this.memory.buffer, to.address, model.outputs);
+      const row = new Float64Array(this.memory.buffer, to.address, model.outputs), times = this.get("record_times");
       for (let i = 0; i < rows; i++) {
         outputs(times[i], [state + 8 * i * n, command + 8 * i * commands]);
-        found.set(row, i * model.outputs);
+        for (const [place, column] of found) column[i] = row[place];
       }
       return found;
     }
@@ -230,20 +230,13 @@ function vvdpLoop(model) {
     }
   }
 
-  const kept = new Map();
+  const memory = new WebAssembly.Memory({ initial: model.pages });
 
-  /* An instance of a module with its memory, which one run after the other takes: browsers are slow to free memory. */
-  function instanceOf(module) {
-    if (!kept.has(module)) {
-      const memory = new WebAssembly.Memory({ initial: model.pages });
-      kept.set(module, { memory, instance: new WebAssembly.Instance(module, { env: { memory } }) });
-    }
-    return kept.get(module);
-  }
-
-  /* A run from its beginning, which ends those before it; `vectors` may replace y, command, memory, params. */
+  /* A run from its beginning; `vectors` may replace y, command, memory, params. It takes the memory of the run before,
+     which browsers are slow to free. */
   function begin(module, stepping, vectors) {
-    const { instance, memory } = instanceOf(module);
+    new Uint8Array(memory.buffer, 0, model.pages * 65536).fill(0);
+    const instance = new WebAssembly.Instance(module, { env: { memory } });
     const call = new Call(instance, memory, { ...model.stepping, ...stepping }, vectors || {});
     if (vectors) call.hold();
     call.initial = call.get("y").slice();

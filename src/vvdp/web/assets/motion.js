@@ -121,6 +121,7 @@ function vvdpMotion(model, ask) {
     }
     reach.value = String(time);
     clock.textContent = `t = ${Number(time.toPrecision(6))} s`;
+    document.dispatchEvent(new CustomEvent("vvdp-time", { detail: time }));
   }
 
   function play(is) {

@@ -129,13 +129,12 @@ function vvdpNumbers(model, loop) {
   /* The recorded columns: by the names of the report's table, and those that move the diagrams. */
   function series(call) {
     const rows = call.get("clock")[at.records], named = [model.series, model.moving];
-    const isOutput = named.some((each) => Object.values(each).some(([kind]) => kind === "output"));
-    const outputs = isOutput ? call.outputs(rows) : null;
-    const of = { time: [call.get("record_times"), 1], state: [call.get("record"), call.arrays.record.shape[1]],
-      command: [call.get("record_command"), call.arrays.record_command.shape[1]], output: [outputs, model.outputs] };
+    const wanted = named.flatMap((each) => Object.values(each)).filter(([kind]) => kind === "output").map(([, place]) => place);
+    const outputs = wanted.length ? call.outputs(rows, [...new Set(wanted)]) : null;
+    const of = { time: ["record_times", 1], state: ["record", call.arrays.record.shape[1]], command: ["record_command", call.arrays.record_command.shape[1]] };
     const [shown, moving] = named.map((each) => Object.fromEntries(Object.entries(each).map(([key, [kind, place, less]]) => {
-      const [values, width] = of[kind], column = new Float64Array(rows);
-      for (let i = 0; i < rows; i++) column[i] = values[i * width + place] - less;
+      const column = new Float64Array(rows), [values, width, from] = kind === "output" ? [outputs.get(place), 1, 0] : [call.get(of[kind][0]), of[kind][1], place];
+      for (let i = 0; i < rows; i++) column[i] = values[i * width + from] - less;
       return [key, column];
     })));
     return { series: shown, moving: { ...moving, time: call.get("record_times").slice(0, rows) } };

@@ -9,7 +9,7 @@ const vvdp = (() => {
   const set = {};
 
   worker.onmessage = ({ data }) => {
-    if (data.ready) { draft = data.isFused ? "exact" : "quick"; readied(); return; }
+    if (data.ready) { draft = data.isFused || !model.modules.quick ? "exact" : "quick"; readied(); return; }
     const mine = waiting.get(data.id);
     if (data.reach !== undefined) { mine?.reach(data.reach); return; }
     waiting.delete(data.id);
@@ -189,6 +189,7 @@ const vvdp = (() => {
       if (mine !== latest) return;
       showNumbers(found.summary);
       showNotes(found.warnings);
+      scope.show(found);
       moving.show(found.moving);
       await showCharts(found.series);
       place("level").textContent = found.level;
@@ -200,7 +201,9 @@ const vvdp = (() => {
     }
   }
 
-  const moving = vvdpMotion(model, () => send({ values: { ...set }, until: untilSet() }).then((found) => found.moving, (problem) => { fault(problem.message); return null; }));
+  const scope = vvdpScope(place(`figure-${Object.keys(model.figures)[0]}`));
+  const moving = vvdpMotion(model, () => send({ values: { ...set }, until: untilSet() }).then(
+    (found) => { scope.show(found); return found.moving; }, (problem) => { fault(problem.message); return null; }));
 
   /* Runs what is set: at once in place of a run in progress, but behind one that shows what is being dragged. */
   async function soon(isDragged = false) {
@@ -247,6 +250,7 @@ const vvdp = (() => {
     showNumbers(null);
     showNotes(null);
     showCharts(null);
+    scope.show(null);
     moving.show(null);
     busy(false);
   }

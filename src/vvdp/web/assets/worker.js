@@ -19,6 +19,7 @@ function vvdpModules(model) {
 
   async function moduleOf(level) {
     if (!Object.hasOwn(LEVELS, level)) throw new Error(`level ${JSON.stringify(level).slice(0, 40)}: expected "exact" or "quick"`);
+    if (!model.modules[LEVELS[level]]) throw new Error(`level "${level}": the page would be too large with it; expected "exact"`);
     return (compiled[level] ??= unpacked(model.modules[LEVELS[level]]).then(WebAssembly.compile));
   }
 
