@@ -27,6 +27,7 @@ NAMES = (
     "server",
     "cfd_overhead",
     "pages",
+    "workbench",
 )
 README = HERE / "README.md"
 BEGIN, END = "<!-- written by `python -m benchmarks.run --write` -->", "<!-- end of what is written -->"

@@ -81,7 +81,8 @@ def test_what_no_slider_can_move(system, key, ends, words):
         vvdp.slider(system, key, *ends, count=2, until="0.05 s")
 
 
-def test_values_that_are_refused_are_left_out_and_named(system):
+def test_values_that_are_refused_are_left_out_and_named(system, capsys):
     found = vvdp.slider(system, KEY, 0.5, 2.5, count=2, until="0.05 s")
+    assert re.findall(r"run (\d) of 2", capsys.readouterr().err) == ["1", "2"]
     assert found.values == (0.5,)
     assert "duty_ratio" in found.left_out[0] and "Left out" in found._repr_html_()

@@ -15,7 +15,7 @@ from benchmarks.run import BEGIN, END, NAMES, README, written
 from benchmarks import peers, reference
 
 ROOT = Path(__file__).parents[2]
-NEEDED = {"against_c": "gcc", "pages": "chromium"}
+NEEDED = {"against_c": "gcc", "pages": "chromium", "workbench": "chromium"}
 MODULES = {"estimators": ("filterpy",), "logs": ("h5py", "pyarrow"), "pages": ("ziglang",)}
 
 

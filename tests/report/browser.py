@@ -103,8 +103,8 @@ class Browser:
             self.mouse("mouseReleased", x, y, button="left", clickCount=count)
 
     def press(self, key: str) -> None:
-        """Presses a key; a single letter is typed."""
-        text = {"text": key} if len(key) == 1 else {}
+        """Presses a key; a single letter is typed, and Enter does what it does in a field or on a button."""
+        text = {"text": "\r" if key == "Enter" else key} if len(key) == 1 or key == "Enter" else {}
         self.call("Input.dispatchKeyEvent", type="keyDown", key=key, **text)
         self.call("Input.dispatchKeyEvent", type="keyUp", key=key)
 

@@ -6,6 +6,7 @@ import shlex
 
 import numpy as np
 import pytest
+from tests.report.axe import serious
 from tests.report.browser import running
 
 from vvdp.cli.main import main
@@ -108,6 +109,9 @@ def check_page(browser, page):
     headings = browser.ask("[...document.querySelectorAll('h2')].map((each) => '#' + each.id)")
     assert links and links == [each for each in headings if each != "#references"]
     assert len(set(headings)) == len(headings)
+    for scheme in ("dark", "light"):
+        browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+        assert serious(browser) == [], scheme
     for width in (1000, 600):
         resize(browser, width)
         assert browser.ask(f"new Promise((done) => setTimeout(() => done({TOO_WIDE}), 50))") == [], width

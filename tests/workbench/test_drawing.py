@@ -128,7 +128,70 @@ def test_only_headers_begin_a_table(page):
 
 def test_a_text_that_is_written_otherwise_is_left_alone(drawing):
     page = drawing
-    text = '[nodes]\nsupply = { type = "tank" }\n'
+    text = '[nodes]\nsupply.type = "tank"\n'
     page.ask(f"setText({text!r}); edit(withLine(state.text, 'nodes.supply', 'at', '[1, 1]'), '')")
-    assert "no table of its own" in page.ask("document.getElementById('state').textContent")
+    assert "only the text can change" in page.ask("document.getElementById('state').textContent")
     assert page.ask("state.text") == text
+
+
+INLINE = """[nodes]
+tank = { type = "tank" } # below
+rail = { type = "volume", volume = { value = "100 cc", status = "assumed" }, start = "5 bar" }
+
+[components]
+load = { type = "orifice", a = "rail", b = 'tank', area = "15 mm^2, }" }
+
+[parts.fine]
+file = "filter.toml"
+dirty = "rail"
+"""
+
+
+def test_entries_in_one_line_and_parts_are_changed_where_they_stand(drawing):
+    page = drawing
+    page.ask(f"setText({INLINE!r})")
+    owners = "[...drawnOwners(state.text)].map(([name, {a, dirty, table}]) => [name, a ?? dirty, table])"
+    assert page.ask(owners) == [["load", "rail", "components"], ["fine", "rail", "parts"]]
+    assert page.ask("[...drawnParts(state.text, 'nodes')].map(([name, {type}]) => [name, type])") == [
+        ["tank", "tank"], ["rail", "volume"],
+    ]  # fmt: skip
+    moved = page.ask("withLine(state.text, 'components.load', 'b', '\"rail\"')")
+    assert changes(INLINE, moved)[1] == ['load = { type = "orifice", a = "rail", b = "rail", area = "15 mm^2, }" }']
+    placed = page.ask("withLine(state.text, 'nodes.tank', 'at', '[1, 2]')")
+    assert changes(INLINE, placed)[1] == ['tank = { type = "tank", at = [1, 2] } # below']
+    assert changes(INLINE, page.ask("withoutTable(state.text, 'components.load')")) == (
+        ["load = { type = \"orifice\", a = \"rail\", b = 'tank', area = \"15 mm^2, }\" }"], [],
+    )  # fmt: skip
+    changed = page.ask("writeInto(state.text, new Map([['nodes.rail.volume', 'nodes.rail.volume=2 l']]))[0]")
+    assert changes(INLINE, changed)[1] == [
+        'rail = { type = "volume", volume = { value = "2 l", status = "assumed" }, start = "5 bar" }'
+    ]
+    settings = ("oil.density=870 kg/m^3", "nodes.fine_bowl.volume=1 l")
+    both = [[setting.partition("=")[0], setting] for setting in settings]
+    text, missing = page.ask(f"writeInto(state.text, new Map({both}))")
+    assert changes(INLINE, text) == ([], ["", "[oil]", 'density = "870 kg/m^3"'])
+    assert missing == ["nodes.fine_bowl.volume"]
+    page.ask("setText(state.saved)")
+
+
+def test_a_shipped_part_is_dropped_and_its_port_moved(drawing):
+    page = drawing
+    page.ask("setText(state.saved)")
+    add(page, "pump-unit")
+    assert 'type = "pump-unit"' in page.ask("state.text")
+    node = page.ask("drawnOwners(state.text).get('pump_unit').load")
+    assert node == "pump_unit_load"
+    x, y = middle(page, handle("pump_unit", "load"))
+    page.click(x, y)
+    assert page.ask(f"{handle('valve', 'a')}.classList.contains('fits')")
+    x, y = middle(page, handle("valve", "a"))
+    page.click(x, y)
+    wait_for(page, f"state.answered === state.asked && {DRAWN}")
+    assert page.ask("drawnOwners(state.text).get('pump_unit').load") == "supply"
+    assert "[nodes.pump_unit_load]" not in page.ask("state.text")
+    page.ask("openTable('pump_unit')")
+    lists = "[...document.querySelectorAll('#joints select')].map((e) => e.value)"
+    assert page.ask(lists) == ["supply", "pump_unit_tank", "pump_unit_shaft"]
+    page.ask("document.querySelector('#joints button').click()")
+    wait_for(page, f"state.answered === state.asked && {DRAWN}")
+    assert page.ask("state.text").strip() == page.ask("state.saved").strip()

@@ -7,6 +7,7 @@ import pytest
 import vvdp
 from vvdp.components.library import COMPONENTS
 from vvdp.systems.drawing import NODES
+from vvdp.systems.part_files import shipped_parts
 from vvdp.workbench.palette import palette
 from vvdp.workbench.schematic import drawing
 
@@ -32,7 +33,7 @@ def dropped(entry):
 
 
 def test_nothing_is_missing():
-    assert [each["type"] for each in palette()] == [*NODES, *COMPONENTS]
+    assert [each["type"] for each in palette()] == [*NODES, *COMPONENTS, *shipped_parts()]
 
 
 @pytest.mark.parametrize("entry", palette(), ids=lambda entry: entry["type"])

@@ -114,6 +114,11 @@ def test_numbers_are_those_of_the_command_line(server, message, tmp_path):
     printed = json.loads(done.stdout)
     measured = {key: printed[key] for key in ("out", "wall_time_s")}
     assert found | measured == printed
+    with socket_of(server) as page:
+        page.send(json.dumps({"n": 1, "kind": "whole", **message}))
+        *_, last = answers(page, "numbers")
+    shown = described(last)["result"]
+    assert shown | {key: printed[key] for key in ("out", "wall_time_s")} == printed
 
 
 @pytest.mark.parametrize(
@@ -227,6 +232,32 @@ def test_a_draft_has_only_what_is_on_view(server):
         page.send(json.dumps({**asked, "charts": [], "moves": True}))
         *_, packet = answers(page, "draft")
         assert {"times", "nodes", "flows", "openings"} <= described(packet)["course"].keys()
+
+
+def test_series_are_added_by_name(server):
+    """Series of one unit share a panel, pressures are gauge; of a whole run the scope comes without another run."""
+    asked = {"system": "prototype", "set": [], "until": "0.2 s"}
+    names = ["inlet_pressure", "load_flow", "load_pressure", "states.inlet", "nonsense"]
+    with socket_of(server) as page:
+        page.send(json.dumps({**asked, "n": 1, "kind": "whole"}))
+        *_, last = answers(page, "numbers")
+        known = dict(described(last)["series"])
+        assert known["load_flow"] == "to load" and set(names[:-1]) < set(known) and "amplitude" not in known
+        page.send(json.dumps({**asked, "n": 2, "kind": "series", "series": names}))
+        (packet,) = answers(page, "series")
+        head = described(packet)
+        (scope,) = head["charts"]
+        pressures, flows = (panel["lines"] for panel in scope["panels"])
+        assert [len(pressures), len(flows)] == [3, 1] and {line["unit"] for line in pressures} == {"bar"}
+        times, shown, state = columns_of(packet, head, pressures[0]["x"], pressures[0]["y"], pressures[2]["y"])
+        assert times[-1] == pytest.approx(0.2, rel=1e-12)
+        assert np.array_equal(shown, state) and shown.max() > 50.0
+        page.send(json.dumps({**asked, "n": 3, "kind": "draft", "series": names, "charts": ["series"]}))
+        *_, packet = answers(page, "draft")
+        assert [chart["name"] for chart in described(packet)["charts"]] == ["series"]
+        page.send(json.dumps({**asked, "n": 4, "kind": "series", "series": ["nonsense"]}))
+        (packet,) = answers(page, "series")
+        assert "charts" not in described(packet)
 
 
 def test_compiling_says_how_long_it_takes(server):

@@ -1,5 +1,6 @@
 """A slider over one value of a system, for notebooks: whole runs, made beforehand, whose curves follow."""
 
+import sys
 from dataclasses import dataclass, field
 from html import escape
 
@@ -51,8 +52,8 @@ def slider(
     >>> vvdp.slider(system, "operation.duty_ratio", "0.2", "0.8")
 
     Without ends it covers the range that the file gives, or a tenth to ten times the value. `until` is as of
-    `System.run`. Values that the system refuses are left out. Raises ConfigError for an unknown key or a value that is
-    no number, and where no run is possible.
+    `System.run`. The count of runs is shown on stderr. Values that the system refuses are left out. Raises ConfigError
+    for an unknown key or a value that is no number, and where no run is possible.
     """
     row = next((each for each in system.rows if each.setting == key), None)
     if row is None:
@@ -71,7 +72,8 @@ def slider(
 def _runs(system: System, row: Sourced, places: Array, until: str | float | None) -> Slider:
     """The runs at all places that the system accepts. Raises ConfigError where it accepts none."""
     values, runs, left_out = list[float](), list[Run](), list[str]()
-    for value in map(float, places):
+    for done, value in enumerate(map(float, places), 1):
+        print(f"\rrun {done} of {len(places)}", end="\n" if done == len(places) else "", file=sys.stderr, flush=True)
         words = with_unit(value, row.kind)
         try:
             run = system.with_values(**{row.table: {row.key: value}}).run(until)

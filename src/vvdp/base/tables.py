@@ -112,7 +112,7 @@ def parsed_table(text: str, place: str) -> Table:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as problem:
         found = re.search(r" \(at line (\d+), column \d+\)", str(problem))
-        line = int(found[1]) if found else 0
+        line = int(found[1]) if found else text.count("\n") + 1  # "at end of document"
         words = str(problem).replace(found[0] if found else "", "")
         bare = re.search(r"=\s*([-+.\d][-+.\de]*\s+[A-Za-z%][^\s,}\]]*)", text.splitlines()[line - 1] if line else "")
         meant = f'; a value with a unit stands in quotes: "{bare[1]}"' if bare else ""
@@ -151,6 +151,9 @@ def with_settings(table: Table, settings: list[str]) -> Table:
         key, equals, text = setting.partition("=")
         key, text = key.strip(), text.strip()
         parts = key.split(".")
+        if equals and len(parts) > 1 and all(parts) and not text:
+            faults.append(Fault("--set", 0, key, "no value is given"))
+            continue
         if not equals or len(parts) < 2 or not all(parts) or not text:
             meant = _full_keys(key, text, content) if equals and text else ""
             faults.append(Fault("--set", 0, setting, f'expected table.key="value with unit"{meant}'))

@@ -50,6 +50,8 @@ SCRIPTS = (
 )
 VIEWER = "solids.js"
 """Turns solids; only in pages that have some."""
+MOTION = "motion.js"
+"""What diagrams in motion have in common; only in pages that have some."""
 STYLES = ("uPlot.min.css", "charts.css")
 
 

@@ -22,7 +22,7 @@ from vvdp.systems.own_modules import OwnModule
 from vvdp.systems.pipe_waves import pipes
 from vvdp.systems.quantities import quantities, summary_units
 from vvdp.systems.resolved import resolved_text
-from vvdp.systems.summary import summary
+from vvdp.systems.summary import Summary, closed_forms, summary
 from vvdp.systems.system import System, built_system
 
 FLAGS = ("energy_residual", "mass_residual", "second_law", "within_validity", "trusted")
@@ -47,14 +47,19 @@ def run_system(
     return recorded_run(system, done, command)
 
 
-def recorded_run(system: System, done: Run, command: Sequence[str] = ()) -> RecordedRun:
+def recorded_run(
+    system: System,
+    done: Run,
+    command: Sequence[str] = (),
+    summarise: Callable[[System, Run], Summary] = summary,
+) -> RecordedRun:
     """A simulated run with its summary and origin. Raises KeyboardInterrupt where it was stopped before its first step.
 
-    `command` is what was typed.
+    `command` is what was typed. With `run_summary` in place of `summary`, `with_closed_forms` is still to be called.
     """
     if not done.end > done.stepping.begin:
         raise KeyboardInterrupt  # nothing to keep
-    found = summary(system, done)
+    found = summarise(system, done)
     balances = {key: found[key] for key in FLAGS if key in found}
     meta: dict[str, Any] = origin(done) | {
         "system": system.name,
@@ -67,6 +72,11 @@ def recorded_run(system: System, done: Run, command: Sequence[str] = ()) -> Reco
     if system.module is not None:
         meta["module"] = system.module.flat
     return RecordedRun(system, record_of(done), found, meta | balances, done=done)
+
+
+def with_closed_forms(run: RecordedRun) -> RecordedRun:
+    """A run of which `run_summary` is known, with its whole summary."""
+    return replace(run, summary={**run.summary, **closed_forms(run.system, run.summary)})
 
 
 def json_summary(run: RecordedRun) -> dict[str, Any]:

@@ -5,9 +5,10 @@ import traceback
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cache, cached_property
 from importlib import resources
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from vvdp.base.display import readable
@@ -195,15 +196,17 @@ def _build_network(table: Table, name: str, folder: Path, tables: Mapping[str, A
     return found if tables is None else found.with_tables(tables)
 
 
-def shipped_systems(group: str = "data") -> dict[str, str]:
+@cache
+def shipped_systems(group: str = "data") -> Mapping[str, str]:
     """Names of the shipped systems and their texts; the `group` "practice" are circuits from practice."""
     folder = resources.files("vvdp.systems") / group
-    return {f.name.removesuffix(".toml"): f.read_text("utf-8") for f in sorted(folder.iterdir(), key=lambda f: f.name)}
+    files = sorted(folder.iterdir(), key=lambda each: each.name)
+    return MappingProxyType({each.name.removesuffix(".toml"): each.read_text("utf-8") for each in files})
 
 
 def named_systems() -> dict[str, str]:
     """All that a name stands for: the shipped systems and the circuits from practice, with their texts."""
-    return shipped_systems() | shipped_systems("practice")
+    return {**shipped_systems(), **shipped_systems("practice")}
 
 
 def source_text(name: str) -> str:

@@ -13,7 +13,8 @@ import numpy as np
 
 from vvdp.base.errors import unusable
 from vvdp.report.html import inline_svg, row, table, text
-from vvdp.report.interactive import is_live, live_body, live_head
+from vvdp.report.interactive import MOTION, is_live, live_body, live_head
+from vvdp.report.interactive import asset as shared_asset
 from vvdp.report.page import opening
 from vvdp.report.report import circuit_svg
 from vvdp.results.result import Result
@@ -94,17 +95,21 @@ def shown_model(
 
 def page_head() -> str:
     """The head of a page with its policy, which admits the scripts of `scripts_html`."""
-    return live_head(["\n".join(map(asset, OWN))], " 'wasm-unsafe-eval'; worker-src blob:")
+    return live_head([_own_scripts()], " 'wasm-unsafe-eval'; worker-src blob:")
 
 
 def scripts_html(model: Mapping[str, Any]) -> str:
     """The end of a page: its model, the scripts of its worker, and its own."""
     data = json.dumps(model, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-    working, own = ("\n".join(map(asset, names)) for names in (WORKING, OWN))
+    working = "\n".join(map(asset, WORKING))
     return (
         f'<script type="application/json" id="model">{data}</script>\n'
-        f'<script type="text/plain" id="worker">{working}</script>\n<script>{own}</script>'
+        f'<script type="text/plain" id="worker">{working}</script>\n<script>{_own_scripts()}</script>'
     )
+
+
+def _own_scripts() -> str:
+    return "\n".join([shared_asset(MOTION), *map(asset, OWN)])
 
 
 def _outside_vectors(system: System) -> Any:

@@ -1,12 +1,13 @@
 """Which systems the page may open: the shipped ones, and the system files of one folder."""
 
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 
 from vvdp.base.errors import ConfigError, Fault, unusable
 from vvdp.base.files import write_whole
-from vvdp.base.tables import LARGEST_FILE, Table, parsed_table, with_settings
+from vvdp.base.tables import LARGEST_FILE, Table, copy_tables, parsed_table, with_settings
 from vvdp.logs.source import FORMATS
 from vvdp.systems.circuits import circuit_names
 from vvdp.systems.expansion import expand
@@ -80,7 +81,8 @@ class Offer:
         self.path(asked.system)
         text = self.text(asked.system) if asked.text is None else asked.text
         place = asked.system.removesuffix(SUFFIX)
-        table = parsed_table(text, f"{place}{SUFFIX}")
+        kept = _parsed(text, f"{place}{SUFFIX}")
+        table = replace(kept, content=copy_tables(kept.content))
         settings = list(asked.settings)
         if settings:
             table = with_settings(without_other_position(table, settings), settings)
@@ -121,6 +123,10 @@ def offer_at(path: Path) -> Offer:
     with suppress(ConfigError):  # the page shows what is wrong
         table = expand(table, offer.folder).table
     return Offer(offer.folder, offer.first, frozenset(named_code(table.content)))
+
+
+_parsed = lru_cache(maxsize=8)(parsed_table)
+"""The last texts, since values are dragged in the same one."""
 
 
 def _is_plain(path: Path, most: int = LARGEST_FILE) -> bool:

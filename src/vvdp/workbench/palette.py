@@ -15,6 +15,8 @@ from vvdp.report.symbol import Symbol
 from vvdp.report.symbol_set import LONELY, entry, generic
 from vvdp.report.symbol_set import NODES as NODE_SYMBOLS
 from vvdp.systems.drawing import NODES
+from vvdp.systems.part_files import shipped_part, shipped_parts
+from vvdp.systems.part_offers import part_ports, part_values
 
 OIL, SHAFT, ROD = "oil", "shaft", "rod"
 """What can be joined: a port to a node of the same word."""
@@ -53,8 +55,8 @@ AROUND = 6.0
 
 @cache
 def palette() -> list[dict[str, Any]]:
-    """All types of nodes and components, in the order of `vvdp list --components`."""
-    return [*_nodes(), *_components()]
+    """All types of nodes, components and shipped parts, in the order of `vvdp list --components`."""
+    return [*_nodes(), *_components(), *_parts()]
 
 
 def _nodes() -> Iterator[dict[str, Any]]:
@@ -74,6 +76,19 @@ def _components() -> Iterator[dict[str, Any]]:
             "symbol": _picture(found.draw() if found else generic(part.symbol, {})),
             "ports": _ports(part),
             "lines": list(_lines(part)),
+        }
+
+
+def _parts() -> Iterator[dict[str, Any]]:
+    for name in shipped_parts():
+        file = shipped_part(name)
+        needed = ((key, each.kind) for key, each in part_values(file).items() if not each.default)
+        yield {
+            "table": "parts",
+            "type": name,
+            "symbol": _picture(generic(name, {})),
+            "ports": part_ports(file),
+            "lines": [f"{key} = {_example(kind)}" for key, kind in needed],
         }
 
 

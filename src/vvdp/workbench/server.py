@@ -14,7 +14,7 @@ from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
 from vvdp.base.errors import ConfigError, Fault, VvdpError
-from vvdp.report.interactive import SCRIPTS, STYLES, asset
+from vvdp.report.interactive import MOTION, SCRIPTS, STYLES, asset
 from vvdp.results.store import finite
 from vvdp.runs.simulate import json_summary, run_system
 from vvdp.workbench.guard import Guard, Guarded
@@ -26,7 +26,7 @@ from vvdp.workbench.tab import LONGEST_MESSAGE, Tab, asked_by
 from vvdp.workbench.work import faults_of, text_drawing
 
 HOST = "127.0.0.1"
-OWN_SCRIPTS = ("motion.js", "schematic.js", "teach.js", "measured.js", "build.js", "workbench.js")
+OWN_SCRIPTS = ("circuit-motion.js", "schematic.js", "teach.js", "measured.js", "series.js", "build.js", "workbench.js")
 """In the order in which they are needed; the last one begins."""
 
 
@@ -37,7 +37,7 @@ def own_asset(name: str) -> str:
 
 def _page() -> dict[str, tuple[str, str]]:
     """Path, text and type of the three files that make the page."""
-    scripts = "".join(f"{text}\n" for text in (*map(asset, SCRIPTS), *map(own_asset, OWN_SCRIPTS)))
+    scripts = "".join(f"{text}\n" for text in (*map(asset, (*SCRIPTS, MOTION)), *map(own_asset, OWN_SCRIPTS)))
     return {
         "/": (own_asset("page.html"), "text/html"),
         "/workbench.js": (scripts, "text/javascript"),

@@ -9,10 +9,21 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from vvdp.base.errors import ConfigError, Fault, VvdpError
 from vvdp.results.store import finite
+from vvdp.runs.run import RecordedRun
 from vvdp.simulation.run import Run
 from vvdp.workbench.offer import Asked, Offer
 from vvdp.workbench.packet import packet
-from vvdp.workbench.work import View, draft, faults_of, text_drawing, whole
+from vvdp.workbench.work import (
+    View,
+    added_series,
+    command_line,
+    draft,
+    faults_of,
+    figures,
+    numbers,
+    text_drawing,
+    whole,
+)
 
 LONGEST_MESSAGE = 1_200_000
 
@@ -29,7 +40,7 @@ def asked_by(message: Any) -> Asked:
 
 
 class Tab:
-    """What a page last asked for, and the last draft, from which the next one goes on."""
+    """What a page last asked for, its last whole run, and its last draft, from which the next one goes on."""
 
     def __init__(self, offer: Offer) -> None:
         self._offer = offer
@@ -37,6 +48,7 @@ class Tab:
         self._waiting = asyncio.Event()
         self._superseded = threading.Event()
         self._last: tuple[str, Run] | None = None
+        self._whole: RecordedRun | None = None
 
     async def serve(self, socket: WebSocket) -> None:
         """Answers one page until it is closed."""
@@ -82,15 +94,21 @@ class Tab:
         kind = message.get("kind")
         number = message.get("n")
         try:
-            asked = asked_by(message)
+            asked, view = asked_by(message), _view(message)
+            if kind == "series":
+                if self._whole is not None:
+                    yield added_series(self._whole, view, number)
+                return
             if kind == "draw":
                 yield packet({**text_drawing(self._offer, asked), "n": number})
                 return
             system = self._offer.system(asked)
             if kind == "draft":
-                yield self._draft(system, message, say)
-            else:
-                yield from whole(system, asked, self._superseded.is_set, number, say)
+                yield self._draft(system, view, number, say)
+                return
+            self._whole = whole(system, self._superseded.is_set, say)
+            yield figures(self._whole, view, number)
+            yield packet({"kind": "numbers", "n": number, "line": command_line(asked), **numbers(self._whole)})
         except VvdpError as problem:
             yield packet({"kind": "faults", "n": number, "faults": finite(faults_of(problem))})
         except KeyboardInterrupt:  # stopped before its first step
@@ -99,15 +117,19 @@ class Tab:
             told = VvdpError(f"a mistake of vvdp: {type(problem).__name__}: {problem}")
             yield packet({"kind": "faults", "n": number, "faults": finite(faults_of(told))})
 
-    def _draft(self, system: Any, message: Mapping[str, Any], say: Callable[[str], None]) -> bytes:
+    def _draft(self, system: Any, view: View, number: Any, say: Callable[[str], None]) -> bytes:
         """A draft that goes on from the last one, if that had the same circuit."""
         before = self._last[1] if self._last is not None and self._last[0] == system.circuit.digest else None
-        done, found = draft(system, before, _view(message), message.get("n"), say)
+        done, found = draft(system, before, view, number, say)
         self._last = system.circuit.digest, done
         return found
 
 
 def _view(message: Mapping[str, Any]) -> View:
     """What the page shows."""
-    charts = message.get("charts")
-    return View(frozenset(map(str, charts)) if isinstance(charts, list) else None, message.get("moves") is True)
+    charts, series = message.get("charts"), message.get("series")
+    return View(
+        frozenset(map(str, charts)) if isinstance(charts, list) else None,
+        message.get("moves") is True,
+        tuple(map(str, series)) if isinstance(series, list) else (),
+    )

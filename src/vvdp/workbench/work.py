@@ -3,24 +3,27 @@
 import math
 import shlex
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 from vvdp.base import kinds
-from vvdp.base.errors import ConfigError, VvdpError
+from vvdp.base.errors import ConfigError, RunError, VvdpError
 from vvdp.base.kinds import Kind
 from vvdp.base.tables import Sourced
 from vvdp.base.units import in_unit
 from vvdp.report.result_page import listing_html
+from vvdp.results.chart import Chart
+from vvdp.results.result import Table
 from vvdp.runs.result import course, run_result
 from vvdp.runs.run import RecordedRun
-from vvdp.runs.simulate import json_summary, recorded_run
+from vvdp.runs.simulate import json_summary, recorded_run, with_closed_forms
 from vvdp.runs.tables import screen_listings
 from vvdp.simulation.record import record_of
 from vvdp.simulation.run import Run, simulate
 from vvdp.systems.summary import run_summary
 from vvdp.systems.system import System
+from vvdp.workbench import scope
 from vvdp.workbench.offer import Asked, Offer
 from vvdp.workbench.packet import packet
 from vvdp.workbench.schematic import course_of, drawing, mean_texts
@@ -96,14 +99,15 @@ def command_line(asked: Asked) -> str:
 
 
 class View(NamedTuple):
-    """What a page shows of a draft: names of charts (None: all), and whether its diagram moves."""
+    """What a page shows: names of charts (None: all), whether its diagram moves, series that were added by name."""
 
     charts: frozenset[str] | None = None
     moves: bool = False
+    series: tuple[str, ...] = ()
 
 
 def draft(system: System, before: Run | None, view: View, number: Any, say: Callable[[str], None]) -> tuple[Run, bytes]:
-    """A short run that goes on from the last draft, and the packet of its figures."""
+    """A short run that goes on from the last draft, and the packet of its figures. Raises RunError without a step."""
     length, begin = DRAFT * system.stepping.until, 0.0 if before is None else before.end
     until = begin + length
     stepping = replace(
@@ -118,40 +122,61 @@ def draft(system: System, before: Run | None, view: View, number: Any, say: Call
         stop=lambda: time.perf_counter() > ends,
         say=say,
     )
+    if not done.end > begin:
+        raise RunError(f"no draft: the first step takes more than {PATIENCE:g} s; release the slider for the whole run")
     run = RecordedRun(system, record_of(done), run_summary(system, done), {})
-    charts, tables = course(run, view.charts)
     head = {"kind": "draft", "n": number, "rows": int(done.times.size)}
     head["means"] = mean_texts(system, run.summary, is_draft=True)
-    return done, packet(head, charts, tables, course=course_of(run) if view.moves else None)
+    return done, packet(head, *_scopes(run, view), course=course_of(run) if view.moves else None)
 
 
-def whole(
-    system: System, asked: Asked, stop: Callable[[], bool], number: Any, say: Callable[[str], None]
-) -> Iterator[bytes]:
-    """The packets of a whole run: figures and diagram at once, then its numbers, findings and warnings."""
+def _scopes(run: RecordedRun, view: View) -> tuple[list[Chart], dict[str, Table]]:
+    """The charts of a run that are on view, with the tables that they draw."""
+    charts, tables = course(run, view.charts)
+    if not view.series or (view.charts is not None and scope.NAME not in view.charts):
+        return charts, tables
+    own, every = scope.own_scope(run, tables, view.series)
+    return [*charts, *own], every
+
+
+def whole(system: System, stop: Callable[[], bool], say: Callable[[str], None]) -> RecordedRun:
+    """The run from the start of the file to its end, or to where `stop` ends it; its closed forms are left out yet."""
     done = simulate(system.model, system.case, system.stepping, stop=stop, say=say)
-    run = recorded_run(system, done)
-    charts, tables = course(run)
-    head = {"kind": "figures", "n": number, "svg": drawing(system), "title": system.title, "values": value_rows(system)}
-    head |= {"means": mean_texts(system, run.summary, is_draft=False), "finished": done.finished}
-    yield packet({**head, "rows": int(done.times.size)}, charts, tables, course=course_of(run))
-    yield packet({"kind": "numbers", "n": number, "line": command_line(asked), **numbers(run)})
+    return recorded_run(system, done, summarise=run_summary)
+
+
+def figures(run: RecordedRun, view: View, number: Any) -> bytes:
+    """The packet of a whole run that is shown at once: its charts."""
+    head = {"kind": "figures", "n": number, "finished": run.has("finished"), "rows": int(run.times.size)}
+    return packet(head, *_scopes(run, view), course=course_of(run))
+
+
+def added_series(run: RecordedRun, view: View, number: Any) -> bytes:
+    """The packet of the scope of series alone, of a run that was shown before."""
+    return packet({"kind": "series", "n": number}, *scope.own_scope(run, course(run)[1], view.series))
 
 
 def numbers(run: RecordedRun) -> dict[str, Any]:
-    """What a whole run comes to, for people and as `vvdp run --json` has it."""
+    """What a whole run comes to, with diagram and values, for people and as `vvdp run --json` has it."""
+    run = with_closed_forms(run)
     result = run_result(run)
     return {
+        **_circuit_packet(run.system),
+        "means": mean_texts(run.system, run.summary, is_draft=False),
         "result": json_summary(run),
         "labels": {key: each.label for key, each in run.numbers.items()},
         "listings": "".join(map(listing_html, screen_listings(run))),
         "badges": [[str(each.grade), each.words] for each in result.badges],
         "findings": [[str(each.grade), each.title, each.text, each.remedy] for each in result.findings],
         "finished": run.has("finished"),
+        "series": scope.listed_series(run, result.tables),
     }
 
 
 def text_drawing(offer: Offer, asked: Asked) -> Mapping[str, Any]:
     """The diagram and the values of a text, without running it."""
-    system = offer.system(asked)
-    return {"kind": "drawing", "svg": drawing(system), "title": system.title, "values": value_rows(system)}
+    return {"kind": "drawing", **_circuit_packet(offer.system(asked))}
+
+
+def _circuit_packet(system: System) -> dict[str, Any]:
+    return {"svg": drawing(system), "title": system.title, "values": value_rows(system)}

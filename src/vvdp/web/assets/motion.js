@@ -1,11 +1,10 @@
 "use strict";
 /* Circuit diagrams at a time of the run: lines coloured by pressure, flow as dashes, ports, shafts and rods. */
 function vvdpMotion(model, ask) {
-  const SVG = "http://www.w3.org/2000/svg", LOW = [106, 174, 214], HIGH = [217, 115, 13];
+  const SVG = "http://www.w3.org/2000/svg";
   const FASTEST = 90, LEAST = 1e-3, SLOWER = [1, 10, 100, 1000];
-  const calm = matchMedia("(prefers-reduced-motion: reduce)");
-  const diagrams = [];
-  let columns = null, time = 0, scales = null, playing = false, before = 0;
+  const diagrams = [], clockwork = new SlowClock(draw);
+  let columns = null, scales = null;
 
   const make = (name, attributes, parent) => {
     const found = document.createElementNS(SVG, name);
@@ -51,15 +50,6 @@ function vvdpMotion(model, ask) {
     return { groups: [below, above], wires, rails, turning, sliding };
   }
 
-  /* A row and the share of the way to the next one at a time; values between rows are on a line. */
-  function between(t) {
-    const times = columns.time;
-    let low = 0, high = times.length - 1;
-    while (high - low > 1) { const middle = (low + high) >> 1; if (times[middle] <= t) low = middle; else high = middle; }
-    const span = times[high] - times[low];
-    return [low, high, span > 0 ? Math.min(Math.max((t - times[low]) / span, 0), 1) : 0];
-  }
-
   const extremes = (names) => {
     let low = Infinity, high = -Infinity;
     for (const name of names) for (const x of columns[name] ?? []) { if (x < low) low = x; if (x > high) high = x; }
@@ -68,8 +58,8 @@ function vvdpMotion(model, ask) {
   const starting = (word) => Object.keys(columns).filter((name) => name.startsWith(`${word} `));
 
   function colourOf(pressure) {
-    const [low, high] = scales.pressure, share = high > low ? Math.min(Math.max((pressure - low) / (high - low), 0), 1) : 0;
-    return `rgb(${LOW.map((x, i) => Math.round(x + share * (HIGH[i] - x))).join(" ")})`;
+    const [low, high] = scales.pressure;
+    return pressureColour(high > low ? (pressure - low) / (high - low) : 0);
   }
 
   /* Flows along the lines; a line of which none is recorded takes what is left at its junction, if it alone does so. */
@@ -103,8 +93,8 @@ function vvdpMotion(model, ask) {
   }
 
   /* Shows the time; `passed` is what went by on the wall [s]. */
-  function draw(passed) {
-    const [low, high, share] = between(time), value = (name) => columns[name][low] + share * (columns[name][high] - columns[name][low]);
+  function draw(time, passed) {
+    const [low, high, share] = rowsAt(columns.time, time), value = (name) => columns[name][low] + share * (columns[name][high] - columns[name][low]);
     for (const drawn of diagrams) {
       const flows = flowsOf(drawn, value);
       drawn.wires.forEach((wire, i) => {
@@ -134,21 +124,10 @@ function vvdpMotion(model, ask) {
     document.dispatchEvent(new CustomEvent("vvdp-time", { detail: time }));
   }
 
-  function frame(now) {
-    if (!playing) return;
-    const passed = Math.min((now - before) / 1000, 0.1), end = columns.time.at(-1);
-    before = now;
-    time += passed / Number(slower.value);
-    if (time > end) time = columns.time[0];
-    draw(passed);
-    requestAnimationFrame(frame);
-  }
-
   function play(is) {
-    playing = is && !calm.matches && columns !== null;
-    start.textContent = calm.matches ? "Show pressures" : playing ? "Pause" : "Animate";
-    start.hidden = calm.matches && columns !== null;
-    if (playing) { before = performance.now(); requestAnimationFrame(frame); }
+    clockwork.run(is && !wantsStillness() && columns !== null);
+    start.textContent = wantsStillness() ? "Show pressures" : clockwork.isRunning ? "Pause" : "Animate";
+    start.hidden = wantsStillness() && columns !== null;
   }
 
   /* Takes the columns of a run; none take the marks away. */
@@ -166,11 +145,18 @@ function vvdpMotion(model, ask) {
     const [first, last] = [found.time[0], found.time.at(-1)];
     reach.min = String(first);
     reach.max = String(last);
-    time = Math.min(Math.max(time, first), last);
     legend.lastChild.textContent = `${Number((scales.pressure[1] / 1e5).toPrecision(3))} bar`;
     legend.firstChild.textContent = `${Number((scales.pressure[0] / 1e5).toPrecision(3))}`;
-    draw(0);
-    play(playing);
+    const { time } = clockwork;
+    clockwork.period = [first, last];
+    goTo(time);
+    play(clockwork.isRunning);
+  }
+
+  /* Shows a time, or the nearest one that is recorded. */
+  function goTo(time) {
+    const [first, last] = clockwork.period;
+    clockwork.go(last > first ? Math.min(Math.max((time - first) / (last - first), 0), 1) : 0);
   }
 
   const html = (name, attributes, ...children) => {
@@ -181,26 +167,26 @@ function vvdpMotion(model, ask) {
   const start = html("button", { type: "button", className: "play" });
   const slower = html("select", {}, ...SLOWER.map((n) => html("option", { value: String(n) }, n === 1 ? "real time" : `${n} times slower`)));
   slower.setAttribute("aria-label", "Speed of the animation");
-  slower.value = "10";
+  slower.value = String((clockwork.slowness = 10));
   const reach = html("input", { type: "range", step: "any", disabled: true });
   reach.setAttribute("aria-label", "Time of the run that the diagrams show");
   const clock = html("output", {}), legend = html("span", { className: "scale", hidden: true }, html("span", {}), html("i", {}), html("span", {}));
 
   start.addEventListener("click", async () => {
-    if (columns) { play(!playing); return; }
+    if (columns) { play(!clockwork.isRunning); return; }
     start.disabled = true;
     show(await ask());
     play(true);
     start.disabled = false;
   });
-  reach.addEventListener("input", () => { play(false); time = Number(reach.value); draw(0); });
+  reach.addEventListener("input", () => { play(false); goTo(Number(reach.value)); });
   /* Slow enough for single strokes, the run is looked at where it is recorded finely. */
   slower.addEventListener("change", () => {
-    if (!columns || Number(slower.value) < 100) return;
-    const from = columns.time.at(-1) - model.stepping.window;
-    if (time < from) { time = from; draw(0); }
+    clockwork.slowness = Number(slower.value);
+    const from = columns?.time.at(-1) - model.stepping.window;
+    if (columns && clockwork.slowness >= 100 && clockwork.time < from) goTo(from);
   });
-  calm.addEventListener("change", () => play(playing));
+  stillness.addEventListener("change", () => play(clockwork.isRunning));
 
   for (const [name, drawn] of Object.entries(model.figures)) {
     const figure = document.getElementById(`figure-${name}`);

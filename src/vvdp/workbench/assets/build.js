@@ -21,11 +21,53 @@ function withTable(text, header, own) {
   return `${lines.join("\n")}\n`;
 }
 
-/** The text with another value in one line of a table; null where the table stands otherwise in the text. */
+/** The pairs of a table that stands in one line: key, and where its value begins and ends; null where the line has none. */
+function inlinePairs(line) {
+  const pairs = [];
+  let [depth, quote, start] = [0, "", line.indexOf("{") + 1];
+  const put = (end) => {
+    const found = /^\s*([\w-]+)\s*=\s*/.exec(line.slice(start, end));
+    if (found) pairs.push({ key: found[1], from: start + found[0].length, to: start + line.slice(start, end).trimEnd().length });
+    start = end + 1;
+  };
+  for (let i = start; start && i < line.length; i++) {
+    const letter = line[i];
+    if (quote) { if (letter === "\\" && quote === '"') i++; else if (letter === quote) quote = ""; }
+    else if (letter === '"' || letter === "'") quote = letter;
+    else if (letter === "[" || letter === "{") depth++;
+    else if (depth && (letter === "]" || letter === "}")) depth--;
+    else if (letter === "," && !depth) put(i);
+    else if (letter === "}") { put(i); return { pairs, end: i }; }
+  }
+  return null;
+}
+
+/** The line of an entry that stands in one line of its table, as `supply = { type = "tank" }` below `[nodes]`; -1 of others. */
+function inlinePlace(lines, header) {
+  const cut = header.lastIndexOf(".");
+  const span = tableSpan(lines, header.slice(0, cut));
+  const found = span ? lines.slice(...span).findIndex((line) => new RegExp(`^\\s*${header.slice(cut + 1)}\\s*=\\s*\\{`).test(line)) : -1;
+  return found < 0 ? -1 : span[0] + found;
+}
+
+/** The text with another value of an entry in one line; null where there is no such entry. */
+function withPair(lines, header, key, value) {
+  const place = inlinePlace(lines, header);
+  const line = lines[place];
+  const inline = line && inlinePairs(line);
+  if (!inline) return null;
+  const pair = inline.pairs.find((each) => each.key === key);
+  lines[place] = pair
+    ? line.slice(0, pair.from) + value(line.slice(pair.from, pair.to)) + line.slice(pair.to)
+    : `${line.slice(0, inline.end).trimEnd()}${inline.pairs.length ? "," : ""} ${key} = ${value("")} ${line.slice(inline.end)}`;
+  return lines.join("\n");
+}
+
+/** The text with another value of a table, in a line or in its one line; null where the table stands otherwise in the text. */
 function withLine(text, header, key, value) {
   const lines = text.split("\n");
   const span = tableSpan(lines, header);
-  if (!span) return null;
+  if (!span) return withPair(lines, header, key, () => value);
   const line = lines.slice(...span).findIndex((each) => new RegExp(`^\\s*${key}\\s*=`).test(each));
   if (line < 0) lines.splice(span[0] + 1, 0, `${key} = ${value}`);
   else lines[span[0] + line] = lines[span[0] + line].replace(/(=\s*)("[^"]*"|'[^']*'|\[[^\]]*\]|[^\s#]+)/, (_, before) => before + value);
@@ -35,26 +77,49 @@ function withLine(text, header, key, value) {
 function withoutTable(text, header) {
   const lines = text.split("\n");
   const span = tableSpan(lines, header);
-  if (!span) return text;
+  if (!span) {
+    const place = inlinePlace(lines, header);
+    if (place >= 0) lines.splice(place, 1);
+    return lines.join("\n");
+  }
   const last = lines.slice(...span).findLastIndex((line) => line.trim() && !/^\s*#/.test(line)); // comments before the next table are its
   lines.splice(span[0], last + 1 + (lines[span[0] + last + 1]?.trim() === "" ? 1 : 0));
   return lines.join("\n");
 }
 
-/** Nodes and components that have a table of their own in the text: name, type, what is written in them. */
+/** Entries of a table of the text, in tables of their own or in one line: name, type, the words that are written in them. */
 function drawnParts(text, table) {
   const lines = text.split("\n");
-  const names = lines.flatMap((line) => { const found = new RegExp(`^\\s*\\[\\s*${table}\\.([\\w-]+)\\s*\\]`).exec(line); return found ? [found[1]] : []; });
-  return new Map(names.map((name) => {
-    const own = lines.slice(...tableSpan(lines, `${table}.${name}`));
-    const words = Object.fromEntries(own.flatMap((line) => { const found = /^\s*([\w-]+)\s*=\s*["']([^"']*)["']/.exec(line); return found ? [[found[1], found[2]]] : []; }));
-    return [name, { ...words, known: build.types.find((each) => each.table === table && each.type === words.type) }];
+  const word = /^\s*([\w-]+)\s*=\s*["']([^"']*)["']/;
+  const own = lines.flatMap((line) => { const found = new RegExp(`^\\s*\\[\\s*${table}\\.([\\w-]+)\\s*\\]`).exec(line); return found ? [[found[1], lines.slice(...tableSpan(lines, `${table}.${found[1]}`))]] : []; });
+  const span = tableSpan(lines, table);
+  const inline = (span ? lines.slice(...span) : []).flatMap((line) => {
+    const name = /^\s*([\w-]+)\s*=\s*\{/.exec(line)?.[1];
+    const pairs = name && inlinePairs(line)?.pairs;
+    return pairs ? [[name, pairs.map(({ key, from, to }) => `${key} = ${line.slice(from, to)}`)]] : [];
+  });
+  return new Map([...own, ...inline].map(([name, written]) => {
+    const words = Object.fromEntries(written.flatMap((line) => { const found = word.exec(line); return found ? [[found[1], found[2]]] : []; }));
+    return [name, { ...words, table, known: build.types.find((each) => each.table === table && each.type === words.type) }];
   }));
+}
+
+/** What has ports: components, and parts that are circuits of their own. */
+function drawnOwners(text) { return new Map([...drawnParts(text, "components"), ...drawnParts(text, "parts")]); }
+
+/** Whether a port of anything is joined to a node. */
+function isJoined(text, node) { return [...drawnOwners(text).values()].some((part) => Object.values(part).includes(node)); }
+
+/** The ports of what is drawn: name, and what can be joined there; of a part in a file as the diagram shows them. */
+function portsOf(name, part) {
+  if (part.known) return Object.entries(part.known.ports);
+  const shown = [...$("diagram").querySelectorAll("[data-owner]")].filter((group) => group.dataset.owner === name);
+  return shown.map(({ dataset: { owner, port, node } }) => [port, joins({ owner, port, node })]);
 }
 
 /** Takes another text: as one change that can be undone, drawn at once. */
 function edit(text, words) {
-  if (text === null) { say("this part has no table of its own in the text; change it there"); return; }
+  if (text === null) { say("this part is written in a form that only the text can change"); return; }
   state.past.push(state.text);
   const before = state.text.split("\n");
   setText(text);
@@ -76,7 +141,7 @@ function showLine(place) {
 
 /** Drops a part: each of its ports gets a node of its own, so that the circuit can be drawn. */
 function addPart(type) {
-  const taken = new Set([...drawnParts(state.text, "nodes").keys(), ...drawnParts(state.text, "components").keys()]);
+  const taken = new Set([...drawnParts(state.text, "nodes").keys(), ...drawnOwners(state.text).keys()]);
   const stem = type.type.replaceAll("-", "_");
   let name = stem;
   for (let i = 2; taken.has(name); i++) name = `${stem}_${i}`;
@@ -92,8 +157,8 @@ function addPart(type) {
 
 /** What can be joined at an end, a port or a node: "oil", "shaft" or "rod". */
 function joins(end) {
-  const component = drawnParts(state.text, "components").get(end.owner);
-  return component?.known?.ports[end.port] ?? drawnParts(state.text, "nodes").get(end.node)?.known?.joins;
+  const owner = drawnOwners(state.text).get(end.owner);
+  return owner?.known?.ports[end.port] || drawnParts(state.text, "nodes").get(end.node)?.known?.joins;
 }
 
 /** Whether two ends may be joined: they take the same, are not joined yet, and one of them is a port. */
@@ -103,27 +168,24 @@ function canJoin(a, b) { return Boolean(joins(a)) && joins(a) === joins(b) && a.
 function joinEnds(a, b) {
   const isOwn = (end) => end.port && end.node === `${end.owner}_${end.port}`;
   const [moved, kept] = a.port && (isOwn(a) || !isOwn(b) || !b.port) ? [a, b] : [b, a];
-  let text = withLine(state.text, `components.${moved.owner}`, moved.port, `"${kept.node}"`);
-  const isUsed = text !== null && [...drawnParts(text, "components").values()].some((part) => Object.keys(part.known?.ports ?? {}).some((port) => part[port] === moved.node));
-  if (text !== null && isOwn(moved) && !isUsed) text = withoutTable(text, `nodes.${moved.node}`);
+  const { table } = drawnOwners(state.text).get(moved.owner);
+  let text = withLine(state.text, `${table}.${moved.owner}`, moved.port, `"${kept.node}"`);
+  if (text !== null && isOwn(moved) && !isJoined(text, moved.node)) text = withoutTable(text, `nodes.${moved.node}`);
   edit(text, `${moved.owner}, ${moved.port} joined to ${kept.node}`);
 }
 
 /** Removes a part, and the nodes that were only its own. */
 function removePart(name) {
-  const table = drawnParts(state.text, "components").has(name) ? "components" : "nodes";
-  const ports = Object.keys(drawnParts(state.text, table).get(name)?.known?.ports ?? {});
-  let text = withoutTable(state.text, `${table}.${name}`);
-  const used = new Set([...drawnParts(text, "components").values()].flatMap((part) => Object.keys(part.known?.ports ?? {}).map((port) => part[port])));
-  for (const port of ports) if (!used.has(`${name}_${port}`)) text = withoutTable(text, `nodes.${name}_${port}`);
-  edit(text, `${name} removed`);
+  const part = drawnOwners(state.text).get(name);
+  let text = withoutTable(state.text, `${part?.table ?? "nodes"}.${name}`);
+  for (const [port] of part ? portsOf(name, part) : []) if (!isJoined(text, `${name}_${port}`)) text = withoutTable(text, `nodes.${name}_${port}`);
+  edit(text === state.text ? null : text, `${name} removed`);
   $("joints").hidden = true;
 }
 
 /** Puts a part at a place of the grid: columns to the right, rows upward. */
 function placePart(name, column, row) {
-  const lines = state.text.split("\n");
-  const table = ["components", "nodes", "parts"].find((each) => tableSpan(lines, `${each}.${name}`));
+  const table = drawnOwners(state.text).get(name)?.table ?? "nodes";
   edit(withLine(state.text, `${table}.${name}`, "at", `[${Math.max(0, Math.round(10 * column) / 10)}, ${Math.max(0, Math.round(row))}]`), `${name} moved`);
 }
 
@@ -148,10 +210,11 @@ function inDiagram(svg, event) { return new DOMPoint(event.clientX, event.client
 function dressForBuilding() {
   const svg = $("diagram").querySelector("svg");
   if (!build.isOn || !svg) return;
+  const owners = drawnOwners(state.text);
   for (const group of svg.querySelectorAll("[data-owner]")) {
     const start = group.querySelector("polyline")?.points[0];
     const { owner, port, node } = group.dataset;
-    if (start) addHandle(svg, drawnParts(state.text, "components").has(owner) ? { owner, port, node } : { node }, start);
+    if (start) addHandle(svg, owners.has(owner) ? { owner, port, node } : { node }, start);
   }
   for (const group of svg.querySelectorAll("[data-part][tabindex]")) makeMovable(svg, group);
   markEnds();
@@ -222,10 +285,10 @@ function makeMovable(svg, group) {
 
 /** Below the filter: to which node each port of a part is joined, as lists; a shaft or rod has no line to draw. */
 function showJoints(name) {
-  const part = drawnParts(state.text, "components").get(name);
+  const part = drawnOwners(state.text).get(name);
   const nodes = drawnParts(state.text, "nodes");
-  $("joints").hidden = !build.isOn || !(part?.known || nodes.has(name));
-  const lists = Object.entries(part?.known?.ports ?? {}).map(([port, kind]) => {
+  $("joints").hidden = !build.isOn || !(part || nodes.has(name));
+  const lists = (part ? portsOf(name, part) : []).map(([port, kind]) => {
     const fitting = [...nodes].filter(([, node]) => node.known?.joins === kind).map(([node]) => node);
     const list = element("select", {}, ...fitting.map((node) => element("option", { value: node }, node)));
     list.value = part[port];

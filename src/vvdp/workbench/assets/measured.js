@@ -26,7 +26,7 @@ async function layOver() {
   if (!answer.ok) { tellMeasured((await answer.json()).faults); return; }
   const [{ channel }, column] = unpack(await answer.arrayBuffer());
   const times = column(channel.x);
-  const until = Math.max(...state.figures.charts.flatMap((chart) => chart.panels.map((panel) => (panel.x.unit === "s" && panel.lines ? state.figures.column(panel.lines[0].x).at(-1) : 0))));
+  const until = Math.max(...state.figures.charts.flatMap((chart) => chart.panels.map((panel) => (panel.x.unit === "s" && panel.lines ? chart.column(panel.lines[0].x).at(-1) : 0))));
   const begin = times[0] < 0 || times[0] > until ? 0 : times[0];
   measured.laid.push({ ...channel, log: asked.log, times, values: column(channel.y), begin });
   tellMeasured(channel.remarks.map((message) => ({ message })));

@@ -11,10 +11,12 @@ function showCourse(course) {
 }
 
 function openTeach() {
+  const drawn = $("diagram").querySelector("svg");
+  if (!drawn) return;
   $("teach").showModal();
   $("teach-title").textContent = document.title.replace(/ · vvdp workbench$/, "");
   teach.chart = null;
-  const svg = $("diagram").querySelector("svg").cloneNode(true);
+  const svg = drawn.cloneNode(true);
   for (const each of svg.querySelectorAll("[tabindex]")) for (const name of ["tabindex", "role", "aria-label"]) each.removeAttribute(name);
   svg.setAttribute("role", "img");
   for (const line of svg.querySelectorAll("text tspan:not([font-weight])")) line.remove();
@@ -93,7 +95,7 @@ function showInstant(time) {
   $("instant").value = String(teach.clock.share);
   $("instant").setAttribute("aria-valuetext", `${formatNumber(1000 * (time - teach.course.period[0]), 3)} ms`);
   teach.chart.plots.forEach((plot, i) => { teach.now[i].style.transform = `translateX(${plot.frame.valToPos(1000 * (time - teach.course.period[0]), "x")}px)`; });
-  $("teach-pressures").replaceChildren(...lessonPressures(teach.course).map((name, i) => element("span", { style: `color:${FULL[i]}` }, `${name.replaceAll("_", " ")} `, element("b", {}, `${shown.nodes[name].toFixed(1)} bar`))));
+  $("teach-pressures").replaceChildren(...lessonPressures(teach.course).map((name, i) => element("span", { style: `--own:${FULL[i]}` }, `${name.replaceAll("_", " ")} `, element("b", {}, `${shown.nodes[name].toFixed(1)} bar`))));
 }
 
 function play(isRunning) {

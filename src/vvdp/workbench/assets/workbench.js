@@ -11,7 +11,7 @@ let counting = 0;
 function ask(kind, more = {}) {
   state.asked += 1;
   const text = state.text === state.saved ? {} : { text: state.text };
-  const view = kind === "draft" ? { charts: [...live.keys()], moves: $("teach").open } : {};
+  const view = { series: added.names, ...(kind === "draft" ? { charts: [...live.keys()], moves: $("teach").open } : {}) };
   const message = { n: state.asked, kind, system: state.system, set: [...state.changes.values()], ...view, ...text, ...more };
   clearInterval(counting);
   if (kind === "whole") say("running …");
@@ -54,6 +54,8 @@ function receive(head, column) {
   state.answered = head.n;
   if (head.kind !== "draft" && head.n !== state.asked) return;
   clearInterval(counting);
+  const charts = (head.charts ?? []).map((each) => ({ ...each, column }));
+  if (head.kind === "series") { takeSeries(charts); return; }
   showFaults(head.faults ?? []);
   if (head.faults) { document.body.classList.add("is-old"); say("not valid"); $("stop").disabled = true; return; }
   if (head.svg) showDiagram(head.svg);
@@ -62,7 +64,7 @@ function receive(head, column) {
   if (head.values) showValues(head.values);
   if (head.title) document.title = `${head.title} · vvdp workbench`;
   if (head.kind === "drawing") { document.body.classList.add("is-old"); say("drawn; not yet run"); }
-  if (head.charts) { if (head.kind === "figures") state.figures = { charts: head.charts, column }; showCharts(head.charts, column); }
+  if (head.charts) { if (head.kind === "figures") state.figures = { charts }; showCharts(charts); }
   if (head.kind === "draft") document.body.classList.add("is-draft");
   if (head.kind === "figures") { document.body.classList.remove("is-draft"); document.body.classList.add("is-old"); }
   if (head.kind === "numbers") showNumbers(head);
@@ -78,11 +80,12 @@ function showNumbers(head) {
   const page = new DOMParser().parseFromString(head.listings, "text/html");
   $("listings").replaceChildren(...[...page.body.childNodes].map((each) => document.importNode(each, true)));
   $("line").textContent = head.line;
+  showKnownSeries(head.series);
   keep(head);
 }
 
 /** Charts in place of those of the same form; only what is chosen is drawn, and a draft has no other. */
-function showCharts(charts, column) {
+function showCharts(charts) {
   const names = state.figures?.charts.map((each) => each.name) ?? charts.map((each) => each.name);
   if (state.wanted === null || !names.some((name) => state.wanted.has(name))) state.wanted = new Set(names.slice(0, 1));
   $("chosen").replaceChildren(...names.map((name) => {
@@ -91,15 +94,15 @@ function showCharts(charts, column) {
     return button;
   }));
   for (const [name, { figure }] of live) if (!state.wanted.has(name) || !names.includes(name)) { figure.remove(); live.delete(name); }
-  for (const described of charts.filter((each) => state.wanted.has(each.name))) showChart(...withOthers(described, column));
+  for (const described of charts.filter((each) => state.wanted.has(each.name))) showChart(withOthers(described));
 }
 
 /** The charts of the last whole run again: what is chosen, or lies over them, has changed. */
-function redrawCharts() { if (state.figures) showCharts(state.figures.charts, state.figures.column); }
+function redrawCharts() { if (state.figures) showCharts(state.figures.charts); }
 
-function showChart(described, column) {
+function showChart(described) {
   const found = live.get(described.name);
-  if (found?.chart.fits(described)) { found.chart.update(described, column); return; }
+  if (found?.chart.fits(described)) { found.chart.update(described, described.column); return; }
   found?.chart.close();
   found?.figure.remove();
   const figure = element("figure");
@@ -108,22 +111,27 @@ function showChart(described, column) {
   still.setAttribute("height", String(described.sideBySide ? 330 : height));
   figure.append(still);
   $("charts").append(figure);
-  live.set(described.name, { chart: new LiveChart(described, figure, column), figure });
+  live.set(described.name, { chart: new LiveChart(described, figure, described.column), figure });
 }
 
 /** The chart with the lines of the selected other runs, dashed, and measured ones, dotted, on the same axes. */
-function withOthers(described, column) {
+function withOthers(described) {
   const others = state.runs.filter((run) => run.on && run.figures !== state.figures);
-  if (!others.length && !measured.laid.length) return [described, column];
+  if (!others.length && !measured.laid.length) return described;
   const stride = 100000;
   const laid = [];
-  const panels = described.panels.map((panel, i) => panel.kind !== "lines" ? panel : { ...panel, lines: [...panel.lines, ...others.flatMap((run, r) => {
-    const own = run.figures.charts.find((each) => each.name === described.name)?.panels[i];
-    const moved = (place) => place === undefined ? {} : place + stride * (r + 1);
-    return (own?.lines ?? []).map((line) => ({ ...line, x: moved(line.x), y: moved(line.y), low: undefined, high: undefined, stroke: "--", label: `${line.label} (${run.name})` }));
-  }), ...laidLines(panel, stride * (others.length + 1), laid)] });
-  const sources = [column, ...others.map((run) => run.figures.column), (place) => laid[place]];
-  return [{ ...described, panels }, (place) => sources[Math.floor(place / stride)](place % stride)];
+  const sources = [described.column];
+  const ofOther = (panel, i, run) => {
+    const chart = run.figures.charts.find((each) => each.name === described.name);
+    const own = [chart?.panels[i], ...(chart?.panels ?? [])].find((each) => each?.title === panel.title && each.y?.label === panel.y.label);
+    if (!own) return [];
+    const begin = stride * (sources.push(chart.column) - 1);
+    return own.lines.map((line) => ({ ...line, x: line.x + begin, y: line.y + begin, low: undefined, high: undefined, stroke: "--", label: `${line.label} (${run.name})` }));
+  };
+  const panels = described.panels.map((panel, i) => panel.kind !== "lines" ? panel : { ...panel, lines: [...panel.lines, ...others.flatMap((run) => ofOther(panel, i, run))] });
+  const first = stride * (sources.push((place) => laid[place]) - 1);
+  const whole = panels.map((panel) => panel.kind !== "lines" ? panel : { ...panel, lines: [...panel.lines, ...laidLines(panel, first, laid)] });
+  return { ...described, panels: whole, column: (place) => sources[Math.floor(place / stride)](place % stride) };
 }
 
 function keep(head) {
@@ -151,12 +159,17 @@ function showCompared() {
   const keys = Object.keys(on[0].labels).filter((key) => on.some((run) => run.result[key] !== on[0].result[key]));
   const head = element("tr", {}, element("th", {}, "SI units"), ...on.map((run) => element("th", { class: "n" }, run.name)));
   const rows = keys.map((key) => element("tr", {}, element("th", { title: key }, on[0].labels[key]), ...on.map((run) => element("td", { class: "n" }, typeof run.result[key] === "number" ? formatNumber(run.result[key]) : String(run.result[key] ?? "not known")))));
-  $("compared").replaceChildren(element("table", {}, element("thead", {}, head), element("tbody", {}, ...rows)));
+  const settings = on.map((run) => new Map(run.words.split(", ").map((words) => words.split("="))));
+  const changed = [...new Set(settings.flatMap((each) => [...each.keys()]))].filter((key) => key.includes("."));
+  const values = changed.map((key) => element("tr", {}, element("th", { title: key }, key), ...settings.map((each) => element("td", { class: "n" }, each.get(key) ?? "as in the file"))));
+  $("compared").replaceChildren(element("table", {}, element("thead", {}, head), element("tbody", {}, ...values, ...rows)));
 }
 
 function showFaults(faults) {
   const words = (each) => [each.line ? `line ${each.line}` : "", each.key, each.message].filter(Boolean).join(": ");
-  const beside = (each) => [...document.querySelectorAll(".value")].find((row) => row.dataset.key === each.key);
+  const rows = new Map([...document.querySelectorAll(".value")].map((row) => [row.dataset.key, row]));
+  const last = [...state.changes.keys()].at(-1); // what was changed last is the likeliest cause of a fault without a field
+  const beside = (each) => rows.get(each.key) ?? (state.text === state.saved ? rows.get(last) : undefined);
   for (const old of document.querySelectorAll(".wrong")) old.remove();
   for (const each of faults) beside(each)?.append(element("span", { class: "wrong" }, each.message));
   $("faults").hidden = !faults.length;
@@ -232,6 +245,7 @@ let dragged = "";
 function change(row, number, isDrag) {
   if (!isDrag || dragged !== row.key) state.past.push(new Map(state.changes));
   dragged = isDrag ? row.key : "";
+  state.changes.delete(row.key);
   state.changes.set(row.key, `${row.key}=${number}${row.unit ? ` ${row.unit}` : ""}`);
   markChanged();
   clearTimeout(timer);
@@ -255,24 +269,25 @@ function undo() {
 
 /** Puts the changed values into the text: only the value of each line, so that origins and comments stay. */
 function writeInto(text, changes) {
-  const lines = text.split("\n");
   const missing = [];
   for (const [key, setting] of changes) {
-    const value = JSON.stringify(setting.slice(setting.indexOf("=") + 1));
-    const cut = key.lastIndexOf(".");
-    let header = "";
-    const place = lines.findIndex((line) => {
-      header = /^\s*\[\s*([^\[\]]+?)\s*\]/.exec(line)?.[1] ?? header;
-      return header === key.slice(0, cut) && new RegExp(`^\\s*${key.slice(cut + 1)}\\s*=`).test(line);
-    });
-    if (place < 0) { missing.push(key); continue; }
-    const quoted = /(=\s*)("(?:[^"\\]|\\.)*"|'[^']*'|[-+.\w]+)/;
-    const inner = /(\bvalue\s*=\s*)("(?:[^"\\]|\\.)*"|'[^']*'|[-+.\w]+)/;
-    const isTable = /=\s*\{/.test(lines[place]);
-    if (isTable && !inner.test(lines[place])) { missing.push(key); continue; }
-    lines[place] = lines[place].replace(isTable ? inner : quoted, (_, before) => before + value);
+    const found = written(text, key, JSON.stringify(setting.slice(setting.indexOf("=") + 1)));
+    if (found === null) missing.push(key); else text = found;
   }
-  return [lines.join("\n"), missing];
+  return [text, missing];
+}
+
+/** The text with another value under a key; a default gets a line. Null of what stands in a part's own file. */
+function written(text, key, value) {
+  const [header, name] = [key.slice(0, key.lastIndexOf(".")), key.slice(key.lastIndexOf(".") + 1)];
+  const another = (old) => old.startsWith("{") ? old.replace(/(\bvalue\s*=\s*)("(?:[^"\\]|\\.)*"|'[^']*'|[-+.\w]+)/, (_, before) => before + value) : value;
+  const lines = text.split("\n");
+  const span = tableSpan(lines, header);
+  if (!span) return withPair(lines, header, name, another) ?? (/^(nodes|components|parts|programs)\./.test(header) ? null : withTable(text, header, [`${name} = ${value}`]));
+  const place = lines.slice(...span).findIndex((line) => new RegExp(`^\\s*${name}\\s*=`).test(line)) + span[0];
+  if (place < span[0]) return withLine(text, header, name, value);
+  lines[place] = lines[place].replace(/(=\s*)(\{[^}]*\}|"(?:[^"\\]|\\.)*"|'[^']*'|[-+.\w]+)/, (_, before, old) => before + another(old));
+  return lines.join("\n");
 }
 
 function setText(text) { state.text = text; $("text").value = text; numberLines(); }
@@ -282,7 +297,7 @@ function write() {
   state.past.push(state.text);
   setText(text);
   state.changes = new Map([...state.changes].filter(([key]) => missing.includes(key)));
-  if (missing.length) say(`no line of their own: ${missing.join(", ")}`);
+  if (missing.length) say(`these stand in the file of a part: ${missing.join(", ")}`);
   markChanged();
   ask("whole");
 }
@@ -303,6 +318,7 @@ async function save() {
 async function open(name) {
   const found = await post("/api/text", { system: name });
   if (found.faults) { showFaults(found.faults); return; }
+  nameSeries([]);
   Object.assign(state, { system: name, saved: found.text, saves: found.saves, changes: new Map(), past: [], wanted: null });
   for (const { figure } of live.values()) figure.remove();
   live.clear();
@@ -344,6 +360,7 @@ function listen() {
   $("text").addEventListener("input", () => { state.text = $("text").value; numberLines(); markChanged(); clearTimeout(timer); ask("draw"); });
   $("text").addEventListener("scroll", () => { $("numbers-of-lines").scrollTop = $("text").scrollTop; });
   $("filter").addEventListener("input", filterValues);
+  listenSeries();
   listenMeasured();
   listenTeach();
   listenBuild();

@@ -1,28 +1,10 @@
 const SVG = "http://www.w3.org/2000/svg";
-const PRESSURE_STOPS = [[47, 127, 209], [140, 96, 196], [226, 74, 44]]; // least, middle, largest
 const TRAVEL = 90; // px that the fastest line moves in one period
-const STEPS = 12; // pictures per period where the person asked for less motion
-
-/** Whether the person asked for less motion. */
-function wantsStillness() { return matchMedia("(prefers-reduced-motion: reduce)").matches; }
-
-/** The colour of a share, 0 to 1, of the range of pressures. */
-function pressureColour(share) {
-  const place = Math.min(Math.max(share, 0), 1) * (PRESSURE_STOPS.length - 1);
-  const first = Math.min(Math.floor(place), PRESSURE_STOPS.length - 2);
-  const mixed = PRESSURE_STOPS[first].map((low, i) => Math.round(low + (place - first) * (PRESSURE_STOPS[first + 1][i] - low)));
-  return `rgb(${mixed.join(" ")})`;
-}
 
 /** The value of a column at a time, between its rows. */
 function valueAt(times, values, time) {
-  let [low, high] = [0, times.length - 1];
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (times[middle] <= time) low = middle; else high = middle;
-  }
-  const part = times[high] > times[low] ? (time - times[low]) / (times[high] - times[low]) : 0;
-  return values[low] + Math.min(Math.max(part, 0), 1) * (values[high] - values[low]);
+  const [low, high, part] = rowsAt(times, time);
+  return values[low] + part * (values[high] - values[low]);
 }
 
 /** The integral of a column over its times. */
@@ -106,39 +88,5 @@ class CircuitMotion {
     line.port.style.color = line.group.style.color;
     title.textContent = `${line.key.replaceAll("_", " ").replace(".", ", ")}: ${Math.round(100 * opening)} % open`;
     return opening;
-  }
-}
-
-/** A clock that runs over one period, slowed; with less motion wanted it stands at a few instants instead. */
-class SlowClock {
-  constructor(show) {
-    this.show = show;
-    this.slowness = 100;
-    this.period = [0, 1];
-    this.share = 0;
-    this.isRunning = false;
-  }
-
-  get time() { return this.period[0] + this.share * (this.period[1] - this.period[0]); }
-
-  /** Goes to a share of the period. */
-  go(share) { this.share = share; this.show(this.time); }
-
-  run(isRunning) {
-    this.isRunning = isRunning;
-    this.before = performance.now();
-    this.exact = this.share;
-    if (isRunning) requestAnimationFrame(() => this.#tick());
-  }
-
-  #tick() {
-    if (!this.isRunning) return;
-    const now = performance.now();
-    const length = this.slowness * (this.period[1] - this.period[0]);
-    this.exact = (this.exact + Math.min(now - this.before, 200) / 1000 / length) % 1;
-    this.before = now;
-    const share = wantsStillness() ? Math.floor(this.exact * STEPS) / STEPS : this.exact;
-    if (share !== this.share) this.go(share);
-    requestAnimationFrame(() => this.#tick());
   }
 }
