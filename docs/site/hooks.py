@@ -1,16 +1,18 @@
-"""Pages that MkDocs finds beside those that are written: verbs, Python, literature and notebooks."""
+"""Pages that MkDocs finds beside those that are written: verbs, types of the library, Python, literature and notebooks."""
 
 import sys
 from pathlib import Path
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
+from mkdocs.structure.pages import Page
 
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parents[1] / "src")]
 
 import notebooks  # noqa: E402
 import reference_pages  # noqa: E402
+import type_pages  # noqa: E402
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
@@ -22,10 +24,15 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Adds the generated pages."""
-    pages = {**reference_pages.pages(), **notebooks.pages()}
+    pages = {**reference_pages.pages(), **notebooks.pages(), **type_pages.pages()}
     for path, text in pages.items():
         files.append(File.generated(config, path, content=text))
     return files
+
+
+def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Links the tables of the library to the page of each type."""
+    return type_pages.linked(markdown, page.file.src_uri)
 
 
 def on_post_build(config: MkDocsConfig) -> None:

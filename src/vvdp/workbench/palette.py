@@ -10,9 +10,7 @@ from vvdp.components.library import COMPONENTS
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Component, Role
 from vvdp.network.graph import NodeKind
-from vvdp.report.drawing import INK
-from vvdp.report.symbol import Symbol
-from vvdp.report.symbol_set import LONELY, entry, generic
+from vvdp.report.symbol_set import LONELY, entry, generic, picture
 from vvdp.report.symbol_set import NODES as NODE_SYMBOLS
 from vvdp.systems.drawing import NODES
 
@@ -43,8 +41,6 @@ BESIDE: Mapping[str, str] = {
 """Examples of values that must differ from those of another key."""
 MASS = 'mass = "0.5 kg"'
 """What a rod needs if nothing on it has a mass."""
-AROUND = 6.0
-"""Margin around a symbol [px]."""
 
 
 @cache
@@ -58,7 +54,7 @@ def _nodes() -> Iterator[dict[str, Any]]:
         kind, joins = NODE_KINDS[name]
         symbol = {**LONELY, **NODE_SYMBOLS}[kind]()
         lines = [MASS] if joins == ROD else [] if name in WITHOUT_VALUES else list(_value_lines(node.table))
-        yield {"table": "nodes", "type": name, "symbol": _picture(symbol), "joins": joins, "ports": {}, "lines": lines}
+        yield {"table": "nodes", "type": name, "symbol": picture(symbol), "joins": joins, "ports": {}, "lines": lines}
 
 
 def _components() -> Iterator[dict[str, Any]]:
@@ -67,7 +63,7 @@ def _components() -> Iterator[dict[str, Any]]:
         yield {
             "table": "components",
             "type": name,
-            "symbol": _picture(found.draw() if found else generic(part.symbol, {})),
+            "symbol": picture(found.draw() if found else generic(part.symbol, {})),
             "ports": _ports(part),
             "lines": list(_lines(part)),
         }
@@ -103,13 +99,3 @@ def _value_lines(cls: type[Params]) -> Iterator[str]:
 
 def _example(kind: Kind | None) -> str:
     return '"0"' if kind is None else f'"{kind.example}"'
-
-
-def _picture(symbol: Symbol) -> str:
-    x0, y0, x1, y1 = symbol.box
-    box = f"{x0 - AROUND:g} {y0 - AROUND:g} {x1 - x0 + 2 * AROUND:g} {y1 - y0 + 2 * AROUND:g}"
-    drawn = symbol.draw_at(0.0, 0.0).replace(f'"{INK}"', '"currentColor"')
-    return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}" aria-hidden="true"><g fill="none" '
-        f'stroke="currentColor" stroke-width="1.7" stroke-linecap="round" stroke-linejoin="round">{drawn}</g></svg>'
-    )
