@@ -1,4 +1,4 @@
-"""Pages that MkDocs finds beside those that are written: verbs, types of the library, Python, literature and notebooks."""
+"""Pages that MkDocs finds beside those that are written: verbs, the library, Python, literature and notebooks."""
 
 import sys
 from pathlib import Path

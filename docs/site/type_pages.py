@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from docstrings import markdown
+
 from vvdp.components.library import COMPONENTS
 from vvdp.programs.library import PROGRAMS
 from vvdp.report.symbol_set import entry, generic, picture

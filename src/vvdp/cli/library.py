@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from vvdp.systems.library_pages import Described, LibraryPage
 
 
-def described(words: Iterable[str]) -> "list[LibraryPage]":
+def pages_of(words: Iterable[str]) -> "list[LibraryPage]":
     """The pages of those words that name a component or program."""
     from vvdp.components.library import COMPONENTS
     from vvdp.programs.library import PROGRAMS

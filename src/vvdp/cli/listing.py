@@ -48,7 +48,7 @@ def systems(
     json: AsJson = False,
 ) -> None:
     """List systems and circuits, shipped and in this folder."""
-    from vvdp.cli.library import described, print_page
+    from vvdp.cli.library import pages_of, print_page
     from vvdp.cli.screen import print_json
 
     if language:
@@ -57,9 +57,11 @@ def systems(
     listed = _system_lists() if words or not components else {}
     listed |= _library_lists() if words or components else {}
     chosen = _having(listed, words) if words else listed
-    pages = described(words or ())
+    pages = pages_of(words or ())
     if json:
-        print_json({key: each.entries for key, each in chosen.items()} | {"described": [asdict(page) for page in pages]})
+        print_json(
+            {key: each.entries for key, each in chosen.items()} | {"described": [asdict(page) for page in pages]}
+        )
         return
     alone = {page.type for page in pages}
     for key, each in chosen.items():
@@ -210,17 +212,17 @@ def _print_hints() -> None:
 def _component(page: "LibraryPage") -> Sequence[list[str]]:
     """Ports, inputs, values and outputs."""
     ports = [f"{port.name} {port.meaning}".strip() for port in page.ports]
-    return ports, _written(page.inputs), _written(page.values), [each.name for each in page.outputs]
+    return ports, _lines(page.inputs), _lines(page.values), [each.name for each in page.outputs]
 
 
-def _written(values: Iterable["Described"]) -> list[str]:
+def _lines(values: Iterable["Described"]) -> list[str]:
     return [each.line for each in values]
 
 
 def _program(page: "LibraryPage") -> Sequence[list[str]]:
     """What it reads, its commands and its values."""
     reads = [f"{each.name} [{each.usual}]" if each.usual else each.name for each in page.inputs]
-    return reads, [each.name for each in page.outputs], _written(page.values)
+    return reads, [each.name for each in page.outputs], _lines(page.values)
 
 
 def _part(part: "PartFile") -> tuple[list[str], list[str], str]:

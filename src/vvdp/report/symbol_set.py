@@ -13,7 +13,6 @@ from vvdp.report.drawing import INK
 from vvdp.report.lettering import width
 from vvdp.report.symbol import Letter, Side, Symbol, Terminal
 
-
 AROUND = 6.0
 """Margin around a symbol that stands by itself [px]."""
 

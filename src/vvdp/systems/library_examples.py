@@ -65,7 +65,7 @@ USUAL_BY_NAME = {TANK: TANK, "pilot": "pilot", "pressure": "supplied", "inlet": 
 
 
 @cache
-def _given() -> Mapping[str, Mapping[str, Any]]:
+def _component_tables() -> Mapping[str, Mapping[str, Any]]:
     """The examples of the components, as written."""
     return parsed_table((FOLDER / "components.toml").read_text("utf-8"), "components.toml").content
 
@@ -84,7 +84,11 @@ def _program_files() -> Mapping[str, str]:
 def example_values(kind: str) -> Mapping[str, Any]:
     """Inputs and values of the example of a component or program, as a file gives them; empty where there is none."""
     if kind in COMPONENTS:
-        return {key: value for key, value in _given().get(kind, {}).items() if key not in _ports(COMPONENTS[kind])}
+        return {
+            key: value
+            for key, value in _component_tables().get(kind, {}).items()
+            if key not in _ports(COMPONENTS[kind])
+        }
     if kind not in _program_files():
         return {}
     programs = parsed_table(_program_files()[kind], kind).content["programs"].values()
@@ -98,9 +102,9 @@ def example_text(kind: str, more: Mapping[str, Any] | None = None) -> str | None
     """
     if kind not in COMPONENTS:
         return _program_files().get(kind)
-    if kind not in _given():
+    if kind not in _component_tables():
         return None
-    given = _given()[kind]
+    given = _component_tables()[kind]
     joined = {port: given.get(port, usual) for port, usual in _ports(COMPONENTS[kind]).items()}
     values = {key: value for key, value in given.items() if key not in joined} | dict(more or {})
     return "\n".join(_lines(kind, joined, values)) + "\n"

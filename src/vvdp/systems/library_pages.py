@@ -32,15 +32,18 @@ from vvdp.systems.plausibility import LARGEST_TRANSITION
 
 UNLIMITED = 1e300
 """A default value from which on it says that there is no limit."""
-FORMULAS = ("vvdp.hydraulics", "vvdp.fluid", "vvdp.valve", "vvdp.control", "vvdp.estimation", "vvdp.sensing")
-"""Packages whose functions are shown as equations where a component or program calls them."""
+FORMULAS = tuple(
+    f"vvdp.{name}."
+    for name in ("hydraulics", "fluid", "valve", "control", "estimation", "sensing", "components", "programs")
+)
+"""Packages whose functions are shown as equations if a component or program calls them."""
 ROW = re.compile(r"^\| `(\w+)` \| ([^|]*) \| ([^|]*) \| ([^|]*) \|$", re.MULTILINE)
 LAST_PARAGRAPHS = re.compile(r"\n\s*\n(?:Source|Holds|Error)  .*\Z", re.DOTALL)
 
 
 @dataclass(frozen=True)
 class Described:
-    """A value, input or output: example as a file gives it, usual value as a person reads it, each empty without one."""
+    """A value, input or output: example as a file gives it and usual value as a person reads it; empty without one."""
 
     name: str
     meaning: str
@@ -96,8 +99,8 @@ def _component_page(kind: str, component: Component) -> LibraryPage:
         for port, role in component.ports.items()
     ]
     given = example_values(kind)
-    inputs = [_described(each.name, each.kind, given, each.default, kind) for each in component.inputs]
-    outputs = [_described(name, each, {}, None, kind) for name, each in component.outputs.items()]
+    inputs = [_value(each.name, each.kind, given, each.default, kind) for each in component.inputs]
+    outputs = [_value(name, each, {}, None, kind) for name, each in component.outputs.items()]
     return LibraryPage(
         type=kind,
         description=description_of(component.law),
@@ -133,7 +136,7 @@ def _program_page(kind: str, program: ProgramType | GenericProgram) -> LibraryPa
     own = program.type if isinstance(program, GenericProgram) else program
     given, settings = example_values(kind), [own.settings] if own.settings else []
     reads = [
-        _described(name, each, {}, own.defaults.get(name), kind)
+        _value(name, each, {}, own.defaults.get(name), kind)
         for name, each in field_kinds(own.reading).items()
         if name != "time"
     ]
@@ -143,7 +146,7 @@ def _program_page(kind: str, program: ProgramType | GenericProgram) -> LibraryPa
         ports=(),
         inputs=tuple(reads),
         values=tuple(_values(settings, given, kind)),
-        outputs=tuple(_described(name, each, {}, None, kind) for name, each in field_kinds(type(own.command)).items()),
+        outputs=tuple(_value(name, each, {}, None, kind) for name, each in field_kinds(type(own.command)).items()),
         equations=tuple(_equations(own.step)),
         rules=tuple(_rules(settings)),
         warnings=(),
@@ -160,7 +163,7 @@ def _values(classes: Sequence[type[Params]], given: Mapping[str, Any], of: str) 
     for cls in classes:
         usual, types = default_values(cls), field_types(cls)
         for name, kind in field_kinds(cls).items():
-            found = _described(name, kind, given, usual.get(name), of)
+            found = _value(name, kind, given, usual.get(name), of)
             is_list = get_origin(types[name]) is tuple and kind is not None and name not in given
             yield dataclasses.replace(found, example=f"[{found.example}, ...]") if is_list else found
 
@@ -170,13 +173,15 @@ def value_lines(cls: type[Params]) -> list[str]:
     return [each.line for each in _values([cls], {}, "")]
 
 
-def _described(name: str, kind: Kind | None, given: Mapping[str, Any], usual: Any, of: str) -> Described:
+def _value(name: str, kind: Kind | None, given: Mapping[str, Any], usual: Any, of: str) -> Described:
     """A value `of` a type: its example is that of the library's file, else its usual value, else that of its kind."""
     if kind is None:
         return Described(name, "", "", toml_text(given[name]) if name in given else "")
-    shown = value_text(usual, kind) if isinstance(usual, float) else ""
+    several = usual if isinstance(usual, tuple) else () if usual is None else (usual,)
+    shown = ", ".join(value_text(each, kind) for each in several) or ("none" if usual == () else "")
     is_limit = isinstance(usual, float) and abs(usual) >= UNLIMITED
-    plain = shown.partition(" (")[0] if shown and not is_limit else kind.example
+    is_written = isinstance(usual, float) and not is_limit
+    plain = shown.partition(" (")[0] if is_written else kind.example
     return Described(
         name=name,
         meaning=meaning_of(name, kind, of),
@@ -215,7 +220,7 @@ def _equations(function: Callable[..., Any], depth: int = 2) -> Iterator[Equatio
             return
         seen.add(each)
         yield _equation(each)
-        for called in _called(each) if left else ():
+        for called in _called_functions(each) if left else ():
             yield from walk(called, left - 1)
 
     return walk(function, depth)
@@ -236,18 +241,20 @@ def _code(function: Callable[..., Any]) -> str:
     tree = ast.parse(text).body[0]
     assert isinstance(tree, ast.FunctionDef)
     first = tree.body[0]
-    if not (isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant) and isinstance(first.value.value, str)):
+    if not (
+        isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant) and isinstance(first.value.value, str)
+    ):
         return text
     lines = text.splitlines()
     return "\n".join([*lines[: first.lineno - 1], *lines[first.end_lineno :]])
 
 
-def _called(function: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
-    """The formulas of the package that a function calls."""
+def _called_functions(function: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
+    """The formulas of the package that a function calls, and the laws of the components that it adds."""
     tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
-    names = [node.func.id for node in ast.walk(tree) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)]
-    for name in dict.fromkeys(names):
-        found = inspect.unwrap(function).__globals__.get(name)
+    for name in dict.fromkeys(node.id for node in ast.walk(tree) if isinstance(node, ast.Name)):
+        named = inspect.unwrap(function).__globals__.get(name)
+        found = named.law if isinstance(named, Component) else named
         if inspect.isfunction(found) and found.__module__.startswith(FORMULAS):
             yield found
 

@@ -2,10 +2,9 @@
 
 from collections.abc import Iterator, Mapping
 from functools import cache
-from typing import Any, get_origin
+from typing import Any
 
-from vvdp.base.kinds import Kind
-from vvdp.base.params import Params, default_values, field_kinds, field_types
+from vvdp.base.params import Params, default_values, field_kinds
 from vvdp.components.library import COMPONENTS
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Component, Role
@@ -13,6 +12,7 @@ from vvdp.network.graph import NodeKind
 from vvdp.report.symbol_set import LONELY, entry, generic, picture
 from vvdp.report.symbol_set import NODES as NODE_SYMBOLS
 from vvdp.systems.drawing import NODES
+from vvdp.systems.library_pages import library_page
 
 OIL, SHAFT, ROD = "oil", "shaft", "rod"
 """What can be joined: a port to a node of the same word."""
@@ -28,17 +28,6 @@ NODE_KINDS: Mapping[str, tuple[NodeKind, str]] = {
 }
 WITHOUT_VALUES = frozenset({"tank"})
 """Nodes whose values may all be left out, though their class has no defaults."""
-BESIDE: Mapping[str, str] = {
-    "rated_drop": '"10 bar"',
-    "maximum_drop": '"10 bar"',
-    "upper_end": '"100 mm"',
-    "cushion_end": '"20 mm"',
-    "tank_height": '"500 mm"',
-    "modulus": '"7"',
-    "commands": '["0", "1"]',
-    "flows": '["0 lpm", "40 lpm"]',
-}
-"""Examples of values that must differ from those of another key."""
 MASS = 'mass = "0.5 kg"'
 """What a rod needs if nothing on it has a mass."""
 
@@ -65,7 +54,7 @@ def _components() -> Iterator[dict[str, Any]]:
             "type": name,
             "symbol": picture(found.draw() if found else generic(part.symbol, {})),
             "ports": _ports(part),
-            "lines": list(_lines(part)),
+            "lines": list(_lines(name)),
         }
 
 
@@ -75,27 +64,12 @@ def _ports(part: Component | Assembly) -> dict[str, str]:
     return {name: ROLES[role] for name, role in part.ports.items()}
 
 
-def _lines(part: Component | Assembly) -> Iterator[str]:
-    """The values that a file has to give, each with an example; the ports are left out."""
-    if isinstance(part, Assembly):
-        yield from _value_lines(part.params)
-        yield 'start = "0 bar"'
-        return
-    for each in part.inputs:
-        if each.default is None:
-            yield f"{each.name} = {_example(each.kind)}"
-    for cls in part.params:
-        yield from _value_lines(cls)
+def _lines(kind: str) -> Iterator[str]:
+    """The values that a file has to give, each as in the example of the library; the ports are left out."""
+    page = library_page(kind)
+    yield from (f"{each.name} = {each.example}" for each in (*page.inputs, *page.values) if not each.usual)
 
 
 def _value_lines(cls: type[Params]) -> Iterator[str]:
-    usual, types = default_values(cls), field_types(cls)
-    for name, kind in field_kinds(cls).items():
-        if name not in usual:
-            example = _example(kind)
-            several = f"[{example}, {example}]" if get_origin(types[name]) is tuple else example
-            yield f"{name} = {BESIDE.get(name, several)}"
-
-
-def _example(kind: Kind | None) -> str:
-    return '"0"' if kind is None else f'"{kind.example}"'
+    usual = default_values(cls)
+    yield from (f'{name} = "{kind.example}"' for name, kind in field_kinds(cls).items() if kind and name not in usual)
