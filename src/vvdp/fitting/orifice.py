@@ -30,7 +30,7 @@ KEYS = {CD: CD, K: "conductance"}
 
 
 class Restriction(NamedTuple):
-    """A restriction that was measured [SI]; `part` and `values` of the component that takes the fit, if there is one."""
+    """A restriction that was measured [SI]; `part` and `values` are those of the component that takes the fit."""
 
     density: float
     area: float | None = None
