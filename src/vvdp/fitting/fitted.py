@@ -24,7 +24,7 @@ class Taker(Protocol):
 
     @property
     def conditions(self) -> dict[str, str]:
-        """What the fit rests on, for a person."""
+        """What the fit rests on, as text."""
 
     def present(self, key: str) -> float:
         """The value that a fitted one takes the place of; nan without one."""
@@ -45,7 +45,7 @@ class Host(NamedTuple):
 
     @property
     def conditions(self) -> dict[str, str]:
-        """Temperature of the oil and pressure of the load, for a person."""
+        """Temperature of the oil and pressure of the load, as text."""
         return {
             "oil": with_unit(self.temperature, TEMPERATURE),
             "load": with_unit(self.load_pressure, PRESSURE_LEVEL),
@@ -69,7 +69,7 @@ class Interval(NamedTuple):
 
 
 class Coefficient(NamedTuple):
-    """A coefficient with its kind and what a person reads."""
+    """A coefficient with its kind and its label."""
 
     interval: Interval
     kind: Kind

@@ -24,7 +24,7 @@ SHOWN = replace(FLOW_COEFFICIENT, example="2 lpm/bar^0.5")
 """A flow coefficient as data sheets of valves give it."""
 CD, K = "discharge_coefficient", "flow_coefficient"
 USUAL_TEMPERATURE = 313.15
-"""Of the usual oil, if nothing is said of the oil that was measured [K]."""
+"""Of the usual oil, if the oil that was measured is not stated [K]."""
 KEYS = {CD: CD, K: "conductance"}
 """What is fitted, and the key of a component that takes it."""
 
@@ -40,7 +40,7 @@ class Restriction(NamedTuple):
 
     @property
     def conditions(self) -> dict[str, str]:
-        """What the fit rests on, for a person."""
+        """What the fit rests on, as text."""
         area = {"area": with_unit(self.area, AREA)} if self.area else {}
         return {"density": with_unit(self.density, DENSITY), **area}
 
