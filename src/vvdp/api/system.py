@@ -39,8 +39,8 @@ class System(systems.System):
 
         >>> system.with_values(operation={"duty_ratio": 0.4, "oil_temperature": "50 degC"})
 
-        A number is SI, and a pressure absolute; a text has its unit, and so has a quantity of pint. A value that a part offers is
-        `parts={"supply.displacement": ...}`. Raises ConfigError naming every fault.
+        A number is SI, and a pressure absolute; a text has its unit, and so has a quantity of pint. A value that a part
+        offers is `parts={"supply.displacement": ...}`. Raises ConfigError naming every fault.
         """
         known = {row.setting: row.kind for row in self.rows}
         given = {f"{table}.{key}": value for table, values in tables.items() for key, value in values.items()}
@@ -115,7 +115,7 @@ def _public(system: systems.System) -> System:
 
 
 def _checked_setting(name: str, key: str, value: Any, kind: Kind | None) -> str:
-    """A value as the text of a setting. Raises ConfigError for what is neither number, text, quantity, list nor table."""
+    """A value as the text of a setting. Raises ConfigError for what is no number, text, quantity, list or table."""
     try:
         return _setting(value, kind)
     except (TypeError, ValueError):
