@@ -57,7 +57,7 @@ class System(systems.System):
 
     def run(
         self,
-        until: "str | float | Quantity | None" = None,
+        until: "str | float | Quantity[float] | None" = None,
         *,
         progress: Callable[[float], None] | None = None,
         stop: Callable[[], bool] | None = None,

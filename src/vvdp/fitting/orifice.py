@@ -11,12 +11,13 @@ from vvdp.base.display import with_unit
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import AREA, DENSITY, DISCHARGE_COEFFICIENT, FLOW_COEFFICIENT
 from vvdp.base.params import Params, field_kinds
-from vvdp.base.signal import signal_value
+from vvdp.base.signal import Signal, signal_value
 from vvdp.fitting.drop import COLUMNS, fit_drop
 from vvdp.fitting.fitted import Coefficient, Fitted, around_log, power_of
 from vvdp.fluid.oil import density
 from vvdp.hydraulics.orifice import Orifice
 from vvdp.network.network import Network
+from vvdp.network.nodes import HydraulicNode
 from vvdp.numerics.least_squares import fit
 
 WITHOUT_DIAMETER = {key: quantity for key, quantity in COLUMNS.items() if key != "diameter"}
@@ -59,14 +60,15 @@ def restriction_of(network: Network, system: str, part: str) -> Restriction:
     if part not in network.parts:
         raise ParameterError(f"{part!r} is no component of {system}; it has {', '.join(network.parts)}")
     own = network.parts[part]
-    oil = network.nodes[own.nodes[own.component.hydraulic_ports[0]]].oil if own.component.hydraulic_ports else None
+    nodes = [network.nodes[own.nodes[port]] for port in own.component.hydraulic_ports]
+    oils = [node.oil for node in nodes if isinstance(node, HydraulicNode)]
     taken = [each for each in own.values if isinstance(each, Orifice) or _has_conductance(each)]
-    if oil is None or not taken:
+    if not oils or not taken:
         raise ParameterError(f"{part}: a {own.component.name} has neither {CD} nor a conductance in m^3/(s*Pa^0.5)")
     source = own.inputs.get("area")
-    area = float(signal_value(0.0, source)) if isinstance(taken[0], Orifice) and not isinstance(source, str) else None
+    area = float(signal_value(0.0, source)) if isinstance(source, Signal) else None
     temperature = float(signal_value(0.0, network.temperature))
-    return Restriction(float(density(temperature, oil)), area, system, part, taken[0])
+    return Restriction(float(density(temperature, oils[0])), area, system, part, taken[0])
 
 
 def _has_conductance(values: Params) -> bool:

@@ -261,11 +261,13 @@ def _called_functions(function: Callable[..., Any]) -> Iterator[Callable[..., An
 
 def _rules(classes: Sequence[type[Params]]) -> Iterator[str]:
     """What values of the classes must keep, read from the calls of `require_positive` and `require_less`."""
-    checks = {cls.check for each in classes for cls in each.__mro__ if "check" in vars(cls) and cls is not Params}
+    checks = {
+        vars(cls)["check"] for each in classes for cls in each.__mro__ if "check" in vars(cls) and cls is not Params
+    }
     for check in sorted(checks, key=lambda each: each.__qualname__):
         for node in ast.walk(ast.parse(textwrap.dedent(inspect.getsource(check)))):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-                words = [f"`{each.value}`" for each in node.args[1:] if isinstance(each, ast.Constant)]
+                words = [f"`{each.value!s}`" for each in node.args[1:] if isinstance(each, ast.Constant)]
                 if node.func.id == "require_positive" and words:
                     yield f"{', '.join(words)}: greater than 0"
                 elif node.func.id == "require_less" and len(words) == 2:
