@@ -84,13 +84,11 @@ def fit(
     found = chosen.fit(read_columns(table, chosen.columns), host)
     result = fit_result(found, readable(table.name), host)
     written = [*(settings or ()), *fitted_settings(found, table, host)] if host else []
+    resolved = resolved_text(loaded) if loaded else ""
     directory = output.directory(f"fit-{fitted.law}")
     with result_directory(directory, force=output.force) as folder:
-        if on:
-            _write_system(folder / FITTED, on, written)
-        reported = write_with_report(
-            folder, result, resolved_text(loaded) if loaded else "", no_report=output.no_report
-        )
+        _write_system(folder / FITTED, on, written)
+        reported = write_with_report(folder, result, resolved, no_report=output.no_report)
     if output.json:
         print_json({**result.flat, "confidence_95": confidence(found), "out": str(directory)})
         return
@@ -98,13 +96,14 @@ def fit(
     _print_use(found, directory / FITTED if on else None)
 
 
-def _write_system(path: Path, on: str, settings: list[str]) -> None:
-    """Writes the system with what was found."""
+def _write_system(path: Path, on: str | None, settings: list[str]) -> None:
+    """Writes the system with what was found, if there is one."""
     from vvdp.base.files import write_whole
     from vvdp.systems.resolved import resolved_text
     from vvdp.systems.system import load_system
 
-    write_whole(path, resolved_text(load_system(on, settings)))
+    if on is not None:
+        write_whole(path, resolved_text(load_system(on, settings)))
 
 
 def _print_use(found: "Fitted", path: Path | None) -> None:
