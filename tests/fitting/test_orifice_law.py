@@ -102,6 +102,8 @@ def test_the_verb_writes_a_circuit_that_runs(vvdp, tmp_path, monkeypatch):  # no
     assert float(written["discharge_coefficient"]["value"]) == pytest.approx(0.65, rel=1e-6)
     assert vvdp("show", "fit/fitted.toml").code == 0
     assert vvdp("fit", "bench.csv", "--law", "orifice", "--on", "mine.toml").code == 2
+    drawn_in_code = vvdp("fit", "bench.csv", "--law", "orifice", "--on", "prototype", "--component", "load")
+    assert drawn_in_code.code == 2 and drawn_in_code.err.startswith("--on: prototype: its file has no [components]")
     assert "feed_a, drain_b, orifice" in vvdp(
         "fit", "bench.csv", "--law", "orifice", "--on", "mine.toml", "--component", "load"
     ).err  # fmt: skip

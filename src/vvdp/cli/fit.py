@@ -177,6 +177,10 @@ def _restriction(given: Law, loaded: "System | None") -> "Restriction":
     if (loaded is None) != (not given.component):
         raise ConfigError([Fault("--component", 0, given.component, "give it together with --on SYSTEM")])
     known = Restriction(float(density(USUAL_TEMPERATURE, UsualOil())))
+    if loaded is not None and "components" not in loaded.content:
+        raise ConfigError(
+            [Fault("--on", 0, loaded.name, "its file has no [components]; give one that draws its circuit")]
+        )
     if loaded is not None:
         known = restriction_of(loaded.circuit.network, loaded.name, given.component)
     if given.density:
