@@ -63,7 +63,7 @@ def tables(found: Comparison) -> Iterator[str]:
     for words, keys, text in (
         ("Speed, rms [rad/s]:", ("speed_error_rms_rad_s",), short),
         ("Angle, rms [rad]:", ("angle_error_rms_rad",), short),
-        ("Errors of speed / angle within two stated deviations [%]:", ("speed_coverage", "angle_coverage"), percent),
+        ("Errors of speed / angle within ±2σ as stated [%]:", ("speed_coverage", "angle_coverage"), percent),
     ):
         yield from (words, "")
         names = list(found.scenarios)

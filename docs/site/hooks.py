@@ -1,4 +1,5 @@
-"""Pages that MkDocs finds beside those that are written: verbs, Python, literature, notebooks, circuits that run."""
+"""Pages that MkDocs finds beside those that are written: verbs, the library, Python, literature, notebooks, circuits that
+run."""
 
 import sys
 from pathlib import Path
@@ -13,6 +14,7 @@ sys.path[:0] = [str(HERE), str(HERE.parents[1] / "src")]
 import live_pages  # noqa: E402
 import notebooks  # noqa: E402
 import reference_pages  # noqa: E402
+import type_pages  # noqa: E402
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
@@ -24,15 +26,20 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Adds the generated pages."""
-    pages = {**reference_pages.pages(), **notebooks.pages(), **dict(live_pages.pages())}
+    pages = {
+        **reference_pages.pages(),
+        **notebooks.pages(),
+        **type_pages.pages(),
+        **dict(live_pages.pages()),
+    }
     for path, text in pages.items():
         files.append(File.generated(config, path, content=text))
     return files
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Puts circuits that run into the pages that show them."""
-    return live_pages.with_frames(markdown, page.url)
+    """Puts circuits that run into the pages that show them, and links the tables of the library to the page of each type."""
+    return live_pages.with_frames(type_pages.linked(markdown, page.file.src_uri), page.url)
 
 
 def on_post_build(config: MkDocsConfig) -> None:

@@ -19,7 +19,7 @@ from vvdp.systems.system import load_system
 
 DOCS = Path(__file__).parents[1]
 PAGE = DOCS / "when-switching-pays.md"
-MACHINES = {"excavator-arm": "Excavator arm", "injection-moulding": "Injection moulding", "test-stand": "Test stand"}
+MACHINES = {"excavator-arm": "Excavator arm", "injection-moulding": "Injection moulding", "test-stand": "Test rig"}
 """Files of the cycles, and what a person calls the machine."""
 SHARES = (0.7, 1.0, 1.3)
 """Forces and times of a cycle over those of the file."""

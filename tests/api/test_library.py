@@ -135,3 +135,29 @@ def test_a_number_that_is_not_known_has_its_reason_in_the_warnings():
     assert all(f"warning: {each}" in repr(run) for each in run.warnings)
     settled = vvdp.load("prototype").run(until="0.6 s")
     assert settled.warnings == () and "\n" not in repr(settled)
+
+
+def test_dir_shows_what_is_public(run):
+    """Each name that is shown exists; what the package alone uses is not shown."""
+    for each in (vvdp, run, run.system):
+        assert all(hasattr(type(each), name) or hasattr(each, name) for name in dir(each))
+    assert set(dir(vvdp)) == {*vvdp.__all__, "__version__"}
+    assert {"summary", "plot", "to_xarray", "warnings"} <= set(dir(run)) and "fine_from" not in dir(run)
+    assert {"run", "with_values"} <= set(dir(run.system)) and "with_tables" not in dir(run.system)
+
+
+def test_quantities_of_pint_are_texts_with_a_unit():
+    """1200 rpm is 125.66 rad/s; what vvdp refuses as a text it refuses as a quantity, in a sentence."""
+    import pint
+
+    units = pint.UnitRegistry()
+    system = vvdp.load("prototype", operation={"pump_speed": 1200 * units.rpm})
+    speed = next(row.value for row in system.rows if row.key == "pump_speed")
+    assert speed.base == pytest.approx(1200 * 2 * np.pi / 60, rel=1e-12)
+    area = vvdp.load("prototype", load={"area": 12.5 * units.mm**2})
+    assert next(row.value for row in area.rows if row.key == "area").base == pytest.approx(12.5e-6, rel=1e-12)
+    for wrong in (1200 * units.m, 20 * units.Hz, object(), None):
+        with pytest.raises(ConfigError, match="pump_speed") as refused:
+            vvdp.load("prototype", operation={"pump_speed": wrong})
+        assert "rpm" in str(refused.value)
+    assert system.run(until=2 * units.ms).summary["duration_s"] == pytest.approx(2e-3)

@@ -20,6 +20,7 @@ ENDINGS = {
     "m^3/s": "_m3_s",
     "m^3/rad": "_m3_rad",
     "m^3/s/Pa": "_m3_s_Pa",
+    "m^3/(s*Pa^0.5)": "_m3_s_Pa05",
     "rad/s": "_rad_s",
     "m/s": "_m_s",
     "rad": "_rad",

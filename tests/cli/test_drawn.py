@@ -246,8 +246,8 @@ def test_the_library_is_listed(vvdp):
     said = vvdp("list", "--components").out
     for name in (*NODES, *COMPONENTS, *PROGRAMS):
         assert f" {name} " in said
-    assert 'displacement = "22.8 cc/rev"' in said
-    assert 'opening = "0.5" [1]' in said
+    assert 'displacement = "10 cc/rev"' in said
+    assert 'opening = "1" [1]' in said
     assert "rod (rod)" in said and "shaft (shaft)" in said
 
 
@@ -256,7 +256,7 @@ def test_the_library_as_json(vvdp):
     assert {"components", "programs", "parts"} <= found.keys()
     assert found["programs"]["pi"]["reads"] == ["reads", "reference", "feedforward [0]"]
     assert found["programs"]["pi"]["commands"] == ["value"]
-    assert 'gain = "0.02 1/bar"' in found["programs"]["pi"]["values"]
+    assert 'gain = "-0.01 1/bar"' in found["programs"]["pi"]["values"]
 
 
 def test_a_circuit_of_ones_own(vvdp, own, monkeypatch):

@@ -146,7 +146,10 @@ def test_changing_duty_ratio_on_the_pages():
     found = found_in(change(change(SHIPPED, "operation", duty_ratio=SINE_DUTY), "run", until="3 s", average_from="2 s"))
     error, stated = (1e6 * found[f"spool_estimate_{word}_rms_m"] for word in ("error", "deviation"))
     covered = 100.0 * found["spool_estimate_coverage"]
-    assert f"is {error:.0f} um rms and its stated deviation {stated:.0f} um, {covered:.0f} % of the errors" in PAGE
+    assert (
+        f"is {error:.0f} um rms and its stated standard deviation {stated:.0f} um, {covered:.0f} % of the errors"
+        in PAGE
+    )
     observer = " ".join((MODELS / "axial-observer.md").read_text("utf-8").split())
     assert f"is off by {error:.0f} um rms and states {stated:.0f} um." in observer
     filtered = " ".join((MODELS / "event-filter.md").read_text("utf-8").split())

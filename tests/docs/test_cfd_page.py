@@ -344,7 +344,7 @@ def computed_laws() -> tuple[str, ...]:
     coefficient = turbine_coefficient()
     jets = fit([centre_section["torque_law_N_m"]], centre_section["torque_N_m"]).coefficients[0]
     return (
-        *(text for each, name in found for text in settings(each, Path(name))),
+        *(text for each, name in found for text in settings(each, Path(name), host)),
         f"valve.inlet_area_ratio={1.0 / jets}",
         f"valve.outlet_effective_area={1e6 * area} mm^2",
         f"valve.outlet_discharge_coefficient={coefficient}",

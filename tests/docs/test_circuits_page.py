@@ -118,7 +118,7 @@ def test_the_sentences_follow_from_the_tables():
     vvdp, sensing, slow, constant = (drawn[name] for name in ("vvdp", "load-sensing", "vvdp-slow", "constant-pressure"))
     pairs = [f"{a:g} for {b:g}" for a, b in zip(sensing, vvdp, strict=True)]
     errors = {name: row["error"] for name, row in heavy.items()}
-    lost, ideal = (heavy[name]["return throttle"] for name in ("vvdp", "ideal-pump"))
+    lost, ideal = (heavy[name]["meter-out throttle"] for name in ("vvdp", "ideal-pump"))
     extra = lost - ideal
     sentences = [
         f"{pairs[0].replace(' for', ' W for')} on the triangle, {pairs[1]} under the heavy load, {pairs[2]} digging",
@@ -127,7 +127,7 @@ def test_the_sentences_follow_from_the_tables():
         f"Under the heavy load the errors are {min(errors.values()):g} to {max(errors.values()):g} mm",
         f"`bleed-off` ({errors['bleed-off']:g} mm) and `linear-valves` ({errors['linear-valves']:g} mm) follow worst",
         f"it draws {heavy['throttle']['drawn'] / vvdp[1]:.1f} times less than throttling",
-        f"Of the {vvdp[1]:g} W, {lost:g} W are lost over the throttle in the return",
+        f"Of the {vvdp[1]:g} W, {lost:g} W are lost over the meter-out throttle",
         f"loses {ideal:g} W there",
         f"The difference of {extra:g} W is due to the control law",
         f"would draw about {10 * round((vvdp[1] - extra) / 10):g} W",

@@ -84,12 +84,12 @@ def test_numbers_of_the_shipped_systems():
     found = summary(*run_of(shipped_systems()["axial-gerotor"]))
     assert f"{1e6 * found['spool_position_error_rms_m']:.0f} um rms against the reference" in WORDS
     assert f"{1e3 * found['spool_position_error_max_m']:.2f} mm at most" in WORDS
-    assert f"a pollution of {1e3 * found['pollution_rms_m']:.2f} mm rms" in WORDS
-    assert f"stated deviation, {1e6 * found['spool_estimate_deviation_rms_m']:.0f} um" in WORDS
+    assert f"a periodic sensor error of {1e3 * found['pollution_rms_m']:.2f} mm rms" in WORDS
+    assert f"stated standard deviation, {1e6 * found['spool_estimate_deviation_rms_m']:.0f} um" in WORDS
     _, run = run_of(shipped_systems()["axial-gerotor"])
     back = np.flatnonzero((run.times > 5.0) & (run.times < 5.5))
     ahead = run.command.axial.position[back + 1] - run.state.gerotor.position[back]
     assert 1e6 * np.mean(ahead) == pytest.approx(-65.0, abs=4.0)
     assert "ahead by 65 um" in WORDS
     unit = summary(*run_of(shipped_systems()["vvdp-duty-control-gerotor"]))
-    assert f"told by the encoder: {1e6 * unit['spool_position_error_rms_m']:.0f} um rms" in WORDS
+    assert f"its angle from the encoder: {1e6 * unit['spool_position_error_rms_m']:.0f} um rms" in WORDS

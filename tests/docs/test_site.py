@@ -48,7 +48,7 @@ def test_every_door_is_there(site):
     found = pages(site)
     for name in ("index", "first-circuit", "command-line", "reference/verbs", "reference/python/hydraulics", "gallery"):
         assert f"{name}.html" in found
-    assert {"Start", "Subjects", "How-to", "Reference", "Theory"} <= set(re.findall(r"[\w-]+", found["index.html"]))
+    assert {"Tutorials", "How-to", "Reference", "Explanation"} <= set(re.findall(r"[\w-]+", found["index.html"]))
     assert "vvdp rig pressure-drop" in found["reference/verbs.html"]
     assert "Volume flow through an orifice" in found["reference/python/hydraulics.html"]
     assert "merritt1967" in found["reference/literature.html"]

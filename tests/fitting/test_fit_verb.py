@@ -214,10 +214,16 @@ def test_a_word_that_is_no_port_is_refused(vvdp, write):
     assert ":2: port: " + wording.fit.port.format(port="half") in answer.err
 
 
+LAWS = "orifice, drop, jet, leakage"
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("--law", "duck"), "--law: " + wording.fit.unknown_choice.format(value="duck", choices="drop, jet, leakage")),
+        (
+            ("--law", "duck"),
+            "--law: " + wording.fit.unknown_choice.format(value="duck", choices=LAWS),
+        ),
         (
             ("--law", "drop", "--part", "duck"),
             "--part: " + wording.fit.unknown_choice.format(value="duck", choices="centre, nozzle, outlet"),

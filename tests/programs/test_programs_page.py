@@ -2,32 +2,24 @@
 
 import re
 from pathlib import Path
-from typing import get_origin
 
-from vvdp.base.display import value_text
-from vvdp.base.params import default_values, field_kinds, field_types
 from vvdp.programs.generic import GenericProgram
 from vvdp.programs.library import PROGRAMS
-from vvdp.programs.quantities import LARGEST
+from vvdp.systems.library_pages import library_page
 
 PAGE = (Path(__file__).parents[2] / "docs" / "programs.md").read_text("utf-8")
 
 
-def values(cls):
-    """Each value with an example, and with the one that holds where none is given."""
-    usual = default_values(cls) if cls else {}
-    for name, kind in field_kinds(cls).items() if cls else ():
-        value = usual.get(name)
-        shown = "none" if value in (-LARGEST, LARGEST) else value_text(value, kind) if isinstance(value, float) else ""
-        example = f"[{kind.example}, ...]" if get_origin(field_types(cls)[name]) is tuple else kind.example
-        yield f"`{name}` {example}" + (f" ({shown})" if shown else "")
-
-
 def row(name, program):
     own = program.type if isinstance(program, GenericProgram) else program
-    reads = [f"({each})" if each in own.defaults else each for each in own.reading._fields if each != "time"]
-    does = re.split(r"[.;:]( |\n|$)", own.step.__doc__, maxsplit=1)[0].replace("\n    ", " ").strip()
-    cells = [does, ", ".join(reads), ", ".join(type(own.command)._fields), ", ".join(values(own.settings))]
+    page = library_page(name)
+    reads = [f"({each.name})" if each.name in own.defaults else each.name for each in page.inputs]
+    does = re.split(r"[.;:]( |\n|$)", page.description, maxsplit=1)[0].replace("\n", " ").strip()
+    values = [
+        f"`{each.name}` {each.example.replace(chr(34), '')}" + (f" ({each.usual})" if each.usual else "")
+        for each in page.values
+    ]
+    cells = [does, ", ".join(reads), ", ".join(type(own.command)._fields), ", ".join(values)]
     return re.sub(" +", " ", f"| `{name}` | " + " | ".join(cells) + " |")
 
 

@@ -29,6 +29,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+PUBLIC = (
+    "carried_on", "command", "directory", "flows", "names", "number", "numbers", "output", "plot", "pressure", "result",
+    "save", "state", "summary", "system", "times", "to_pandas", "to_xarray", "warnings",
+)  # fmt: skip
+"""What `dir()` of a run shows; all else is for the package."""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Run(RecordedRun):
     """A simulated run: `summary`, `numbers`, recorded series by name, and its result with tables and charts."""
@@ -127,6 +134,9 @@ class Run(RecordedRun):
         for group, members in self.record.groups.items():
             for path, series in members.items():
                 yield f"{group}.{path}", series
+
+    def __dir__(self) -> list[str]:
+        return [*PUBLIC]
 
     def __repr__(self) -> str:
         place = f" in {self.directory}" if self.directory else ""

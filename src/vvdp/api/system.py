@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from vvdp.api.run import Run
 from vvdp.base import kinds
-from vvdp.base.errors import ConfigError
+from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.kinds import Kind
 from vvdp.base.tables import parsed_table, with_settings
 from vvdp.runs.simulate import run_system
@@ -18,11 +18,16 @@ from vvdp.systems import system as systems
 from vvdp.systems.drawn_parts import setting_path
 from vvdp.systems.options import lasting, without_other_position
 
+if TYPE_CHECKING:
+    from pint import Quantity
+
 Value = float | str | list[float] | Mapping[str, Any]
 """A number [SI, pressures absolute], a text with its unit, a list of numbers, or a signal as in a file."""
 
 TYPED = "text"
 """The name of a system that comes from no file."""
+PUBLIC = ("assumptions", "circuit", "name", "rows", "run", "title", "uncertainties", "with_values")
+"""What `dir()` of a system shows; all else is for the package."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -34,13 +39,14 @@ class System(systems.System):
 
         >>> system.with_values(operation={"duty_ratio": 0.4, "oil_temperature": "50 degC"})
 
-        A number is SI, and a pressure absolute; a text has its unit. A value that a part offers is
-        `parts={"supply.displacement": ...}`. Raises ConfigError naming every fault.
+        A number is SI, and a pressure absolute; a text has its unit, and so has a quantity of pint. A value that a part
+        offers is `parts={"supply.displacement": ...}`. Raises ConfigError naming every fault.
         """
         known = {row.setting: row.kind for row in self.rows}
         given = {f"{table}.{key}": value for table, values in tables.items() for key, value in values.items()}
         settings = [
-            f"{key}={_setting(value, known.get(setting_path(self.content, key)))}" for key, value in given.items()
+            f"{key}={_checked_setting(self.name, key, value, known.get(setting_path(self.content, key)))}"
+            for key, value in given.items()
         ]
         try:
             table = with_settings(without_other_position(self.table, settings), settings)
@@ -51,22 +57,25 @@ class System(systems.System):
 
     def run(
         self,
-        until: str | float | None = None,
+        until: "str | float | Quantity[float] | None" = None,
         *,
         progress: Callable[[float], None] | None = None,
         stop: Callable[[], bool] | None = None,
     ) -> Run:
-        """Simulates the system, until a time ("50 ms", or a number [s]) or as long as its file says.
+        """Simulates the system, until a time ("50 ms", a quantity, or a number [s]) or as long as its file says.
 
         `progress` hears the simulated time [s] now and then. Where `stop` says so, or at Ctrl-C, it stops early and
         keeps what was reached.
         """
         system = self
         if until is not None:
-            text = until if isinstance(until, str) else f"{until!r} s"
+            text = until if isinstance(until, str) else _quantity_text(until) or f"{until!r} s"
             system = _public(self.read_from(lasting(self.table, text)))
         done = run_system(system, progress=progress, stop=stop, say=lambda message: print(message, file=sys.stderr))
         return Run(**{each.name: getattr(done, each.name) for each in fields(done)})
+
+    def __dir__(self) -> list[str]:
+        return [*PUBLIC]
 
     def __repr__(self) -> str:
         network = self.circuit.network
@@ -105,7 +114,23 @@ def _public(system: systems.System) -> System:
     return System(**{each.name: getattr(system, each.name) for each in fields(system)})
 
 
-def _setting(value: Value, kind: Kind | None) -> str:
+def _checked_setting(name: str, key: str, value: Any, kind: Kind | None) -> str:
+    """A value as the text of a setting. Raises ConfigError for what is no number, text, quantity, list or table."""
+    try:
+        return _setting(value, kind)
+    except (TypeError, ValueError):
+        example = f", for example {kind.example!r} or a number in {kind.unit}" if kind else ""
+        message = f"{type(value).__name__} is no value; give a text with its unit{example}"
+        raise ConfigError([Fault(name, 0, key, message)]) from None
+
+
+def _quantity_text(value: Any) -> str:
+    """A quantity of pint as text with its unit; empty for anything else."""
+    is_quantity = hasattr(value, "magnitude") and hasattr(value, "units")
+    return f"{float(value.magnitude)!r} {value.units:~C}".replace("**", "^").strip() if is_quantity else ""
+
+
+def _setting(value: Any, kind: Kind | None) -> str:
     """A value as the text of a setting."""
     if isinstance(value, Mapping):
         inner = ", ".join(f"{json.dumps(key)} = {_setting(each, kind)}" for key, each in value.items())
@@ -114,6 +139,8 @@ def _setting(value: Value, kind: Kind | None) -> str:
         return f"[{', '.join(_setting(each, kind) for each in value)}]"
     if isinstance(value, str):
         return json.dumps(value)
+    if text := _quantity_text(value):
+        return json.dumps(text)
     return json.dumps(_text(float(value), kind))
 
 

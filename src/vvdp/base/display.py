@@ -16,7 +16,16 @@ from vvdp.base.units import ATMOSPHERE, in_unit
 _BAR = 1e5
 MINUS = "\u2212"
 NOTHING = "–"
-SYMBOLS = {"um": "µm", "us": "µs", "degC": "°C", "deg": "°", "cc": "cm³", "cc/rev": "cm³/rev", "l/min": "lpm"}
+SYMBOLS = {
+    "um": "µm",
+    "us": "µs",
+    "degC": "°C",
+    "deg": "°",
+    "cc": "cm³",
+    "cc/rev": "cm³/rev",
+    "l/min": "lpm",
+    "lpm/bar^0.5": "lpm/√bar",
+}
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -148,4 +157,4 @@ def key_suffix(kind: Kind) -> str:
     """What a key of a result ends with, so that its unit is plain: `_m3_s` for m^3/s; nothing without a unit."""
     if kind.unit in ("1", "SI"):
         return ""
-    return "_" + kind.unit.translate(str.maketrans("/*", "__", "^()"))
+    return "_" + kind.unit.translate(str.maketrans("/*", "__", "^()."))

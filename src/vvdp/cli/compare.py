@@ -28,6 +28,10 @@ if TYPE_CHECKING:
     from vvdp.studies.engine import Engine
 
 INTERRUPTED = 130
+MOST_MISSING = 5
+"""Missing runs that are named after an interrupt."""
+SECONDS_OF_A_CIRCUIT = 0.9
+"""Processor time of a circuit on a cycle, mean over all 65 pairs, compiling included [s]."""
 
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
 
@@ -57,6 +61,12 @@ class Trials:
     def engine(self, directory: Path) -> "Engine":
         """The engine that the options name, see `Engines.engine`."""
         return Engines(self.on, self.workers, self.cores, self.sbatch).engine(directory)
+
+    def seconds(self, of_a_core: float) -> float:
+        """Time after which one more run is done, each of so many seconds of a core [s]; 0, unknown, if not run here."""
+        from vvdp.simulation.crew import all_cores
+
+        return of_a_core / (self.cores or all_cores()) if self.on == HERE else 0.0
 
 
 @dataclass(frozen=True)
@@ -226,26 +236,30 @@ def circuits(
         _print_names(chosen, rivals, "circuit", "cycle")
         return
     directory = work.directory("compare-circuits")
-    engine = work.engine(directory.parent)
     contest = _Contest(
-        compare=lambda **how: compare_circuits(chosen, rivals, engine=engine, **how),
+        compare=lambda **how: compare_circuits(chosen, rivals, engine=work.engine(directory.parent), **how),
         result=circuit_result,
         screen=screen_tables,
         contenders="circuits",
         note="powers are means over a round; delivered while the rod is pushed, received while the load overruns\n",
+        seconds_each=SECONDS_OF_A_CIRCUIT,
     )
     _carry_out(contest, directory, work)
 
 
 @dataclass(frozen=True)
 class _Contest:
-    """A comparison of contenders: how it is run, its result, its tables on the screen, and a note below these."""
+    """A comparison of contenders: how it is run, its result, its tables on the screen, and a note below these.
+
+    seconds_each  usual processor time of a run [s], where it is long enough to be announced
+    """
 
     compare: Callable[..., Any]
     result: Callable[[Any], "Result"]
     screen: Callable[[Any, "Result"], Mapping[str, "Table"]]
     contenders: str
     note: str
+    seconds_each: float = 0.0
 
 
 def _carry_out(contest: _Contest, directory: Path, work: Trials) -> None:
@@ -255,7 +269,7 @@ def _carry_out(contest: _Contest, directory: Path, work: Trials) -> None:
     from vvdp.cli.screen import say
 
     with result_directory(directory, force=work.force) as folder:
-        with count_lines("runs") as progress:
+        with count_lines("runs", work.seconds(contest.seconds_each)) as progress:
             found = contest.compare(progress=progress, say=say)
         result = contest.result(found)
         reported = write_with_report(folder, result, "", no_report=work.no_report)
@@ -268,7 +282,14 @@ def _carry_out(contest: _Contest, directory: Path, work: Trials) -> None:
     show_result(shown, directory, json=work.json, reported=reported, names=(contest.contenders,))
     if not found.finished:
         say(f"interrupted after {found.runs} of {found.all_runs} runs; these were written")
+        say(f"missing: {_few(found.missing)}")
         raise typer.Exit(INTERRUPTED)
+
+
+def _few(names: Sequence[str]) -> str:
+    """The first of some names, and how many more there are."""
+    rest = len(names) - MOST_MISSING
+    return ", ".join(names[:MOST_MISSING]) + (f" and {rest} more" if rest > 0 else "")
 
 
 def _choose(option: str, names: list[str] | None, known: Sequence[Chosen]) -> list[Chosen]:

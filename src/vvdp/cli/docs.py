@@ -13,6 +13,9 @@ SITE = Path(__file__).parents[1] / "site"
 
 
 def docs(
+    word: Annotated[
+        str, typer.Argument(metavar="[TYPE]", help="Open the page of this component or program.", show_default=False)
+    ] = "",
     only_path: Annotated[bool, typer.Option("--path", help="Print the path of the first page; open nothing.")] = False,
     json: AsJson = False,
 ) -> None:
@@ -24,10 +27,23 @@ def docs(
 
     from vvdp.cli.screen import print_json
 
-    page = SITE / "index.html"
+    page = SITE / (_page_of(word) if word else "index.html")
     if not page.is_file():
         raise VvdpError(f"{page}: no such file; `make docs` in a source checkout builds the documentation")
     if json:
         print_json({"page": str(page)})
     elif only_path or not webbrowser.open(page.as_uri()):
         typer.echo(page)
+
+
+def _page_of(word: str) -> str:
+    """Where the site has the page of a component or program. Raises ConfigError where there is none."""
+    from vvdp.base.errors import unusable
+    from vvdp.base.tables import suggestion
+    from vvdp.components.library import COMPONENTS
+    from vvdp.programs.library import PROGRAMS
+
+    for folder, library in (("components", COMPONENTS), ("programs", PROGRAMS)):
+        if word in library:
+            return f"reference/{folder}/{word}.html"
+    raise unusable(word, f"is no component or program{suggestion(word, [*COMPONENTS, *PROGRAMS])}")

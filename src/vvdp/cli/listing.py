@@ -1,6 +1,7 @@
 """`vvdp list`."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -9,12 +10,7 @@ import typer
 from vvdp.cli.options import AsJson
 
 if TYPE_CHECKING:
-    from vvdp.base.kinds import Kind
-    from vvdp.base.params import Params
-    from vvdp.network.assembly import Assembly
-    from vvdp.network.component import Component
-    from vvdp.network.program import ProgramType
-    from vvdp.programs.generic import GenericProgram
+    from vvdp.systems.library_pages import Described, LibraryPage
     from vvdp.systems.part_files import PartFile
 
 
@@ -38,7 +34,10 @@ class Listed(NamedTuple):
 def systems(
     words: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[WORD]...", help="List only what has one of these in its name, components included."),
+        typer.Argument(
+            metavar="[WORD]...",
+            help="List only what has one of these in its name; describe the component or program of this name.",
+        ),
     ] = None,
     components: Annotated[
         bool, typer.Option("--components", help="List the component library for drawing circuits.")
@@ -49,6 +48,7 @@ def systems(
     json: AsJson = False,
 ) -> None:
     """List systems and circuits, shipped and in this folder."""
+    from vvdp.cli.library import pages_of, print_page
     from vvdp.cli.screen import print_json
 
     if language:
@@ -57,13 +57,20 @@ def systems(
     listed = _system_lists() if words or not components else {}
     listed |= _library_lists() if words or components else {}
     chosen = _having(listed, words) if words else listed
+    pages = pages_of(words or ())
     if json:
-        print_json({key: each.entries for key, each in chosen.items()})
+        print_json(
+            {key: each.entries for key, each in chosen.items()} | {"described": [asdict(page) for page in pages]}
+        )
         return
-    for each in chosen.values():
-        if each.rows:
-            _print(each)
-    if any(chosen[key].rows for key in LIBRARY if key in chosen):
+    alone = {page.type for page in pages}
+    for key, each in chosen.items():
+        rows = [row for row in each.rows if key not in DESCRIBED or row[0] not in alone]
+        if rows:
+            _print(each._replace(rows=rows))
+    for page in pages:
+        print_page(page)
+    if any(chosen[key].rows for key in LIBRARY if key in chosen) and not pages:
         _print_hints()
 
 
@@ -159,36 +166,33 @@ def _own_systems(folder: Path) -> Iterator[tuple[str, str, str]]:
 
 
 LIBRARY = ("nodes", "components", "programs", "parts")
-UNLIMITED = 1e300
-"""A default value from which on it says that there is no limit."""
+DESCRIBED = ("components", "programs")
+"""Lists of which each entry has a page."""
 
 
 def _library_lists() -> dict[str, Listed]:
     """All that a file may draw a circuit from."""
     from vvdp.components.library import COMPONENTS
-    from vvdp.network.assembly import Assembly
     from vvdp.programs.library import PROGRAMS
     from vvdp.systems.drawing import NODES
+    from vvdp.systems.library_pages import library_page, value_lines
     from vvdp.systems.part_files import shipped_part, shipped_parts
 
     return {
         "nodes": Listed(
             "Nodes: [nodes] NAME = { type = ... }",
             ("type", "values"),
-            [(name, _values(node.table)) for name, node in NODES.items()],
+            [(name, value_lines(node.table)) for name, node in NODES.items()],
         ),
         "components": Listed(
             "Components: [components.NAME] with its type, the node at each port, inputs and values",
             ("type", "ports", "inputs", "values", "outputs", "symbol"),
-            [
-                (name, *(_assembly(part) if isinstance(part, Assembly) else _component(part)), part.symbol)
-                for name, part in COMPONENTS.items()
-            ],
+            [(name, *_component(library_page(name)), part.symbol) for name, part in COMPONENTS.items()],
         ),
         "programs": Listed(
             "Programs: [programs.NAME] with its type, values and what it reads",
             ("type", "reads", "commands", "values"),
-            [(name, *_program(program)) for name, program in PROGRAMS.items()],
+            [(name, *_program(library_page(name))) for name in PROGRAMS],
         ),
         "parts": Listed(
             "Parts: [parts.NAME] with its type, the node at each port, and values",
@@ -208,52 +212,20 @@ def _print_hints() -> None:
     out.print('An input is a value, a signal over time, or { from = "NAME.OUTPUT" }.')
 
 
-def _component(component: "Component") -> Sequence[list[str]]:
+def _component(page: "LibraryPage") -> Sequence[list[str]]:
     """Ports, inputs, values and outputs."""
-    values = [line for cls in component.params for line in _values(cls)]
-    return _ports(component), _inputs(component), values, [*component.outputs]
+    ports = [f"{port.name} {port.meaning}".strip() for port in page.ports]
+    return ports, _lines(page.inputs), _lines(page.values), [each.name for each in page.outputs]
 
 
-def _assembly(assembly: "Assembly") -> Sequence[list[str]]:
-    return [*assembly.ports], [], [*_values(assembly.params), 'start = "100 bar"'], []
+def _lines(values: Iterable["Described"]) -> list[str]:
+    return [each.line for each in values]
 
 
-def _ports(component: "Component") -> list[str]:
-    from vvdp.network.network import JOINS
-    from vvdp.network.nodes import kind_of_node
-
-    hydraulic = component.hydraulic_ports
-    return [
-        port if port in hydraulic else f"{port} ({kind_of_node(JOINS[role][0])})"
-        for port, role in component.ports.items()
-    ]
-
-
-def _inputs(component: "Component") -> list[str]:
-    return [f"{a.name} = {_example(a.kind, a.default)}" for a in component.inputs]
-
-
-def _values(cls: "type[Params]") -> list[str]:
-    """The fields of a parameter class with an example of each, and its value where it need not be given."""
-    from typing import get_origin
-
-    from vvdp.base.params import default_values, field_kinds, field_types
-
-    usual, types = default_values(cls), field_types(cls)
-    examples = {name: _example(kind, usual.get(name)) for name, kind in field_kinds(cls).items()}
-    lists = {name for name in examples if get_origin(types[name]) is tuple}
-    return [f"{name} = [{text}, ...]" if name in lists else f"{name} = {text}" for name, text in examples.items()]
-
-
-def _example(kind: "Kind | None", usual: Any) -> str:
-    from vvdp.base.display import value_text
-
-    if kind is None:
-        return "{ ... }"
-    example = f'"{kind.example}"'
-    if not isinstance(usual, float):
-        return example
-    return f"{example} [none]" if abs(usual) >= UNLIMITED else f"{example} [{value_text(usual, kind)}]"
+def _program(page: "LibraryPage") -> Sequence[list[str]]:
+    """What it reads, its commands and its values."""
+    reads = [f"{each.name} [{each.usual}]" if each.usual else each.name for each in page.inputs]
+    return reads, [each.name for each in page.outputs], _lines(page.values)
 
 
 def _part(part: "PartFile") -> tuple[list[str], list[str], str]:
@@ -264,17 +236,5 @@ def _part(part: "PartFile") -> tuple[list[str], list[str], str]:
     values = []
     for name, offered in part_values(part).items():
         default = f" [{offered.default}]" if offered.default else ""
-        values.append(f"{name} = {_example(offered.kind, None)}{default}" if offered.kind else f"{name}{default}")
+        values.append(f'{name} = "{offered.kind.example}"{default}' if offered.kind else f"{name}{default}")
     return ports, values, str(part.table.content.get("title", part.name))
-
-
-def _program(program: "ProgramType | GenericProgram") -> tuple[list[str], list[str], list[str]]:
-    from vvdp.programs.generic import GenericProgram
-
-    own = program.type if isinstance(program, GenericProgram) else program
-    reads = [name for name in own.reading._fields if name != "time"]  # type: ignore[attr-defined]
-    return (
-        [f"{name} [{own.defaults[name]:g}]" if name in own.defaults else name for name in reads],
-        list(type(own.command)._fields),
-        _values(own.settings) if own.settings else [],
-    )

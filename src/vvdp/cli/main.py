@@ -43,6 +43,7 @@ from vvdp.cli import (
     workbench,
 )
 from vvdp.cli import map as maps
+from vvdp.cli.library import pages_for
 from vvdp.cli.mistake import report_mistake
 from vvdp.cli.options import LightVerb, Verb
 
@@ -164,7 +165,9 @@ def _run(arguments: list[str] | None) -> int:
         if end.__context__ is not None and isinstance(end.__context__.__cause__, KeyboardInterrupt):
             _tell("interrupted", INTERRUPTED)  # no verb has caught it
         return end.code if isinstance(end.code, int) else 0
-    except (ConfigError, NetworkError, ParameterError) as problem:
+    except ConfigError as problem:
+        return _tell("\n".join(filter(None, [str(problem), pages_for(problem)])), BAD_INPUT)
+    except (NetworkError, ParameterError) as problem:
         return _tell(str(problem), BAD_INPUT)
     except VvdpError as problem:
         return _tell(str(problem), FAILED)

@@ -19,7 +19,7 @@ def new(
         typer.Option(
             "--from",
             metavar="SYSTEM",
-            help="The shipped system or TOML file to copy.",
+            help="The shipped system, component, program or TOML file to copy; of a component its example.",
             autocompletion=system_names,
         ),
     ],
@@ -30,16 +30,18 @@ def new(
     from vvdp.base.errors import unusable
     from vvdp.base.tables import write_new
     from vvdp.cli.screen import print_json
+    from vvdp.systems.library_examples import example_text
     from vvdp.systems.part_files import shipped_parts
     from vvdp.systems.system import load_system, source_text
 
     parts = shipped_parts()
-    if source not in parts:
+    shown = parts.get(source) or example_text(source)
+    if shown is None:
         load_system(source)  # a copy of something broken helps nobody
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
     if not path.stem.isprintable() or path.name == ".toml":
         raise unusable(path, "is no name for a system; use letters, digits and hyphens")
-    text = parts.get(source) or source_text(source)
+    text = shown or source_text(source)
     copied = _copied_parts(text, Path(source).parent, path.parent, force=force)
     write_new(path, _with_title(text, path.stem), force=force)
     if json:

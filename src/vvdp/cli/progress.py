@@ -12,8 +12,11 @@ LINE_INTERVAL = 2.0
 
 
 @contextmanager
-def count_lines(what: str) -> Iterator[Callable[[int, int], None]]:
-    """What hears how many of `what` are done, of all; the first time, and each further tenth, is a line at once."""
+def count_lines(what: str, seconds_each: float = 0.0) -> Iterator[Callable[[int, int], None]]:
+    """What hears how many of `what` are done, of all; the first time, and each further tenth, is a line at once.
+
+    seconds_each  usual time of one [s], for saying before the first how long all will take; 0 if unknown
+    """
     from vvdp.cli.screen import console, say
 
     screen = console(err=True)
@@ -25,17 +28,32 @@ def count_lines(what: str) -> Iterator[Callable[[int, int], None]]:
             MofNCompleteColumn(), words, BarColumn(), TimeRemainingColumn(), console=screen, transient=True
         ) as bar:
             task = bar.add_task("", total=None)
-            yield lambda done, total: bar.update(task, completed=done, total=total)
+
+            def move(done: int, total: int) -> None:
+                if bar.tasks[task].total is None and seconds_each:
+                    screen.print(f"{total} {what}{_about(seconds_each * (total - done))}")
+                bar.update(task, completed=done, total=total)
+
+            yield move
         return
     tenth, last = -1, 0.0
+    began: tuple[float, int] | None = None
 
     def line(done: int, total: int) -> None:
-        nonlocal tenth, last
-        if 10 * done // total > tenth or time.monotonic() - last >= LINE_INTERVAL:
-            tenth, last = 10 * done // total, time.monotonic()
-            say(f"{done} of {total} {what}")
+        nonlocal tenth, last, began
+        now = time.monotonic()
+        first, began = began is None, began or (now, done)
+        if 10 * done // total > tenth or now - last >= LINE_INTERVAL:
+            tenth, last = 10 * done // total, now
+            left = _about(seconds_each * total) if first else _time_left(now - began[0], done - began[1], total - done)
+            say(f"{done} of {total} {what}{left if done < total else ''}")
 
     yield line
+
+
+def _about(seconds: float) -> str:
+    """How long all of it usually takes, in words; empty if that is unknown."""
+    return f", about {long_time(seconds)}" if seconds else ""
 
 
 def _time_left(elapsed: float, gone: float, still: float) -> str:

@@ -66,6 +66,12 @@ class CircuitComparison:
         """How many were asked for."""
         return len(self.duties) * len(self.circuits)
 
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """The pairs that were not run."""
+        done = {(run.duty, run.circuit) for run in self.found}
+        return tuple(f"{c} on {d}" for d in self.duties for c in self.circuits if (d, c) not in done)
+
     def score(self, duty: str, circuit: str) -> CircuitScore | None:
         """The score of a pair; None where it was not run, or broke off."""
         return next((run.score for run in self.found if (run.duty, run.circuit) == (duty, circuit)), None)

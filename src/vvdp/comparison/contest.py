@@ -77,6 +77,12 @@ class Contest:
         return self.seeds * len(self.scenarios)
 
     @property
+    def missing(self) -> tuple[str, ...]:
+        """The scenarios that lack runs, each with how many."""
+        lacking = {name: self.seeds - played.runs for name, played in self.scenarios.items()}
+        return tuple(f"{count} of {name}" for name, count in lacking.items() if count)
+
+    @property
     def scenarios_run(self) -> dict[str, Played]:
         """The scenarios that were run at least once."""
         return {name: played for name, played in self.scenarios.items() if played.runs}

@@ -38,6 +38,31 @@ class Drops:
         return power_columns(self.flow) + ([-np.log(self.diameter)] if self.diameter is not None else [])
 
 
+def fit_drop(columns: Mapping[str, Array], values: Valued) -> Fitted:
+    """The power law of a drop beside `values` that were fitted for the square of the flow.
+
+    Raises ParameterError where there are too few points.
+    """
+    seen, found = _power(columns)
+    return _drop_law(seen, found, None, "", values, [*_depends_on_flow(found)])
+
+
+MOST_OFF_SQUARE = 0.1
+"""Distance of the exponent from 2 from which on a flow coefficient changes by more than 12 % over a decade of flow."""
+
+
+def _depends_on_flow(found: Fit) -> Iterator[Finding]:
+    value, low, high = _at(found, 1)
+    if not low <= 2.0 <= high and abs(value - 2.0) > MOST_OFF_SQUARE:
+        yield Finding(
+            title="The coefficient depends on the flow",
+            grade=Grade.WARNING,
+            text=f"The pressure drop grows with the flow to the power {number(low, 3)} to {number(high, 3)}; an "
+            "orifice has 2, a laminar path 1.",
+            remedy="Fit only the flows that are used; for a power near 1 use a laminar-gap instead.",
+        )
+
+
 def fit_nozzle(columns: Mapping[str, Array], host: Host | None) -> Fitted:
     """The drop of the nozzles: its discharge coefficient on the area of the `host`.
 

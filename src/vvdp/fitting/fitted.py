@@ -4,15 +4,33 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
-from vvdp.base.display import number, readable
-from vvdp.base.kinds import Kind
+from vvdp.base.display import number, readable, with_unit
+from vvdp.base.kinds import PRESSURE_LEVEL, TEMPERATURE, Kind
 from vvdp.base.params import field_kinds
 from vvdp.fluid.oil import Oil
 from vvdp.results.chart import Chart
 from vvdp.results.result import Finding, Grade, Table
 from vvdp.valve.rotary import RotaryValve
+
+
+class Taker(Protocol):
+    """What takes the fitted values: a valve or a component of a system, or a restriction without one."""
+
+    @property
+    def name(self) -> str:
+        """The system; empty without one."""
+
+    @property
+    def conditions(self) -> dict[str, str]:
+        """What the fit rests on, as text."""
+
+    def present(self, key: str) -> float:
+        """The value that a fitted one takes the place of; nan without one."""
+
+    def place(self, key: str) -> str | None:
+        """Where a system file has the value; None if it has no such value."""
 
 
 class Host(NamedTuple):
@@ -25,6 +43,22 @@ class Host(NamedTuple):
     load_pressure: float
     tank_pressure: float
 
+    @property
+    def conditions(self) -> dict[str, str]:
+        """Temperature of the oil and pressure of the load, as text."""
+        return {
+            "oil": with_unit(self.temperature, TEMPERATURE),
+            "load": with_unit(self.load_pressure, PRESSURE_LEVEL),
+        }
+
+    def present(self, key: str) -> float:
+        """A value of the valve."""
+        return float(getattr(self.valve, key))
+
+    def place(self, key: str) -> str:
+        """Where a system file has a value of the valve."""
+        return f"valve.{key}"
+
 
 class Interval(NamedTuple):
     """A value and the interval that holds it with 95 %; nan where the interval has no meaning."""
@@ -35,7 +69,7 @@ class Interval(NamedTuple):
 
 
 class Coefficient(NamedTuple):
-    """A coefficient with its kind and what a person reads."""
+    """A coefficient with its kind and its label."""
 
     interval: Interval
     kind: Kind
@@ -100,12 +134,13 @@ def _has_width(interval: Interval) -> bool:
     return interval.high - interval.low > least and interval.low <= interval.value <= interval.high
 
 
-def settings(found: Fitted, source: Path) -> Iterator[str]:
-    """The values of the valve as settings of a system, each with its interval and origin."""
+def settings(found: Fitted, source: Path, taker: Taker) -> Iterator[str]:
+    """The fitted values as settings of a system, each with its interval and origin."""
     rows = found.points.rows
     note = f"fitted to {rows} points of {readable(source.name)}".replace('"', "'").replace("\\", "/")
     for key, (interval, kind, _) in found.valve.items():
         unit = "" if kind.unit == "1" else f" {kind.unit}"
         texts = [f'"{each:.9g}{unit}"' for each in interval]
         spread = f"range=[{texts[1]}, {texts[2]}], " if _has_width(interval) else ""
-        yield f'valve.{key}={{value={texts[0]}, {spread}status="derived", note="{note}"}}'
+        if place := taker.place(key):
+            yield f'{place}={{value={texts[0]}, {spread}status="derived", note="{note}"}}'

@@ -27,7 +27,7 @@ COLUMNS = {
 
 
 class Leaks(NamedTuple):
-    """What a table says of a leakage [SI], at the viscosity of the working point."""
+    """What a table says of a leakage [SI], at the viscosity of the operating point."""
 
     drop: Array
     flow: Array
@@ -36,7 +36,7 @@ class Leaks(NamedTuple):
 def fit_leakage(columns: Mapping[str, Array], host: Host | None) -> Fitted:
     """Conductance and exponent of the leakage, and the radial clearance of the `host` that gives it.
 
-    With a host each flow is carried to the viscosity at its working point. Raises ParameterError where temperatures
+    With a host each flow is carried to the viscosity at its operating point. Raises ParameterError where temperatures
     stand in the table and no host has an oil, or there are too few points.
     """
     if "temperature" in columns and not host:

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
-from vvdp.base.display import key_suffix, percent, with_unit
-from vvdp.base.kinds import COUNT, EFFICIENCY, PRESSURE_LEVEL, TEMPERATURE
-from vvdp.fitting.fitted import Coefficient, Fitted, Host
+from vvdp.base.display import key_suffix, percent
+from vvdp.base.kinds import COUNT, EFFICIENCY
+from vvdp.fitting.fitted import Coefficient, Fitted, Taker
 from vvdp.results.result import Finding, Grade, Listing, Number, Result, Row, Section
 
 MOST_SCATTER = 0.2
@@ -16,7 +16,7 @@ INTERVALS = (
 )
 
 
-def fit_result(found: Fitted, file: str, host: Host | None) -> Result:
+def fit_result(found: Fitted, file: str, host: Taker | None) -> Result:
     """The result of a fit to a table, of the valve of `host` where there is one."""
     numbers = {key: _number(each) for key, each in found.coefficients.items()}
     numbers |= {key + key_suffix(each.kind): _number(each) for key, each in found.valve.items()}
@@ -30,8 +30,8 @@ def fit_result(found: Fitted, file: str, host: Host | None) -> Result:
         title=found.title,
         system=host.name if host else "",
         manner=f"{found.formula} {INTERVALS}",
-        references=("merritt1967",) if "radial_clearance" in found.valve else ("wang2017",),
-        conditions={"table": file, **(_conditions(host) if host else {})},
+        references=("merritt1967",) if found.valve.keys() & {"radial_clearance", "flow_coefficient"} else ("wang2017",),
+        conditions={"table": file, **(host.conditions if host else {})},
         left_out=("What all points have in common: errors of mesh, sensor and set-up.",),
         numbers=numbers,
         listings=listings,
@@ -58,22 +58,14 @@ def _number(each: Coefficient) -> Number:
     return Number(each.interval.value, each.kind, each.label)
 
 
-def _conditions(host: Host) -> dict[str, str]:
-    return {
-        "oil": with_unit(host.temperature, TEMPERATURE),
-        "load": with_unit(host.load_pressure, PRESSURE_LEVEL),
-    }
-
-
-def _listings(found: Fitted, host: Host | None) -> dict[str, Listing]:
+def _listings(found: Fitted, host: Taker | None) -> dict[str, Listing]:
     law = tuple(Row(each.label, each.kind, each.interval) for each in found.coefficients.values())
-    listings = {"coefficients": Listing(title="Law", heads=("fitted", "from", "to"), rows=law)}
+    listings = {"coefficients": Listing(title="Law", heads=("fitted", "95 % from", "to"), rows=law)}
     if host:
         rows = tuple(
-            Row(each.label, each.kind, (*each.interval, float(getattr(host.valve, key))))
-            for key, each in found.valve.items()
+            Row(each.label, each.kind, (*each.interval, host.present(key))) for key, each in found.valve.items()
         )
-        listings["valve"] = Listing(title="Values of the valve", heads=("fitted", "from", "to", "system"), rows=rows)
+        listings["valve"] = Listing(title="Fitted values", heads=("fitted", "95 % from", "to", "system"), rows=rows)
     return listings
 
 

@@ -18,7 +18,7 @@ from vvdp.base.units import parse
 
 _HEADING = re.compile(r"\s*(.*?)\s*(?:[\[(]\s*(.*?)\s*[\])])?\s*\Z")
 MOST_FAULTS = 10
-"""Bad cells that are told; a wrong unit makes all of them bad."""
+"""Bad cells that are reported; a wrong unit makes all of them bad."""
 
 
 @dataclass(frozen=True)

@@ -164,8 +164,11 @@ def _instants(texts: Sequence[str]) -> Any:
     import pandas
 
     plain = pandas.Series(texts, dtype=str).str.replace(",", ".")
+    has_offset = plain.str.contains(f"{OFFSET}$")
+    if has_offset.any() and not has_offset.all():
+        return None
     try:
-        found = pandas.to_datetime(plain, format="ISO8601", utc=bool(plain.str.contains(f"{OFFSET}$").all()))
+        found = pandas.to_datetime(plain, format="ISO8601", utc=bool(has_offset.all()))
     except ValueError:
         return None
     return None if found.isna().any() else found.to_numpy("datetime64[ns]")
@@ -187,13 +190,18 @@ def _numbers(
             io.BytesIO(block), sep=delimiter.decode("latin-1") or r"\s+", decimal=decimal, header=None,
             names=range(width), index_col=False, usecols=sorted(wanted), dtype=wanted, skipinitialspace=True,
             keep_default_na=False, na_values=_NO_NUMBERS, quoting=csv.QUOTE_NONE, encoding_errors="replace",
-            low_memory=False,
+            low_memory=False, **_exact_floats(pandas.__version__),
         )  # fmt: skip
     except ValueError:
         return None
     if len(table) != block.count(b"\n") or (last and table[width - 1].isna().any()):
         return None
     return {k: table[k] if k in texts else table[k].to_numpy() for k in columns}
+
+
+def _exact_floats(version: str) -> dict[str, Any]:
+    """The option with which pandas 2 reads numbers to the last bit; later ones do so without."""
+    return {"float_precision": "round_trip"} if version.startswith("2.") else {}
 
 
 def _is_regular(block: bytes, delimiter: bytes, width: int) -> bool:

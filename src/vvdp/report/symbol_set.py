@@ -9,8 +9,12 @@ from types import MappingProxyType
 from vvdp.network.graph import GraphComponent, NodeKind
 from vvdp.report import machine_symbols as machine
 from vvdp.report import valve_symbols as valve
+from vvdp.report.drawing import INK
 from vvdp.report.lettering import width
 from vvdp.report.symbol import Letter, Side, Symbol, Terminal
+
+AROUND = 6.0
+"""Margin around a symbol that stands by itself [px]."""
 
 
 @dataclass(frozen=True)
@@ -220,6 +224,17 @@ def _assign_terminals(lines: Mapping[str, NodeKind], symbol: Symbol) -> dict[str
     assign(lambda port: [t for t in ("T", "suction") if t in free and lines[port] is NodeKind.TANK])
     assign(lambda port: free[:1])
     return names
+
+
+def picture(symbol: Symbol) -> str:
+    """A symbol by itself as SVG, in the colour of the text around it."""
+    x0, y0, x1, y1 = symbol.box
+    box = f"{x0 - AROUND:g} {y0 - AROUND:g} {x1 - x0 + 2 * AROUND:g} {y1 - y0 + 2 * AROUND:g}"
+    drawn = symbol.draw_at(0.0, 0.0).replace(f'"{INK}"', '"currentColor"')
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}" aria-hidden="true"><g fill="none" '
+        f'stroke="currentColor" stroke-width="1.7" stroke-linecap="round" stroke-linejoin="round">{drawn}</g></svg>'
+    )
 
 
 def generic(name: str, lines: Mapping[str, NodeKind]) -> Symbol:

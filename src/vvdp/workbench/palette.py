@@ -2,21 +2,19 @@
 
 from collections.abc import Iterator, Mapping
 from functools import cache
-from typing import Any, get_origin
+from typing import Any
 
-from vvdp.base.kinds import Kind
-from vvdp.base.params import Params, default_values, field_kinds, field_types
+from vvdp.base.params import Params, default_values, field_kinds
 from vvdp.components.library import COMPONENTS
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Component, Role
 from vvdp.network.graph import NodeKind
-from vvdp.report.drawing import INK
-from vvdp.report.symbol import Symbol
-from vvdp.report.symbol_set import LONELY, entry, generic
+from vvdp.report.symbol_set import LONELY, entry, generic, picture
 from vvdp.report.symbol_set import NODES as NODE_SYMBOLS
 from vvdp.systems.drawing import NODES
 from vvdp.systems.part_files import shipped_part, shipped_parts
 from vvdp.systems.part_offers import part_ports, part_values
+from vvdp.systems.library_pages import library_page
 
 OIL, SHAFT, ROD = "oil", "shaft", "rod"
 """What can be joined: a port to a node of the same word."""
@@ -32,25 +30,8 @@ NODE_KINDS: Mapping[str, tuple[NodeKind, str]] = {
 }
 WITHOUT_VALUES = frozenset({"tank"})
 """Nodes whose values may all be left out, though their class has no defaults."""
-BESIDE: Mapping[str, str] = {
-    "rated_drop": '"10 bar"',
-    "maximum_drop": '"10 bar"',
-    "upper_end": '"100 mm"',
-    "cushion_end": '"20 mm"',
-    "largest_lift": '"1 mm"',
-    "speeds": '["1000 rpm", "2000 rpm"]',
-    "pressures": '["100 bar"]',
-    "settings": '["1"]',
-    "tank_height": '"500 mm"',
-    "modulus": '"7"',
-    "commands": '["0", "1"]',
-    "flows": '["0 lpm", "40 lpm"]',
-}
-"""Examples of values that must differ from those of another key."""
 MASS = 'mass = "0.5 kg"'
 """What a rod needs if nothing on it has a mass."""
-AROUND = 6.0
-"""Margin around a symbol [px]."""
 
 
 @cache
@@ -64,7 +45,7 @@ def _nodes() -> Iterator[dict[str, Any]]:
         kind, joins = NODE_KINDS[name]
         symbol = {**LONELY, **NODE_SYMBOLS}[kind]()
         lines = [MASS] if joins == ROD else [] if name in WITHOUT_VALUES else list(_value_lines(node.table))
-        yield {"table": "nodes", "type": name, "symbol": _picture(symbol), "joins": joins, "ports": {}, "lines": lines}
+        yield {"table": "nodes", "type": name, "symbol": picture(symbol), "joins": joins, "ports": {}, "lines": lines}
 
 
 def _components() -> Iterator[dict[str, Any]]:
@@ -73,9 +54,9 @@ def _components() -> Iterator[dict[str, Any]]:
         yield {
             "table": "components",
             "type": name,
-            "symbol": _picture(found.draw() if found else generic(part.symbol, {})),
+            "symbol": picture(found.draw() if found else generic(part.symbol, {})),
             "ports": _ports(part),
-            "lines": list(_lines(part)),
+            "lines": list(_lines(name)),
         }
 
 
@@ -98,37 +79,12 @@ def _ports(part: Component | Assembly) -> dict[str, str]:
     return {name: ROLES[role] for name, role in part.ports.items()}
 
 
-def _lines(part: Component | Assembly) -> Iterator[str]:
-    """The values that a file has to give, each with an example; the ports are left out."""
-    if isinstance(part, Assembly):
-        yield from _value_lines(part.params)
-        yield 'start = "0 bar"'
-        return
-    for each in part.inputs:
-        if each.default is None:
-            yield f"{each.name} = {_example(each.kind)}"
-    for cls in part.params:
-        yield from _value_lines(cls)
+def _lines(kind: str) -> Iterator[str]:
+    """The values that a file has to give, each as in the example of the library; the ports are left out."""
+    page = library_page(kind)
+    yield from (f"{each.name} = {each.example}" for each in (*page.inputs, *page.values) if not each.usual)
 
 
 def _value_lines(cls: type[Params]) -> Iterator[str]:
-    usual, types = default_values(cls), field_types(cls)
-    for name, kind in field_kinds(cls).items():
-        if name not in usual:
-            example = _example(kind)
-            several = f"[{example}, {example}]" if get_origin(types[name]) is tuple else example
-            yield f"{name} = {BESIDE.get(name, several)}"
-
-
-def _example(kind: Kind | None) -> str:
-    return '"0"' if kind is None else f'"{kind.example}"'
-
-
-def _picture(symbol: Symbol) -> str:
-    x0, y0, x1, y1 = symbol.box
-    box = f"{x0 - AROUND:g} {y0 - AROUND:g} {x1 - x0 + 2 * AROUND:g} {y1 - y0 + 2 * AROUND:g}"
-    drawn = symbol.draw_at(0.0, 0.0).replace(f'"{INK}"', '"currentColor"')
-    return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}" aria-hidden="true"><g fill="none" '
-        f'stroke="currentColor" stroke-width="1.7" stroke-linecap="round" stroke-linejoin="round">{drawn}</g></svg>'
-    )
+    usual = default_values(cls)
+    yield from (f'{name} = "{kind.example}"' for name, kind in field_kinds(cls).items() if kind and name not in usual)
