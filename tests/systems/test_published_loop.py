@@ -174,6 +174,25 @@ def test_sample_periods_beyond_the_limit(period, published):
     assert wording.systems.limit_cycle.format(period=f"{period:g} ms", limit="2.36 ms") in told
 
 
+@pytest.mark.parametrize(("period", "largest"), [(1.0, 2.6), (2.0, 8.5), (3.0, 19.0), (4.0, 36.0), (5.0, 60.0)])
+def test_a_law_that_takes_its_mean_over_the_hold(period, largest):
+    """2.49, 8.17, 18.3, 34.4 and 58.2 um, no limit cycle up to 5 ms; at 7 ms there is one, and it is told before."""
+    assert tracking(held_text(period)) < largest
+    (*told,) = system_of(held_text(period)).extras.warnings(HIGHEST)
+    assert wording.systems.will_limit_cycle not in " ".join(told)
+
+
+def test_sampling_limit_of_a_law_that_takes_its_mean():
+    (told,) = system_of(held_text(7.0)).extras.warnings(HIGHEST)
+    assert wording.systems.limit_cycle.format(period="7 ms", limit="5.95 ms") in told
+    assert tracking(held_text(7.0)) > 150.0
+
+
+def held_text(period: float) -> str:
+    """The trapezoid sampled and held for a period [ms]."""
+    return change(sample_text(TRAPEZOID, period), "passivity", flow_hold=f"{period} ms")
+
+
 def test_the_run_warns_before_it_limit_cycles():
     """At 2 ms it still tracks; at 1 ms there is nothing to be said. With 1 % of air the same gain takes a fifth."""
     assert not list(system_of(TRAPEZOID).extras.warnings(HIGHEST))

@@ -70,6 +70,11 @@ class PassivityTable(PassivityGains, KnownChamber):
         super().check()
         known_drive(self)
 
+    @property
+    def sample_period(self) -> float | None:
+        """How often the law is called if it has a hold time [s]; None leaves it open."""
+        return self.flow_hold or None
+
 
 class BacksteppingTable(BacksteppingGains, KnownChamber):
     """Gains of backstepping, and the drive as it believes it."""
