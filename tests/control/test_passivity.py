@@ -262,8 +262,10 @@ def test_flow_by_hand(drive, passive):
 
 
 def test_a_held_flow_by_hand(drive, passive):
-    """1 bar below P_d, held for 3 ms: w T = 4e-10/C 3e-3, and 4e-5 m^3/s times (1 - e^-wT)/(w T). A reference of 0.02 m/s
-    and 1 m/s^2 is 1.5 mm/s faster in the middle, A times that more flow, and K/A 1.5 mm/s of the rate."""
+    """1 bar below P_d, held for 3 ms: w T = 4e-10/C 3e-3, and 4e-5 m^3/s times (1 - e^-wT)/(w T).
+
+    A reference of 0.02 m/s and 1 m/s^2 is 1.5 mm/s faster in the middle: A times that more flow, K/A of it in the rate.
+    """
     gains = replace(passive, flow_hold=3e-3)
     held = 1e5 + (2594 * 2e-3 + 211.5) / 1.74e-4
     low = passivity_law(Reference(2e-3, 0.0, 0.0, 0.0), ChamberReading(2e-3, 0.0, held - 1e5), gains, drive)
