@@ -193,6 +193,28 @@ def held_text(period: float) -> str:
     return change(sample_text(TRAPEZOID, period), "passivity", flow_hold=f"{period} ms")
 
 
+@pytest.mark.parametrize("begin", [40.0, 90.0])
+def test_the_volume_of_the_chamber_is_learned(begin):
+    """60 cc: within 3.3 s to 63 cc, sampled every 1 ms. The offset is that of the sampling: 60.0 cc every 0.2 ms."""
+    assert learned_volumes(begin, 1.0)[-1] == pytest.approx(63.3, abs=0.5)
+    assert learned_volumes(begin, 0.2)[-1] == pytest.approx(60.0, abs=1.0)
+
+
+def test_a_volume_is_not_learned_at_rest():
+    """The same bits for 0.9 s, white noise of 20 um in the sensor and an observer in the loop."""
+    text = change(told_estimate(TRAPEZOID), "operation", duty_ratio=f"{MIDDLE / HELIX:.12g}")
+    text = change_table(text, "programs.drive.law", oil_volume="40 cc", volume_gain="3e-5 m^3/Pa")
+    _, run = run_of(text)
+    assert np.ptp(run.command.drive_law.oil_volume[run.times > 1.2]) == 0.0
+
+
+def learned_volumes(begin: float, period: float) -> np.ndarray:
+    """The volume in a law that begins with so many [cc], at samples of a period [ms], over six trapezoids."""
+    text = sample_text(trapezoid_text(periods=6), period)
+    held = {"flow_hold": f"{period} ms", "oil_volume": f"{begin} cc", "volume_gain": "3e-5 m^3/Pa"}
+    return 1e6 * run_of(change_table(text, "programs.drive.law", **held))[1].command.drive_law.oil_volume
+
+
 def test_the_run_warns_before_it_limit_cycles():
     """At 2 ms it still tracks; at 1 ms there is nothing to be said. With 1 % of air the same gain takes a fifth."""
     assert not list(system_of(TRAPEZOID).extras.warnings(HIGHEST))

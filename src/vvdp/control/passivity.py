@@ -107,15 +107,22 @@ def held_gain(gain: float, compliance: float, flow_hold: float) -> float:
 
 
 def passivity_law(
-    reference: Reference, reading: ChamberReading, gains: PassivityGains, drive: ChamberDrive
+    reference: Reference,
+    reading: ChamberReading,
+    gains: PassivityGains,
+    drive: ChamberDrive,
+    volume_beside: float = 0.0,
 ) -> ChamberFlow:
     """The flow Q = Q_d - lambda_3 (P - P_d) with the exact feedforward; `orifice.valve_command` makes it a command.
+
+    volume_beside  of the chamber, beside that of the drive; either sign [m^3]
 
     Source  wang2017, eq. 5.37; feedforward and hold ours, docs/models/passivity-control.md
     """
     desired = desired_pressure(reference, reading, gains, drive)
-    feedforward = exact_feedforward(held_desired(desired, reference, gains, drive), reading, drive)
-    return _with_gain(feedforward, desired, reading, gains, drive)
+    filled = reading._replace(position=reading.position + volume_beside / drive.area)
+    feedforward = exact_feedforward(held_desired(desired, reference, gains, drive), filled, drive)
+    return _with_gain(feedforward, desired, filled, gains, drive)
 
 
 def printed_passivity_law(
