@@ -178,7 +178,7 @@ class ChamberCommand(NamedTuple):
     flow: Flow
     desired_pressure: Pressure
     storage: Energy
-    oil_volume: Volume
+    oil_volume: Volume = 0.0
 
 
 def wanted_motion(task: ChamberTask) -> Reference:
