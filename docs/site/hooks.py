@@ -1,5 +1,4 @@
-"""Pages that MkDocs finds beside those that are written: verbs, the library, Python, literature, notebooks, circuits that
-run."""
+"""Pages beside those that are written: verbs, the library, Python, literature, notebooks, circuits that run."""
 
 import sys
 from pathlib import Path
@@ -38,7 +37,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Puts circuits that run into the pages that show them, and links the tables of the library to the page of each type."""
+    """Puts circuits that run into the pages that show them; links the library's tables to the page of each type."""
     return live_pages.with_frames(type_pages.linked(markdown, page.file.src_uri), page.url)
 
 

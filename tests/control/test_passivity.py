@@ -19,6 +19,7 @@ from vvdp.control.chamber import (
 from vvdp.control.passivity import (
     PassivityGains,
     exact_feedforward,
+    held_gain,
     passivity_law,
     pressure_error_gain,
     printed_feedforward,
@@ -258,6 +259,34 @@ def test_flow_by_hand(drive, passive):
     assert printed_passivity_law(at_rest, ChamberReading(2e-3, 0.0, held - 1e5), passive, drive).flow == pytest.approx(
         4e-5, rel=1e-9
     )
+
+
+def test_a_held_flow_by_hand(drive, passive):
+    """1 bar below P_d, held for 3 ms: w T = 4e-10/C 3e-3, and 4e-5 m^3/s times (1 - e^-wT)/(w T).
+
+    A reference of 0.02 m/s and 1 m/s^2 is 1.5 mm/s faster in the middle: A times that more flow, K/A of it in the rate.
+    """
+    gains = replace(passive, flow_hold=3e-3)
+    held = 1e5 + (2594 * 2e-3 + 211.5) / 1.74e-4
+    low = passivity_law(Reference(2e-3, 0.0, 0.0, 0.0), ChamberReading(2e-3, 0.0, held - 1e5), gains, drive)
+    faded = 4e-10 / volume_compliance(2e-3, held, drive) * 3e-3
+    assert 2.0 < faded < 2.5
+    assert low.flow - low.feedforward == pytest.approx(4e-5 * (1.0 - np.exp(-faded)) / faded, rel=1e-9)
+    moving, reading = Reference(2e-3, 0.02, 1.0, 0.0), ChamberReading(2e-3, 0.02, 13.5e5)
+    more = printed_passivity_law(moving, reading, gains, drive)
+    less = printed_passivity_law(moving, reading, passive, drive)
+    compliance = volume_compliance(2e-3, less.desired.pressure, drive)
+    expected = 1.74e-4 * 1.5e-3 + compliance * 2594.0 * 1.5e-3 / 1.74e-4
+    assert more.feedforward - less.feedforward == pytest.approx(expected, rel=1e-9)
+
+
+@given(st.floats(-11.0, -8.0), st.floats(-14.0, -11.0), st.floats(-5.0, -1.0))
+def test_a_held_gain_lets_the_pressure_error_fade_as_in_continuous_time(gain, compliance, hold):
+    """C p' = -g p(0) over the hold leaves e^-wT of p(0), and never turns it round."""
+    gain, compliance, hold = 10.0**gain, 10.0**compliance, 10.0**hold
+    left = 1.0 - held_gain(gain, compliance, hold) * hold / compliance
+    assert left == pytest.approx(np.exp(-gain * hold / compliance), abs=1e-12)
+    assert held_gain(gain, compliance, 0.0) == gain
 
 
 @given(REFERENCES, READINGS)

@@ -11,9 +11,11 @@ from vvdp.base.errors import ParameterError
 from vvdp.control.chamber import desired_rate_sensitivities
 from vvdp.control.tuning import (
     backstepping_certificate,
+    held_sampling_limits,
     passivity_certificate,
     passivity_gains_of_poles,
     pi_of_poles,
+    sampled_radius,
     sampling_limits,
     sampling_warning,
 )
@@ -109,3 +111,22 @@ def test_poles_that_the_gains_cannot_give_are_refused(drive):
         passivity_gains_of_poles(60.0, 0.5, 100.0, 800.0, drive)
     with pytest.raises(ParameterError, match="a position gain of -1594 N/m, against the spring; expected at least"):
         passivity_gains_of_poles(60.0, 0.5, 40.0, 800.0, replace(drive, stiffness=2994.0))
+
+
+def test_a_loop_that_is_sampled_often_has_the_poles_of_the_continuous_one(drive, passive):
+    """e' = e_v - l e, M e_v' = -(K + K_p) e - K_v e_v + A p and C p' = -lambda_3 p - A e_v: its slowest pole."""
+    C, M, A, l, Kv = 5e-13, 0.5, 1.74e-4, 50.0, 4.0
+    loop = np.array([[-l, 1.0, 0.0], [-(2594.0 + 55.0) / M, -Kv / M, A / M], [0.0, -A / C, -4e-10 / C]])
+    slowest = np.max(np.linalg.eigvals(loop).real)
+    radius = sampled_radius(1e-6, 4e-10, C, passive, drive)
+    assert (radius - 1.0) / 1e-6 == pytest.approx(slowest, rel=2e-3)
+
+
+def test_sampling_limit_of_a_held_law(drive, passive):
+    """5.08e-13 m^3/Pa at 5.25 mm: 2.25 ms with the whole gain, 5.95 ms with its mean over the hold."""
+    C = 5.0756e-13
+    assert sampled_radius(2.2e-3, 4e-10, C, passive, drive) < 1.0 < sampled_radius(2.3e-3, 4e-10, C, passive, drive)
+    limits = held_sampling_limits(C, passive, drive)
+    assert limits.limit == pytest.approx(5.95e-3, rel=2e-3)
+    assert limits.recommended == 0.5 * limits.limit
+    assert "5.95 ms" in sampling_warning(limits, 6e-3) and not sampling_warning(limits, 2.9e-3)

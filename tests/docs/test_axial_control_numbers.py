@@ -23,7 +23,7 @@ from tests.systems.axial_texts import (
 )
 from tests.systems.test_duty_control import SHIPPED, driven_text, errors, found_in, load_pressures
 from tests.systems.test_duty_control import SINE as SINE_DUTY
-from tests.systems.test_published_loop import aerated, sine_text
+from tests.systems.test_published_loop import aerated, held_text, sine_text
 
 from vvdp.systems.system import shipped_systems
 
@@ -58,6 +58,7 @@ CASES = {
     "every 4 ms": sample_text(TRAPEZOID, 4.0),
     "published feedforward, every 3 ms": sample_text(printed(TRAPEZOID), 3.0),
     "published feedforward, every 4 ms": sample_text(printed(TRAPEZOID), 4.0),
+    **{f"with a hold, every {period:g} ms": held_text(period) for period in (1.0, 2.0, 3.0, 4.0, 5.0)},
 }
 SINES = {
     "sine of 1.5 mm, 5 Hz, velocity low-passed at 1 Hz: passive": SINE,
@@ -67,7 +68,8 @@ SINES = {
 
 def row_of(name: str) -> list[float]:
     (row,) = re.findall(rf"^\| {re.escape(name)} \|(.*)\|$", TEXT, re.MULTILINE)
-    return [float(re.search(r"[\d.]+", cell)[0]) for cell in row.split("|")]
+    found = (re.search(r"[\d.]+", cell) for cell in row.split("|"))
+    return [float(cell[0]) if cell else np.nan for cell in found]
 
 
 @pytest.mark.sampled(4)

@@ -85,7 +85,7 @@ def test_numbers_of_the_shipped_systems():
     assert f"{1e6 * found['spool_position_error_rms_m']:.0f} um rms against the reference" in WORDS
     assert f"{1e3 * found['spool_position_error_max_m']:.2f} mm at most" in WORDS
     assert f"a periodic sensor error of {1e3 * found['pollution_rms_m']:.2f} mm rms" in WORDS
-    assert f"stated standard deviation, {1e6 * found['spool_estimate_deviation_rms_m']:.0f} um" in WORDS
+    assert f"stated standard deviation of `axial-gerotor`, {1e6 * found['spool_estimate_deviation_rms_m']:.0f} um" in WORDS
     _, run = run_of(shipped_systems()["axial-gerotor"])
     back = np.flatnonzero((run.times > 5.0) & (run.times < 5.5))
     ahead = run.command.axial.position[back + 1] - run.state.gerotor.position[back]
@@ -93,3 +93,33 @@ def test_numbers_of_the_shipped_systems():
     assert "ahead by 65 um" in WORDS
     unit = summary(*run_of(shipped_systems()["vvdp-duty-control-gerotor"]))
     assert f"its angle from the encoder: {1e6 * unit['spool_position_error_rms_m']:.0f} um rms" in WORDS
+
+
+SINE = '{ sine = "0.5", amplitude = "0.3", frequency = "0.25 Hz" }'
+TIGHT = ("axial_observer", {"position_drift": "3 um"})
+GAINS = ("calibration", {"largest_flow": "1.8 lpm", "backward_gain": "0.9"})
+BAND = ("calibration", {"backward_dead_band": "0.08"})
+
+
+@pytest.mark.parametrize(
+    ("case", "changes"),
+    [
+        ("as shipped, 10 um", ()),
+        ("as shipped, 3 um", (TIGHT,)),
+        ("true gains, 3 um", (TIGHT, GAINS)),
+        ("true dead band, 3 um", (TIGHT, BAND)),
+        ("true in both, 3 um", (TIGHT, GAINS, BAND)),
+        ("as shipped, 3 um, no periodic sensor error", (TIGHT, ("axial_sensor", {"pollution_scale": "0 mm"}))),
+    ],
+)
+def test_an_error_of_the_map_is_what_the_estimate_is_off_by(case, changes):
+    text = change(shipped_systems()["vvdp-duty-control-gerotor"], "operation", duty_ratio=SINE)
+    text = change(text, "run", until="5.5 s")
+    for table, values in changes:
+        text = change(text, table, **values)
+    found = summary(*run_of(text))
+    row = next(row for row in PAGE.splitlines() if row.startswith(f"| {case} |"))
+    names = ("estimate_error_rms_m", "estimate_deviation_rms_m", "estimate_coverage", "position_error_rms_m")
+    told = [float(cell.split()[0]) for cell in row.split("|")[2:6]]
+    shown = [found[f"spool_{name}"] for name in names]
+    assert told == [round(1e2 * each if each == shown[2] else 1e6 * each) for each in shown]

@@ -17,6 +17,7 @@ from vvdp.programs.chamber_laws import (
     backstepping_settings,
     backstepping_step,
     passivity_settings,
+    passivity_start,
     passivity_step,
     printed_passivity_step,
 )
@@ -66,7 +67,7 @@ FLOW = AREA * 0.1 + VOLUME / MODULUS * STIFFNESS * 0.1 / AREA
 
 @pytest.mark.parametrize("step", [passivity_step, printed_passivity_step])
 def test_flow_and_command_of_a_spool_without_errors(step):
-    found = step(0.0, None, MOVED, LAW)[1]
+    found = step(0.0, passivity_start(LAW), MOVED, LAW)[1]
     assert found.flow == pytest.approx(FLOW, rel=1e-9)
     assert found.desired_pressure == pytest.approx(HELD, rel=1e-12)
     full = 0.62 * 20e-6 * math.sqrt(2.0 / 876.0 * (20e5 - HELD))
@@ -77,7 +78,7 @@ def test_flow_and_command_of_a_spool_without_errors(step):
 def test_pressure_error_and_storage():
     """1 bar too much: lambda_3 = 500 1/s V/beta takes 1.76 ml/s out; V p^2/(2 beta) is stored, 0.18 mJ."""
     resting = MOVED._replace(reference_velocity=0.0, velocity=0.0, pressure=HELD + 1e5)
-    found = passivity_step(0.0, None, resting, LAW)[1]
+    found = passivity_step(0.0, passivity_start(LAW), resting, LAW)[1]
     acceleration = AREA * 1e5 / MASS
     rate = -(MASS * 50.0 + 4.0) * acceleration / AREA
     fed = VOLUME / MODULUS * rate
@@ -94,7 +95,7 @@ def test_backstepping_by_hand():
 
 @pytest.mark.parametrize("step", [passivity_step, printed_passivity_step])
 def test_the_chamber_is_emptied_until_the_spool_is_released(step):
-    found = step(0.0, None, MOVED._replace(released=0.0), LAW)[1]
+    found = step(0.0, passivity_start(LAW), MOVED._replace(released=0.0), LAW)[1]
     assert (found.command, found.storage) == (-1.0, 0.0)
 
 

@@ -42,6 +42,16 @@ def loaded(force: float, pressure: float) -> tuple[str, ...]:
 OVERRUNNING = loaded(3000.0, 10.0)
 SLOW = ("cycle.stroke_time=16 s",)
 HEAVY = loaded(-6000.0, 40.0)
+ALL_MODES = (
+    'operation.load_force={ table = [["0 s", "-1000 N"], ["8 s", "-1000 N"], ["9 s", "3000 N"], ["30 s", "3000 N"], '
+    '["31 s", "-1000 N"], ["50 s", "-1000 N"], ["51 s", "-6000 N"], ["72 s", "-6000 N"], ["73 s", "-1000 N"]] }',
+    "adaptation.load_gain=4e4 N/m",
+    "adaptation.lowest_load=-9000 N",
+    "pressure_bounds.lowest_pressure=3 bar",
+    "pressure_bounds.highest_pressure=70 bar",
+    "pressure_bounds.transition_band=4 bar",
+)
+"""A load that overruns in either direction: all modes act."""
 HEAVIEST = (*loaded(-10000.0, 60.0), "cycle.stroke_time=2.5 s")
 
 

@@ -2,11 +2,13 @@
 
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from tests.systems.axial_texts import change
 from tests.systems.chapter6_cases import (
+    ALL_MODES,
     AREA_A,
     AREA_B,
     HEAVIEST,
@@ -271,6 +273,34 @@ def test_tally_is_that_of_the_recorded_rows():
     for mode in MODES:
         assert found[share_key(mode)] == pytest.approx(np.mean(shown.mode[after[late]] == mode), abs=1e-4)
     assert sum(found[share_key(mode)] for mode in MODES) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_a_cycle_through_all_modes():
+    """Its table on the page, and energies that add up to the balance."""
+    found, run = ran(*ALL_MODES, until="80 s")
+    page = (Path(__file__).parents[2] / "docs" / "models" / "displacement-chapter6.md").read_text("utf-8")
+    later = run.times >= 1.0
+    for key, sums in (
+        ("pump_energy", run.state.books.supplied.pump),
+        ("return_loss", run.state.books.spent.return_valve),
+    ):
+        total = sum(found[f"mode_{mode}_{key}_J"] for mode in range(1, 6))
+        assert total == pytest.approx(sums[-1] - sums[later][0], rel=1e-9)
+    for mode in range(1, 6):
+        share = found["mode_1_share"] if mode == 1 else in_mode(found, mode)
+        energies = (found[f"mode_{mode}_{key}_J"] for key in ("pump_energy", "return_loss"))
+        row = f"| {mode} | {100.0 * share:.1f} % | " + " | ".join(f"{each:.0f} J" for each in energies) + " |"
+        assert row in page
+    assert in_mode(found, 5) > 0.003 and found["mode_2_return_loss_J"] > 5.0 * found["mode_2_pump_energy_J"]
+    free, _ = ran(*ALL_MODES, *OUT_OF_REACH, until="80 s")
+    told = (
+        f"{free['mode_1_pump_energy_J']:.0f} J instead of",
+        f"{1e3 * free['tracking_error_max_m']:.1f} mm instead of {1e3 * found['tracking_error_max_m']:.1f} mm",
+        f"{100.0 * free['below_tank_share']:.1f} % of the time below tank pressure instead of "
+        f"{100.0 * found['below_tank_share']:.1f} %",
+        f"{1e-5 * free['pressure_max_Pa']:.1f} bar instead of {1e-5 * found['pressure_max_Pa']:.1f} bar",
+    )
+    assert all(words in " ".join(page.split()) for words in told)
 
 
 def test_short_run_has_the_first_second_alone():

@@ -30,7 +30,7 @@ from tests.systems.axial_texts import (
 )
 from tests.words import wording
 
-from vvdp.base.errors import ParameterError
+from vvdp.base.errors import ConfigError, ParameterError
 from vvdp.control.backstepping import best_pressure_weight
 from vvdp.control.chamber import volume_compliance
 from vvdp.control.storage import estimation_storage, least_estimation_weight, loop_balance
@@ -173,6 +173,52 @@ def test_sample_periods_beyond_the_limit(period, published):
     told = " ".join(system_of(sample_text(TRAPEZOID, period)).extras.warnings(HIGHEST))
     # 2/(788 + 58 1/s): lambda_3 beta/V at 5.25 mm, and lambda_p + K_v/M of the exact feedforward
     assert wording.systems.limit_cycle.format(period=f"{period:g} ms", limit="2.36 ms") in told
+
+
+@pytest.mark.parametrize(("period", "largest"), [(1.0, 2.6), (2.0, 8.5), (3.0, 19.0), (4.0, 36.0), (5.0, 60.0)])
+def test_a_law_that_takes_its_mean_over_the_hold(period, largest):
+    """2.49, 8.17, 18.3, 34.4 and 58.2 um, no limit cycle up to 5 ms; at 7 ms there is one, and it is told before."""
+    assert tracking(held_text(period)) < largest
+    (*told,) = system_of(held_text(period)).extras.warnings(HIGHEST)
+    assert wording.systems.will_limit_cycle not in " ".join(told)
+
+
+def test_sampling_limit_of_a_law_that_takes_its_mean():
+    (told,) = system_of(held_text(7.0)).extras.warnings(HIGHEST)
+    assert wording.systems.limit_cycle.format(period="7 ms", limit="5.95 ms") in told
+    assert tracking(held_text(7.0)) > 150.0
+
+
+def test_a_hold_that_is_not_the_sample_period_is_refused():
+    with pytest.raises(ConfigError, match=r"flow_hold: 0.002 s must be 0 or the sample_period, 0.001 s"):
+        load_system("vvdp-duty-control", ["passivity.flow_hold=2 ms"])
+
+
+def held_text(period: float) -> str:
+    """The trapezoid sampled and held for a period [ms]."""
+    return change(sample_text(TRAPEZOID, period), "passivity", flow_hold=f"{period} ms")
+
+
+@pytest.mark.parametrize("begin", [40.0, 90.0])
+def test_the_volume_of_the_chamber_is_learned(begin):
+    """60 cc: within 3.3 s to 63 cc, sampled every 1 ms. The offset is that of the sampling: 60.0 cc every 0.2 ms."""
+    assert learned_volumes(begin, 1.0)[-1] == pytest.approx(63.3, abs=0.5)
+    assert learned_volumes(begin, 0.2)[-1] == pytest.approx(60.0, abs=1.0)
+
+
+def test_a_volume_is_not_learned_at_rest():
+    """The same bits for 0.9 s, white noise of 20 um in the sensor and an observer in the loop."""
+    text = change(told_estimate(TRAPEZOID), "operation", duty_ratio=f"{MIDDLE / HELIX:.12g}")
+    text = change_table(text, "programs.drive.law", oil_volume="40 cc", volume_gain="3e-5 m^3/Pa")
+    _, run = run_of(text)
+    assert np.ptp(run.command.drive_law.oil_volume[run.times > 1.2]) == 0.0
+
+
+def learned_volumes(begin: float, period: float) -> np.ndarray:
+    """The volume in a law that begins with so many [cc], at samples of a period [ms], over six trapezoids."""
+    text = sample_text(trapezoid_text(periods=6), period)
+    held = {"flow_hold": f"{period} ms", "oil_volume": f"{begin} cc", "volume_gain": "3e-5 m^3/Pa"}
+    return 1e6 * run_of(change_table(text, "programs.drive.law", **held))[1].command.drive_law.oil_volume
 
 
 def test_the_run_warns_before_it_limit_cycles():

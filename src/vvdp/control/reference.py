@@ -49,6 +49,13 @@ def reference_at_rest(position: float) -> Reference:
     return Reference(position, 0.0, 0.0, 0.0)
 
 
+def reference_ahead(reference: Reference, interval: float) -> Reference:
+    """The reference an `interval` [s] later if its jerk stays as it is."""
+    x, v, a, j = reference
+    t = interval
+    return Reference(x + t * (v + t * (a / 2.0 + t * j / 6.0)), v + t * (a + t * j / 2.0), a + t * j, j)
+
+
 def reference_step(reference: Reference, wanted: float, interval: float, settings: ReferenceFilter) -> Reference:
     """The reference one interval later, the raw position being held meanwhile; exact for any interval.
 

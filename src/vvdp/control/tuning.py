@@ -6,11 +6,13 @@ Source  ours, docs/models/passivity-control.md, where a function names no other.
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from vvdp.base.errors import ParameterError
 from vvdp.control.backstepping import BacksteppingGains
 from vvdp.control.chamber import ChamberDrive, PositionGains, desired_rate_sensitivities
 from vvdp.control.feedforward_pi import FeedforwardPI
-from vvdp.control.passivity import PassivityGains
+from vvdp.control.passivity import PassivityGains, held_gain
 
 
 class Certificate(NamedTuple):
@@ -94,6 +96,50 @@ def sampling_limits(flow_gain: float, compliance: float) -> SamplingLimits:
     """
     pole = flow_gain / compliance
     return SamplingLimits(pole, 2.0 / pole, 1.0 / pole)
+
+
+def held_sampling_limits(compliance: float, gains: PassivityGains, drive: ChamberDrive) -> SamplingLimits:
+    """The same for a law with a hold time, always that of the samples: the limit is where `sampled_radius` passes 1.
+
+    compliance  V/beta, the least that occurs [m^3/Pa]
+    """
+    from scipy.optimize import brentq
+
+    gain = gains.flow_gain + gains.pressure_rate * compliance
+
+    def growth(period: float) -> float:
+        return sampled_radius(period, held_gain(gain, compliance, period), compliance, gains, drive) - 1.0
+
+    longest = 0.1 * compliance / gain
+    while growth(longest) < 0.0:
+        longest *= 1.1
+    limit = float(brentq(growth, longest / 1.1, longest))
+    return SamplingLimits(gain / compliance, limit, 0.5 * limit)
+
+
+def sampled_radius(
+    period: float, flow_gain: float, compliance: float, gains: PositionGains, drive: ChamberDrive
+) -> float:
+    """Spectral radius of the loop with the exact feedforward and a flow that is held [1]; below 1 errors fade.
+
+    M x'' = A P - K x - b x', (V/beta) P' = Q - A x' about a reference at rest, exact over a `period` [s], with
+    Q = (V/beta) P_d' - A l x - lambda_3 (P - P_d), P_d as `chamber.desired_pressure` has it.
+
+    flow_gain   lambda_3 as it acts on the held flow [m^3/(s Pa)]
+    compliance  V/beta [m^3/Pa]
+    """
+    from scipy.linalg import expm
+
+    M, A, K, C = drive.moving_mass, drive.area, drive.stiffness, compliance
+    l, Kp, Kv, b = gains.error_rate, gains.position_gain, gains.velocity_gain, gains.friction
+    motion = np.array([[0.0, 1.0, 0.0], [-K / M, -b / M, A / M], [0.0, -A / C, 0.0]])
+    wanted = -np.array([Kp + Kv * l, M * l + Kv, 0.0]) / A
+    wanted_rate = wanted[:2] @ motion[:2]
+    flow = np.array([-A * l, 0.0, -flow_gain]) + C * wanted_rate + flow_gain * wanted
+    held = np.zeros((4, 4))
+    held[:3, :3], held[2, 3] = motion, 1.0 / C
+    over = expm(held * period)
+    return float(np.max(np.abs(np.linalg.eigvals(over[:3, :3] + np.outer(over[:3, 3], flow)))))
 
 
 def sampling_warning(limits: SamplingLimits, period: float) -> str:

@@ -21,7 +21,7 @@ from vvdp.control.chamber import (
 from vvdp.control.orifice import valve_flow
 from vvdp.control.passivity import PassivityGains, exact_feedforward, passivity_law, pressure_error_gain
 from vvdp.control.storage import StorageBalance, pressure_balance, storage_excess
-from vvdp.control.tuning import sampling_limits, sampling_warning
+from vvdp.control.tuning import held_sampling_limits, sampling_limits, sampling_warning
 from vvdp.programs.axial_loop import SETTLED
 from vvdp.programs.report import Quantities
 
@@ -192,7 +192,10 @@ def control_warnings(law: ExactLaw, position: float, period: float, found: Mappi
     if is_passive:  # the exact feedforward adds what the errors add to the rate of the desired pressure
         damping = -desired_rate_sensitivities(gains, drive).pressure
         gain = pressure_error_gain(position, pressure, gains, drive) + damping * compliance
-    if warning := sampling_warning(sampling_limits(gain, compliance), period):
+    limits = sampling_limits(gain, compliance)
+    if is_passive and gains.flow_hold > 0.0:
+        limits = held_sampling_limits(compliance, gains, drive)
+    if warning := sampling_warning(limits, period):
         yield warning
     if rises := found.get("storage_rises"):
         yield (

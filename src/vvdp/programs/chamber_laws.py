@@ -31,6 +31,7 @@ from vvdp.base.params import Params, require_positive
 from vvdp.base.units import ATMOSPHERE
 from vvdp.control.backstepping import BacksteppingGains, backstepping_law, refuse_flow_gain
 from vvdp.control.chamber import ChamberDrive, ChamberFlow, ChamberReading, PositionGains
+from vvdp.control.dead_volume import LearnedVolume, VolumeLearning, volume_step
 from vvdp.control.orifice import ChamberValve, valve_command
 from vvdp.control.passivity import PassivityGains, passivity_law, printed_passivity_law
 from vvdp.control.reference import Jerk, Reference, SignedAcceleration
@@ -63,12 +64,25 @@ class KnownChamber(Params):
     reference_pressure: Pressure = ATMOSPHERE
 
 
-class PassivityTable(PassivityGains, KnownChamber):
+class PrintedPassivityTable(PassivityGains, KnownChamber):
     """Gains of a passivity law, and the drive as it believes it."""
 
     def check(self) -> None:
         super().check()
         known_drive(self)
+
+    @property
+    def sample_period(self) -> float | None:
+        """How often the law is called if it has a hold time [s]; None leaves it open."""
+        return self.flow_hold or None
+
+
+class PassivityTable(VolumeLearning, PrintedPassivityTable):
+    """The same, and how the volume of the chamber is learned."""
+
+    def check(self) -> None:
+        VolumeLearning.check(self)
+        PrintedPassivityTable.check(self)
 
 
 class BacksteppingTable(BacksteppingGains, KnownChamber):
@@ -89,6 +103,7 @@ class PassivityLaw(ChamberLaw):
     """A passivity law."""
 
     gains: PassivityGains
+    learning: VolumeLearning
 
 
 class BacksteppingLaw(ChamberLaw):
@@ -130,9 +145,10 @@ def _gains_of(cls: type[Any], table: Params) -> Any:
     return cls(**{each.name: getattr(table, each.name) for each in fields(cls)})
 
 
-def passivity_settings(table: PassivityTable) -> PassivityLaw:
-    """The settings of a passivity law as its step takes them."""
-    return PassivityLaw(drive=known_drive(table), gains=_gains_of(PassivityGains, table))
+def passivity_settings(table: PrintedPassivityTable) -> PassivityLaw:
+    """The settings of a passivity law as its step takes them; the printed one learns nothing."""
+    learning = _gains_of(VolumeLearning, table) if isinstance(table, PassivityTable) else VolumeLearning()
+    return PassivityLaw(drive=known_drive(table), gains=_gains_of(PassivityGains, table), learning=learning)
 
 
 def backstepping_settings(table: BacksteppingTable) -> BacksteppingLaw:
@@ -156,12 +172,13 @@ class ChamberTask(NamedTuple):
 
 class ChamberCommand(NamedTuple):
     """The command of the valve, the flow that it is to pass, the pressure that would move the spool as wanted,
-    absolute, and what the closed loop stores, as believed."""
+    absolute, what the closed loop stores, as believed, and the volume of the chamber at position 0, as learned."""
 
     command: SignedFraction
     flow: Flow
     desired_pressure: Pressure
     storage: Energy
+    oil_volume: Volume = 0.0
 
 
 def wanted_motion(task: ChamberTask) -> Reference:
@@ -183,15 +200,26 @@ def chamber_command(
     if task.released > 0.5:
         command = valve_command(wanted.flow, task.pressure, drive.valve)
         storage = loop_balance(wanted.flow, wanted_motion(task), believed_motion(task), gains, drive).storage
-    return ChamberCommand(command, wanted.flow, wanted.desired.pressure, storage)
+    return ChamberCommand(command, wanted.flow, wanted.desired.pressure, storage, drive.oil_volume)
+
+
+def passivity_start(settings: PassivityLaw) -> LearnedVolume:
+    """Before the first sample: the volume as the drive has it."""
+    return LearnedVolume(settings.drive.oil_volume, 0.0, 0.0)
 
 
 def passivity_step(
-    t: float, memory: NamedTuple, reading: ChamberTask, settings: PassivityLaw
-) -> tuple[NamedTuple, ChamberCommand]:
+    t: float, memory: LearnedVolume, reading: ChamberTask, settings: PassivityLaw
+) -> tuple[LearnedVolume, ChamberCommand]:
     """Passivity-based control of a chamber against a spring, with the exact feedforward."""
-    wanted = passivity_law(wanted_motion(reading), believed_motion(reading), settings.gains, settings.drive)
-    return memory, chamber_command(reading, wanted, settings.gains, settings.drive)
+    gains, drive = settings.gains, settings.drive
+    beside = memory.oil_volume - drive.oil_volume
+    wanted = passivity_law(wanted_motion(reading), believed_motion(reading), gains, drive, beside)
+    command = chamber_command(reading, wanted, gains, drive)
+    learned = LearnedVolume(memory.oil_volume, t, t)
+    if abs(command.command) < 1.0:
+        learned = volume_step(memory, t, wanted.desired, reading.pressure, settings.learning, drive)
+    return learned, command._replace(oil_volume=memory.oil_volume)
 
 
 def printed_passivity_step(
@@ -210,13 +238,13 @@ def backstepping_step(
     return memory, chamber_command(reading, wanted, settings.gains, settings.drive)
 
 
-EMPTIED = ChamberCommand(command=0.0, flow=0.0, desired_pressure=ATMOSPHERE, storage=0.0)
+EMPTIED = ChamberCommand(command=0.0, flow=0.0, desired_pressure=ATMOSPHERE, storage=0.0, oil_volume=0.0)
 PASSIVITY = GenericProgram(
-    ProgramType(passivity_step, ChamberTask, EMPTIED, PassivityTable, report=ChamberLawReport),
+    ProgramType(passivity_step, ChamberTask, EMPTIED, PassivityTable, passivity_start, report=ChamberLawReport),
     made=passivity_settings,
 )
 PRINTED_PASSIVITY = GenericProgram(
-    ProgramType(printed_passivity_step, ChamberTask, EMPTIED, PassivityTable, report=ChamberLawReport),
+    ProgramType(printed_passivity_step, ChamberTask, EMPTIED, PrintedPassivityTable, report=ChamberLawReport),
     made=passivity_settings,
 )
 BACKSTEPPING = GenericProgram(

@@ -153,6 +153,11 @@ def chamber_loop(control: AxialControl, parts: DriveParts, pilot: PilotSupply) -
     if control.feedback is not None:
         values["velocity_rate"] = control.feedback.velocity_rate
     if isinstance(gains, PassivityGains):
+        period = control.observer.sample_period
+        if gains.flow_hold not in (0.0, period):
+            raise ParameterError(
+                f"passivity.flow_hold: {gains.flow_hold:g} s must be 0 or the sample_period, {period:g} s"
+            )
         return PassiveLoop(gains=gains, **values)
     try:
         refuse_flow_gain(gains, drive)

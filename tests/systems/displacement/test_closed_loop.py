@@ -179,6 +179,37 @@ def test_what_limits_is_what_was_specified(case: str):
     assert found["directional_switches"] == 2.0
 
 
+FULL_JET = "valve.jet_exponent=0"
+QUICK = "gains.pressure_rate=200 1/s"
+NO_MAKE_UP = "flow_split.uses_delivered_flow=0"
+
+
+@pytest.mark.parametrize(
+    ("settings", "error"),
+    [
+        (("axial_reference.filter_rate=15 1/s",), 0.244),
+        ((QUICK,), 0.074),
+        ((QUICK, "direction.hysteresis_velocity=30 mm/s"), 0.062),
+        ((QUICK, "direction.dwell=0 s"), 0.042),
+        (return_valve("0.8e-7"), 0.1125),
+        ((*return_valve("0.8e-7"), "relief_valve.cracking_pressure=45 bar"), 0.091),
+        ((*return_valve("0.8e-7"), *gas(20)), 0.075),
+        (return_valve("1e-7"), 0.076),
+        ((*return_valve("1e-7"), NO_MAKE_UP), 0.066),
+    ],
+)
+def test_where_it_differs_from_what_was_specified(settings: tuple[str, ...], error: float):
+    """The experiments of the page."""
+    found, _ = ran(SPRING, PLAIN, FULL_JET, *settings)
+    assert found["tracking_error_max_m"] == pytest.approx(error * CM, rel=0.02)
+
+
+def test_without_the_make_up_a_slow_spool_ends_in_an_emergency_stop():
+    found, run = ran(SPRING, PLAIN, FULL_JET, NO_MAKE_UP, "axial_reference.filter_rate=15 1/s")
+    assert found["alarm"] > 0.0 and found["alarm_time_s"] == pytest.approx(2.13, abs=0.05)
+    assert run.command.displacement.phase[-1] == EMERGENCY
+
+
 class TestGainOfTheFlowMap:
     """A relief valve with a lag lets less through than the map says: the gain that is learned replaces the support."""
 

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vvdp.base.kinds import FLOW, GAUGE_PRESSURE, NUMBER, Kind
+from vvdp.base.kinds import ENERGY, FLOW, GAUGE_PRESSURE, NUMBER, Kind
 from vvdp.results.chart import Chart
 from vvdp.results.result import Table
 from vvdp.simulation.values import leaves
 from vvdp.systems.displacement.chapter6_charts import displacement_charts
 from vvdp.systems.displacement.chapter6_loop import PROGRAM
-from vvdp.systems.displacement.tracking import GROUP, TRACKING, TRACKING_LINES, tracking_numbers
+from vvdp.systems.displacement.tracking import GROUP, SETTLED, TRACKING, TRACKING_LINES, tracking_numbers
 from vvdp.systems.extras import Extras, Line, Summary
 
 if TYPE_CHECKING:
@@ -30,13 +30,21 @@ OTHERS: Mapping[str, tuple[Kind, str]] = MappingProxyType(
     }
 )
 """Numbers beside those of the tracking."""
+ENERGIES: Mapping[str, tuple[Kind, str]] = MappingProxyType(
+    {
+        f"mode_{mode}_{key}_J": (ENERGY, f"{words} in mode {mode}")
+        for key, words in (("pump_energy", "energy from the pump"), ("return_loss", "lost in the return valve"))
+        for mode in range(1, 6)
+    }
+)
+"""What each pressure mode uses, with its transition."""
 
 
 class Chapter6Extras(Extras):
     """What the system of chapter 6 brings along."""
 
     STEADY = False
-    QUANTITIES: Mapping[str, tuple[Kind, str]] = MappingProxyType({**TRACKING, **OTHERS})
+    QUANTITIES: Mapping[str, tuple[Kind, str]] = MappingProxyType({**TRACKING, **OTHERS, **ENERGIES})
     OVERVIEW = (*TRACKING_LINES, *(Line(label, (key,), kind, (), GROUP) for key, (kind, label) in OTHERS.items()))
     HEADLINE = ("tracking_error_max_m", "tracking_error_rms_m")
 
@@ -51,8 +59,8 @@ class Chapter6Extras(Extras):
         }
 
     def record_numbers(self, run: "Run") -> Summary:
-        """How well the cylinder followed."""
-        return tracking_numbers(run.final_memory[PROGRAM].tracking)
+        """How well the cylinder followed, and what each pressure mode used."""
+        return tracking_numbers(run.final_memory[PROGRAM].tracking) | mode_energies(run)
 
     def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
         """A chamber that was drawn empty."""
@@ -70,3 +78,20 @@ class Chapter6Extras(Extras):
     def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:
         """Motion, pressures, actuation."""
         return displacement_charts(record, self.tables["pressure_bounds"], self.tables["sampling"].sample_period)
+
+
+def mode_energies(run: "Run") -> Summary:
+    """Energy from the pump and lost in the return valve [J] while each mode was commanded, from `SETTLED` on.
+
+    Of the balances that the run integrates: nothing is lost between rows. Empty for a run that was not longer.
+    """
+    books: Any = run.state.books
+    rows = np.flatnonzero(run.times >= SETTLED)
+    modes = np.floor(getattr(run.command, PROGRAM).mode[rows[1:]])  # a row has the command that held until then
+    used = {"pump_energy": books.supplied.pump, "return_loss": books.spent.return_valve}
+    return {
+        f"mode_{mode}_{key}_J": float(np.sum(np.diff(sums[rows])[modes == mode]))
+        for key, sums in used.items()
+        for mode in range(1, 6)
+        if rows.size > 1
+    }
