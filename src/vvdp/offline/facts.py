@@ -168,6 +168,7 @@ def record_facts(found: Mapping[str, Any], sums: Sums, wanted: Estimation) -> di
         "gap": GAP,
         "started_anew": Amount(tally.pieces if anew else 0),
         "bridge": bridged_time(TURN / tally.sectors / pace, wanted.filter) if anew and pace > 0.0 else np.nan,
+        "miscounted": sums.doubt.miscounted if sums.doubt.miscounted > 0.5 else 0.0,
         "missed_percent": 100.0 * tally.missed / passed if passed else np.nan,
         "pressure_record": _list_words(complaints, "; ", "{} more"),
     }
