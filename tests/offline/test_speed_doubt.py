@@ -21,12 +21,14 @@ def orders(found):
 
 
 def test_two_orders_by_hand():
-    """Of 0.02 with 3/4 and of 0.03 with 1/4: (0.75 4e-4 + 0.25 9e-4)/2 = 2.625e-4 of the squared speed if neither is
-    estimated; 0.25 (4e-4 + 9e-4)/2 = 1.625e-4 if the first is and the second may be true."""
+    """Of 0.02 with 3/4 and of 0.03 with 1/4, which counts as 1/2: (0.75 4e-4 + 0.5 9e-4)/2 = 3.75e-4 of the squared
+    speed if neither is estimated; 0.5 (4e-4 + 9e-4)/2 = 3.25e-4 if the first is and the second may be true."""
     ratio, angle = ripple_doubt(BOTH, SpeedRipple(0, 0.0, 0.0, 0.0))
-    assert (ratio, angle) == pytest.approx((2.625e-4, 0.5 * (0.75 * 4e-4 / 9 + 0.25 * 9e-4 / 25)), rel=1e-12)
+    assert (ratio, angle) == pytest.approx((3.75e-4, 0.5 * (0.75 * 4e-4 / 9 + 0.5 * 9e-4 / 25)), rel=1e-12)
     ratio, angle = ripple_doubt(BOTH, THREE)
-    assert (ratio, angle) == pytest.approx((1.625e-4, 0.125 * (4e-4 / 9 + 9e-4 / 25)), rel=1e-12)
+    assert (ratio, angle) == pytest.approx((3.25e-4, 0.25 * (4e-4 / 9 + 9e-4 / 25)), rel=1e-12)
+    seldom = (Candidate(THREE, 0.96), Candidate(FIVE, 0.04))
+    assert ripple_doubt(seldom, THREE)[0] == pytest.approx(0.02 * 13e-4, rel=1e-12)
     assert Doubt(1.625e-4, 0.36, 0.0).speed_deviation(100.0) == pytest.approx(np.sqrt(1.625 + 0.36), rel=1e-12)
 
 

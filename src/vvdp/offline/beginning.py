@@ -59,22 +59,24 @@ def beginning(clocks: Sequence[Edges], wanted: Estimation) -> Beginning:
 def at_pace(settings: EventFilter, period: float) -> EventFilter:
     """The settings for a wheel whose sector takes `period` [s]; those that are not as usual stay as they are.
 
-    What is usual belongs to a spool at `PACE`. For one that is slower the unit of time is longer.
+    What is usual belongs to a spool at `PACE`. For one that is slower the unit of time is longer; but drive and friction
+    are as strong, so within a sector the speed may change by as much as itself.
     """
-    slower = PACE * period * len(settings.wheel.edges) / TURN
-    if not slower > SLOW:
+    usual, pitch = event_filter(settings.wheel), TURN / len(settings.wheel.edges)
+    if not period * PACE > SLOW * pitch:
         return settings
-    usual = event_filter(settings.wheel)
-    powers = {"acceleration_density": 3, "manoeuvre_density": 3, "speed_variance": 2, "association_speed_deviation": 1,
-              "lowest_speed": 1, "stop_rate": 1}  # fmt: skip
-    return replace(
-        settings,
-        **{
-            name: getattr(usual, name) / slower**power
-            for name, power in powers.items()
-            if getattr(settings, name) == getattr(usual, name)
-        },
-    )
+    pace = pitch / period
+    slower = PACE / pace
+    brought = {
+        "acceleration_density": usual.acceleration_density / slower**3,
+        "manoeuvre_density": min(usual.manoeuvre_density, pace * pace / period),
+        "speed_variance": usual.speed_variance / slower**2,
+        "association_speed_deviation": usual.association_speed_deviation / slower,
+        "lowest_speed": usual.lowest_speed / slower,
+        "stop_rate": usual.stop_rate / slower,
+    }
+    kept = {name: value for name, value in brought.items() if getattr(settings, name) == getattr(usual, name)}
+    return replace(settings, **kept)
 
 
 def clock_tick(times: Array, usual: float) -> float:

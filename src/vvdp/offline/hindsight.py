@@ -14,8 +14,8 @@ from vvdp.offline.alignment import usual_steps
 from vvdp.offline.estimate_result import AT_ONCE, piece_rows
 from vvdp.offline.hypotheses import FAR_NEIGHBOURS
 
-BEHIND, AHEAD = 1, 2
-"""A row is held against the mean speed from the edge so far before it to the edge so far after it."""
+AHEAD = (1, 2, 4)
+"""A row is held against the mean speeds from the edge before it to edges so far after that."""
 CONTRADICTED = 3.0
 """... and is contradicted by a difference of so many standard deviations of it."""
 SILENT = 16.0
@@ -34,7 +34,7 @@ def look_back(file: Any, ripple: float, scatter: float, pitch: float) -> None:
     for piece, (first, end) in piece_rows(file, "edges/").items():
         time, angle, variance = (file[f"edges/{name}"][first:end] for name in ("time", "angle", "variance"))
         used = np.isfinite(angle) & (np.diff(time, prepend=-np.inf) > 0.0)
-        if piece not in rows or np.count_nonzero(used) <= BEHIND + AHEAD:
+        if piece not in rows or np.count_nonzero(used) < 2:
             continue
         edges = time[used], angle[used], np.fmax(variance[used] + scatter, 0.0)
         last = rows[piece][1] - 1
@@ -75,13 +75,13 @@ def contradictions(rows: dict[str, Array], edges: tuple[Array, Array, Array], ri
     """
     times, angles, variances = edges
     after = np.searchsorted(times, rows["time"], side="right")
-    low, high = np.clip(after - BEHIND, 0, None), np.clip(after - 1 + AHEAD, None, times.size - 1)
-    known = (after >= BEHIND) & (after < times.size) & (rows["standstill"] < 0.5)
-    lasts = np.where(known, times[high] - times[low], 1.0)
-    off = rows["speed"] - (angles[high] - angles[low]) / lasts
-    noise = (variances[high] + variances[low]) / lasts**2 + ripple * rows["speed"] ** 2
-    square = np.where(known & np.isfinite(off), off * off, 0.0)
-    told = square > CONTRADICTED**2 * (rows["speed_deviation"] ** 2 + noise)
-    square = np.where(told, square - noise, 0.0)
-    since = rows["time"] - times[low]
-    return {"speed_deviation": square, "angle_deviation": square * since**2}
+    known = (after > 0) & (after < times.size) & (rows["standstill"] < 0.5) & np.isfinite(rows["speed"])
+    low, worst = np.clip(after - 1, 0, None), np.zeros(after.size)
+    for ahead in AHEAD:
+        high = np.clip(after - 1 + ahead, None, times.size - 1)
+        lasts = np.where(known & (high > low), times[high] - times[low], np.inf)
+        noise = (variances[high] + variances[low]) / lasts**2 + ripple * rows["speed"] ** 2
+        square = np.where(np.isfinite(lasts), (rows["speed"] - (angles[high] - angles[low]) / lasts) ** 2, 0.0)
+        told = square > CONTRADICTED**2 * (rows["speed_deviation"] ** 2 + noise)
+        worst = np.fmax(worst, np.where(told, square - noise, 0.0))
+    return {"speed_deviation": worst, "angle_deviation": worst * (rows["time"] - times[low]) ** 2}
