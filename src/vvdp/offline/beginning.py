@@ -59,8 +59,8 @@ def beginning(clocks: Sequence[Edges], wanted: Estimation) -> Beginning:
 def at_pace(settings: EventFilter, period: float) -> EventFilter:
     """The settings for a wheel whose sector takes `period` [s]; those that are not as usual stay as they are.
 
-    What is usual belongs to a spool at `PACE`. For one that is slower the unit of time is longer; but drive and friction
-    are as strong, so within a sector the speed may change by as much as itself.
+    What is usual belongs to a spool at `PACE`. For one that is slower the unit of time is longer; but drive and
+    friction are as strong, so within a sector the speed may change by as much as itself.
     """
     usual, pitch = event_filter(settings.wheel), TURN / len(settings.wheel.edges)
     if not period * PACE > SLOW * pitch:
@@ -76,7 +76,7 @@ def at_pace(settings: EventFilter, period: float) -> EventFilter:
         "stop_rate": usual.stop_rate / slower,
     }
     kept = {name: value for name, value in brought.items() if getattr(settings, name) == getattr(usual, name)}
-    return replace(settings, **kept)
+    return replace(settings, **kept)  # type: ignore[arg-type]
 
 
 def clock_tick(times: Array, usual: float) -> float:

@@ -35,8 +35,8 @@ from vvdp.offline.passed_edges import longest_pieces
 from vvdp.offline.passes import FilteringPass, GatheringPass, pascals
 from vvdp.offline.result import Outcome, estimate_result
 from vvdp.offline.second_pass import SecondPass
-from vvdp.offline.speed_doubt import add_doubt, doubt_of
-from vvdp.offline.sums import RowSums, Sums, edge_sums, row_sums
+from vvdp.offline.speed_doubt import Doubt, add_doubt, doubt_of
+from vvdp.offline.sums import RowSums, Sums, Tally, edge_sums, row_sums
 from vvdp.results.result import Result
 from vvdp.results.store import write_result
 from vvdp.sensing.wheel import TURN
@@ -150,9 +150,7 @@ def _settle(run: FilteringPass, rows: RowSums) -> Sums:
     lost = silences(file, rows.standstills, tally.sectors, wanted.largest_deceleration)
     settle_silences(file, lost, wanted.sections, tally.sectors)
     told = _explain(run.store, wanted)
-    pitch, doubt = TURN / tally.sectors, doubt_of(told, wanted.filter.ripple_order)
-    if tally.missed > SHARE_MISSED * (tally.edges + tally.missed):
-        doubt = doubt.with_count(miscounted(file), pitch)
+    pitch, doubt = TURN / tally.sectors, _doubt(file, told, wanted, tally)
     add_doubt(file, doubt)
     ripple = wanted.filter.ripple_variance if wanted.filter.ripple_order > 0.0 else 0.0
     scatter = told.fit.noise.edge_variance - wanted.filter.edge_variance if told is not None else 0.0
@@ -166,6 +164,13 @@ def _settle(run: FilteringPass, rows: RowSums) -> Sums:
         doubt=doubt,
         silences=lost,
     )
+
+
+def _doubt(file: Any, told: Explained | None, wanted: Estimation, tally: Tally) -> Doubt:
+    """What the rows leave out: of the speed, and where many edges are missed, of their count."""
+    doubt = doubt_of(told, wanted.filter.ripple_order)
+    many = tally.missed > SHARE_MISSED * (tally.edges + tally.missed)
+    return doubt.with_count(miscounted(file), TURN / tally.sectors) if many else doubt
 
 
 def _report_skipped(run: FilteringPass) -> None:
@@ -255,7 +260,8 @@ def _fit_settings(log: Log, wanted: Estimation, beginning: Beginning, say: Calla
             raise KeyboardInterrupt
         store.flush()
         told = _explain(store, wanted)
-        sums = Sums(run.tally, RowSums(), edge_sums(store.file, run.tally.sectors), told)
+        doubt = _doubt(store.file, told, wanted, run.tally)
+        sums = Sums(run.tally, RowSums(), edge_sums(store.file, run.tally.sectors), told, doubt)
     if told is None or numbers_in_doubt(told, sums, wanted):
         why = "the log is too short" if told is None else "which edge is which is in doubt, too much"
         log.remark(f"{why} for a fit of the filter's settings; they were left as they were")

@@ -13,13 +13,13 @@ from vvdp.base.arrays import Array
 from vvdp.offline.alignment import usual_steps
 from vvdp.offline.estimate_result import AT_ONCE, piece_rows
 from vvdp.offline.hypotheses import FAR_NEIGHBOURS
+from vvdp.offline.noise_fit import SILENT
+from vvdp.offline.sums import STANDING
 
 AHEAD = (1, 2, 4)
 """A row is held against the mean speeds from the edge before it to edges so far after that."""
 CONTRADICTED = 3.0
 """... and is contradicted by a difference of so many standard deviations of it."""
-SILENT = 16.0
-"""A time in which so many edges would pass is a silence and tells of no missed ones."""
 
 
 def look_back(file: Any, ripple: float, scatter: float, pitch: float) -> None:
@@ -36,11 +36,11 @@ def look_back(file: Any, ripple: float, scatter: float, pitch: float) -> None:
         used = np.isfinite(angle) & (np.diff(time, prepend=-np.inf) > 0.0)
         if piece not in rows or np.count_nonzero(used) < 2:
             continue
-        edges = time[used], angle[used], np.fmax(variance[used] + scatter, 0.0)
+        edges = np.array([time[used], angle[used], np.fmax(variance[used] + scatter, 0.0)])
         last = rows[piece][1] - 1
-        if file["standstill"][last] > 0.5:
-            stands = float(file["time"][last]), float(edges[1][-1]) + 0.5 * pitch, pitch * pitch / 12.0
-            edges = tuple(np.append(known, more) for known, more in zip(edges, stands, strict=True))
+        if file["standstill"][last] > STANDING:
+            stands = [[file["time"][last]], [edges[1, -1] + 0.5 * pitch], [pitch * pitch / 12.0]]
+            edges = np.append(edges, stands, axis=1)
         for begin in range(rows[piece][0], rows[piece][1], AT_ONCE):
             part = slice(begin, min(begin + AT_ONCE, rows[piece][1]))
             shown = {name: file[name][part] for name in ("time", "speed", "standstill", *_CHANGED)}
@@ -55,9 +55,10 @@ def miscounted(file: Any) -> float:
     for first, end in piece_rows(file, "edges/").values():
         time, number = (file[f"edges/{name}"][first:end] for name in ("time", "number"))
         used = np.isfinite(number) & (np.diff(time, prepend=-np.inf) > 0.0)
-        steps, counted = np.diff(time[used]), np.abs(np.diff(number[used]))
+        steps, counted = np.diff(time[used]), np.diff(number[used])
         if not steps.size:
             continue
+        counted *= np.sign(np.sum(counted))  # backwards numbers fall
         passed = np.fmax(np.round(steps / usual_steps(steps, FAR_NEIGHBOURS)), 1.0)
         off = np.cumsum(np.where(passed < SILENT, passed - counted, 0.0))
         squares, count = squares + off.size * float(np.var(off)), count + off.size
@@ -67,15 +68,15 @@ def miscounted(file: Any) -> float:
 _CHANGED = ("speed_deviation", "angle_deviation")
 
 
-def contradictions(rows: dict[str, Array], edges: tuple[Array, Array, Array], ripple: float) -> dict[str, Array]:
+def contradictions(rows: dict[str, Array], edges: Array, ripple: float) -> dict[str, Array]:
     """Variances to add to the deviations of `rows` [rad^2/s^2, rad^2], 0 where nothing contradicts the speed.
 
-    edges   of the piece: times, rising [s], angles [rad] and their variances [rad^2]
+    edges   of the piece, shape (3, n): times, rising [s], angles [rad] and their variances [rad^2]
     ripple  as of `look_back`
     """
     times, angles, variances = edges
     after = np.searchsorted(times, rows["time"], side="right")
-    known = (after > 0) & (after < times.size) & (rows["standstill"] < 0.5) & np.isfinite(rows["speed"])
+    known = (after > 0) & (after < times.size) & (rows["standstill"] < STANDING) & np.isfinite(rows["speed"])
     low, worst = np.clip(after - 1, 0, None), np.zeros(after.size)
     for ahead in AHEAD:
         high = np.clip(after - 1 + ahead, None, times.size - 1)

@@ -44,8 +44,10 @@ WORSE, MODEST = 1.25, 3.0
 """A speed error so many times as large as it need be, or stated so many times too large, matters ..."""
 WORTH = 2e-3
 """... from this share of the speed on; `MODEST` times that where it is only stated too large."""
+SILENT = 16.0
+"""After a time between edges of so many usual ones nothing is known any more; missed edges make no such time."""
 FORETOLD_PARTS = 64
-"""Of a log without a ripple one that is fitted to all parts before foretells the rest with a chance of 0.57 over this."""
+"""Where there is no ripple, one fitted to the parts before foretells the next with a chance of 0.57 over this."""
 FAR = 4.0
 """Deviations beyond which an edge is an outlier."""
 
@@ -138,7 +140,9 @@ class Likelihood:
 
     def __init__(self, passed: Passed, sectors: int, say: Callable[[str], None] = quiet) -> None:
         self.passed, self.sectors = passed, sectors
-        self._first = np.concatenate([[True], np.diff(passed.pieces) != 0.0])
+        steps = np.diff(passed.times)
+        silent = steps > SILENT * np.median(steps)  # a stop or a lost sensor is no noise
+        self._first = np.concatenate([[True], (np.diff(passed.pieces) != 0.0) | silent])
         self._durations = np.where(self._first, 0.0, np.diff(passed.times, prepend=passed.times[0]))
         self._replay = Replay(passage_step, passage_start(), Passage(0.0, 0.0, 0.0, 1.0), Noise(1.0, 1.0), say=say)
         self._rows = self._rows_of(passed.angles)

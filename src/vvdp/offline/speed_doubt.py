@@ -18,7 +18,8 @@ NOTHING_TOLD = SpeedRipple(0, 0.0, 0.0, 0.0)
 """What a filter is told that estimates no ripple."""
 
 EVEN, POSSIBLE = 0.5, 0.05
-"""A ripple of a probability above the second counts with the first at least: nobody knows better than 1 to 1 [1]."""
+"""Ripples that together have a probability above the second count with the first at least: nobody knows better than one
+to one [1]."""
 
 
 class Excess(NamedTuple):
@@ -94,15 +95,15 @@ def ripple_doubt(candidates: tuple[Candidate, ...], known: SpeedRipple) -> tuple
     `known` while the true one is any of the `candidates`.
 
     Waves of different orders are orthogonal over a turn, so their mean squares add up: (a_0^2 + E a_N^2)/2 for each
-    order but the one that is estimated. Probabilities of orders are assumed: one that is possible at all counts with
-    `EVEN` at least.
+    order but the one that is estimated. Probabilities of orders are assumed: the others together, if possible at all,
+    count with `EVEN` at least.
     """
     ratio, angle = 0.0, 0.0
-    for each in candidates:
-        if each.ripple.order == known.order:
-            continue
-        square, order = each.ripple.expected_square, each.ripple.order
-        chance = max(each.chance, EVEN) if each.chance > POSSIBLE else each.chance
+    others = [each for each in candidates if each.ripple.order != known.order]
+    total = sum(each.chance for each in others)
+    more = max(EVEN / total, 1.0) if total > POSSIBLE else 1.0
+    for each in others:
+        square, order, chance = each.ripple.expected_square, each.ripple.order, more * each.chance
         ratio += 0.5 * chance * (known.amplitude**2 + square)
         estimated = (known.amplitude / known.order) ** 2 if known.order else 0.0
         angle += 0.5 * chance * (estimated + square / order**2)
