@@ -141,7 +141,8 @@ class Likelihood:
     def __init__(self, passed: Passed, sectors: int, say: Callable[[str], None] = quiet) -> None:
         self.passed, self.sectors = passed, sectors
         steps = np.diff(passed.times)
-        silent = steps > SILENT * np.median(steps)  # a stop or a lost sensor is no noise
+        # a stop or a lost sensor is no noise, nor are edges that are numbered anew after one
+        silent = (steps > SILENT * np.median(steps)) | (np.abs(np.diff(passed.numbers)) > SILENT)
         self._first = np.concatenate([[True], (np.diff(passed.pieces) != 0.0) | silent])
         self._durations = np.where(self._first, 0.0, np.diff(passed.times, prepend=passed.times[0]))
         self._replay = Replay(passage_step, passage_start(), Passage(0.0, 0.0, 0.0, 1.0), Noise(1.0, 1.0), say=say)
