@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 
-from vvdp.offline.hindsight import contradictions, look_back, miscounted
+from vvdp.offline.hindsight import contradictions, count_deviation, look_back
 
 TURN = 2.0 * np.pi
 PITCH, SPEED = TURN / 8, 157.0
@@ -82,4 +82,4 @@ def test_edges_that_were_passed_over_are_counted_by_the_times(tmp_path, lost):
     numbers = shown - lost * (shown > 200).astype(float)
     rows = rows_at([0.0])
     with h5py.File(kept_file(tmp_path / "kept.h5", shown * PITCH / SPEED, numbers, rows)) as file:
-        assert miscounted(file) == pytest.approx(0.5 * lost, rel=1e-2)
+        assert count_deviation(file) == pytest.approx(0.5 * lost, rel=1e-2)

@@ -21,8 +21,9 @@ FINE = 1e-3
 """Ticks below this share of the time between edges do not matter."""
 PACE = 155.0
 """Speed of the spool to which the usual settings of the filter belong [rad/s]: wang2017, section 3.5."""
-SLOW = 4.0
-"""From so many times slower on, the usual settings are brought to the pace of the log; assumed."""
+SLOW, STILL = 4.0, 1e6
+"""From so many times slower on, the usual settings are brought to the pace of the log, and no spool is slower than the
+second; assumed."""
 FEWEST = 3
 """Edges of which times say anything."""
 
@@ -63,7 +64,7 @@ def at_pace(settings: EventFilter, period: float) -> EventFilter:
     friction are as strong, so within a sector the speed may change by as much as itself.
     """
     usual, pitch = event_filter(settings.wheel), TURN / len(settings.wheel.edges)
-    if not period * PACE > SLOW * pitch:
+    if not SLOW * pitch < period * PACE < STILL * pitch:
         return settings
     pace = pitch / period
     slower = PACE / pace

@@ -27,7 +27,7 @@ from vvdp.offline.diagnostics import SHARE_MISSED, numbers_in_doubt, settings_of
 from vvdp.offline.estimate_result import SMOOTHED, Store
 from vvdp.offline.facts import ripple_words
 from vvdp.offline.findings import explain_no_result, findings
-from vvdp.offline.hindsight import look_back, miscounted
+from vvdp.offline.hindsight import count_deviation, look_back
 from vvdp.offline.interrupt import catch_interrupt
 from vvdp.offline.lost_sensor import settle_silences, silences
 from vvdp.offline.noise_fit import Explained, fit_noise, fitted_filter
@@ -170,7 +170,7 @@ def _doubt(file: Any, told: Explained | None, wanted: Estimation, tally: Tally) 
     """What the rows leave out: of the speed, and where many edges are missed, of their count."""
     doubt = doubt_of(told, wanted.filter.ripple_order)
     many = tally.missed > SHARE_MISSED * (tally.edges + tally.missed)
-    return doubt.with_count(miscounted(file), TURN / tally.sectors) if many else doubt
+    return doubt.with_count(count_deviation(file), TURN / tally.sectors) if many else doubt
 
 
 def _report_skipped(run: FilteringPass) -> None:

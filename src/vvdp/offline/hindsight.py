@@ -45,10 +45,11 @@ def look_back(file: Any, ripple: float, scatter: float, pitch: float) -> None:
             part = slice(begin, min(begin + AT_ONCE, rows[piece][1]))
             shown = {name: file[name][part] for name in ("time", "speed", "standstill", *_CHANGED)}
             for name, more in contradictions(shown, edges, ripple).items():
-                file[name][part] = np.sqrt(shown[name] ** 2 + more)
+                if np.any(more):
+                    file[name][part] = np.sqrt(shown[name] ** 2 + more)
 
 
-def miscounted(file: Any) -> float:
+def count_deviation(file: Any) -> float:
     """Standard deviation of the number by which edges of an open result.h5 may be counted wrongly [1]: of what the
     filter counted, less what the times between edges say, about the mean of each piece."""
     squares, count = 0.0, 0
