@@ -14,6 +14,7 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.estimation.event_settings import EventFilter
 from vvdp.numerics.kalman import AngleSpeed, predict, update
+from vvdp.offline.edges import Chosen
 from vvdp.offline.passed_edges import Passed
 from vvdp.offline.turn_pattern import (
     Candidate,
@@ -135,15 +136,20 @@ class Fit(NamedTuple):
     edges: int
 
 
+def _first_edges(passed: Passed) -> Chosen:
+    """Whether nothing before an edge tells where it should be: a stop or a lost sensor is no noise, nor are edges that
+    are numbered anew after one."""
+    steps = np.diff(passed.times)
+    silent = (steps > SILENT * np.median(steps)) | (np.abs(np.diff(passed.numbers)) > SILENT)
+    return np.concatenate([[True], (np.diff(passed.pieces) != 0.0) | silent])
+
+
 class Likelihood:
     """The likelihood of the edges of a log under any settings."""
 
     def __init__(self, passed: Passed, sectors: int, say: Callable[[str], None] = quiet) -> None:
         self.passed, self.sectors = passed, sectors
-        steps = np.diff(passed.times)
-        # a stop or a lost sensor is no noise, nor are edges that are numbered anew after one
-        silent = (steps > SILENT * np.median(steps)) | (np.abs(np.diff(passed.numbers)) > SILENT)
-        self._first = np.concatenate([[True], (np.diff(passed.pieces) != 0.0) | silent])
+        self._first = _first_edges(passed)
         self._durations = np.where(self._first, 0.0, np.diff(passed.times, prepend=passed.times[0]))
         self._replay = Replay(passage_step, passage_start(), Passage(0.0, 0.0, 0.0, 1.0), Noise(1.0, 1.0), say=say)
         self._rows = self._rows_of(passed.angles)
