@@ -77,11 +77,11 @@ def doubt_of(told: Explained | None, ripple_order: float) -> Doubt:
     ratio, angle = ripple_doubt(told.candidates, known)
     e, lasting = told.used_errors, told.lasting if told.matters else 0.0
     return Doubt(
-        ratio,
-        lasting * max(e.true * e.true - e.stated * e.stated, 0.0),
-        angle + lasting * max(e.angle_true * e.angle_true - e.angle_stated * e.angle_stated, 0.0),
-        _excess(e.stated, e.true, ripple_order),
-        _excess(e.angle_stated, e.angle_true, ripple_order),
+        speed_ratio=ratio,
+        speed=lasting * max(e.true * e.true - e.stated * e.stated, 0.0),
+        angle=angle + lasting * max(e.angle_true * e.angle_true - e.angle_stated * e.angle_stated, 0.0),
+        speed_excess=_excess(e.stated, e.true, ripple_order),
+        angle_excess=_excess(e.angle_stated, e.angle_true, ripple_order),
     )
 
 
