@@ -561,7 +561,8 @@ def _find_pattern(likelihood: Likelihood, plain: Fit, sections: int) -> Pattern:
             learnt=2,
             candidates=alike,
         )
-    return Pattern(None, nothing, None, nothing, 0, (Candidate(seen, chance_of(seen)),))
+    doubtful = (Candidate(seen, chance_of(seen)),)
+    return Pattern(None, nothing, None, nothing, 0, candidates=doubtful)
 
 
 def _candidates(likelihood: Likelihood, placed: Fit, offsets: Array, first: int) -> tuple[Candidate, ...]:
