@@ -153,7 +153,7 @@ def _settle(run: FilteringPass, rows: RowSums) -> Sums:
     pitch, doubt = TURN / tally.sectors, _doubt(file, told, wanted, tally)
     add_doubt(file, doubt)
     ripple = wanted.filter.ripple_variance if wanted.filter.ripple_order > 0.0 else 0.0
-    scatter = told.fit.noise.edge_variance - wanted.filter.edge_variance if told is not None else 0.0
+    scatter = told.advised.edge_variance - wanted.filter.edge_variance if told is not None else 0.0
     look_back(file, ripple, scatter, pitch)
     rows = row_sums(file, tally.rate)
     return Sums(
