@@ -1,12 +1,16 @@
 """The event filter's update against filterpy's, what a sample costs every estimator, and the smoother by its parts."""
 
+import os
+import subprocess
+import sys
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from filterpy.kalman import KalmanFilter
 
-from benchmarks.measure import ROUNDS, interleaved, ratios, report, run_as_command, spread
+from benchmarks.measure import HERE, ROUNDS, interleaved, ratios, report, run_as_command, spread
+from benchmarks.reference import taken_out
 from vvdp.base.kinds import AccelerationDensity, AngularVariance
 from vvdp.base.params import Params
 from vvdp.comparison.estimators import contenders
@@ -20,6 +24,8 @@ from vvdp.simulation.replay import Replay
 UPDATES, SAMPLES = 2000, 200_000
 """Measured by filterpy in a round; samples that an estimator goes through."""
 SAMPLE_TARGET, RATIO_TARGET = 200.0, 100.0
+COMMIT, EARLIER_TARGET = "e01da77c", 1.5
+"""The last commit whose filter had no doubt beside its own, and how much longer a sample may take since."""
 START = AngleSpeed(0.0, 150.0, 1000.0, 0.0, 1000.0)
 
 
@@ -89,6 +95,31 @@ def cost_per_sample(samples: int, rounds: int) -> None:
             report("  over event-filter", spread(ratios(times, name, "event-filter"), "times"))
 
 
+def against_earlier(samples: int, rounds: int) -> None:
+    """A sample of the event filter now, and in the commit before its doubts, each in a process of its own, in turns."""
+    with taken_out(COMMIT) as earlier:
+        trees = {"now": HERE.parent, COMMIT: earlier if earlier is not None and samples == SAMPLES else HERE.parent}
+        found: dict[str, list[float]] = {name: [] for name in trees}
+        for name, tree in [*trees.items()] * rounds:
+            environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tree / "src"), str(HERE.parent)])}
+            code = f"from benchmarks.estimators import sample_of_the_filter as s; print(s({samples}))"
+            done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, check=True)
+            found[name].append(float(done.stdout))
+    shares = ratios(found, "now", COMMIT)
+    met = float(np.median(shares)) <= EARLIER_TARGET
+    report(f"event-filter, one sample over {COMMIT}", spread(shares, "times"), f"{EARLIER_TARGET:g}", met)
+
+
+def sample_of_the_filter(samples: int) -> float:
+    """Processor time of a sample of the event filter, the least of five [ns]."""
+    scenario, each = scenarios()[0], contenders()[0]
+    record = simulate_record(scenario, compiled_encoder(scenario), 0, samples)
+    rows, step = each.rows(scenario, record), compiled_step(each)
+    run_estimator(each, step, record, rows)
+    times = interleaved({"filter": partial(run_estimator, each, step, record, rows)}, 5)["filter"]
+    return min(times) * 1e9 / samples
+
+
 def cost_of_smoothing(edges: int, rounds: int) -> None:
     """A record of edges at 198 a second forward, back, and at an instant for each between them, compiled."""
     random, R, q = np.random.default_rng(2), 5.5e-3, 0.25
@@ -113,9 +144,10 @@ def cost_of_smoothing(edges: int, rounds: int) -> None:
 
 
 def main(short: bool) -> None:
-    """All three questions, on one core."""
+    """All four questions, on one core."""
     against_filterpy(1 if short else ROUNDS)
     cost_per_sample(*((2000, 1) if short else (SAMPLES, ROUNDS)))
+    against_earlier(*((2000, 1) if short else (SAMPLES, ROUNDS)))
     cost_of_smoothing(*((2000, 1) if short else (SAMPLES, ROUNDS)))
 
 

@@ -29,6 +29,8 @@ class Record:
     speeds: np.ndarray
     pace: float
     order: int = 0
+    breaks: tuple[float, ...] = ()
+    """Times [s] in which edges do not tell how far the wheel turned."""
 
 
 class Draw:
@@ -142,11 +144,12 @@ def creep(draw):
 
 
 def reversal(draw):
-    """Edges without polarity do not tell the direction: the motion is given as if the spool turned on."""
+    """Edges without polarity do not tell the direction: the motion is given as if the spool turned on. In which part
+    of a sector it turned back leaves no trace."""
     t, at, hard = draw.times, draw.between(0.45, 0.55) * draw.duration, draw.between(*STOPPING)
     found = draw.record("reversal", ramp(t, at, at + 2.0 * draw.pace / hard, draw.pace, -draw.pace))
     found.angles = found.angles[0] + np.concatenate([[0.0], np.cumsum(np.abs(np.diff(found.angles)))])
-    found.speeds = np.abs(found.speeds)
+    found.speeds, found.breaks = np.abs(found.speeds), (at + draw.pace / hard,)
     return found
 
 
@@ -188,7 +191,9 @@ def double(draw):
 def dropout(draw):
     begin, lasts = draw.between(0.35, 0.5) * draw.duration, draw.between(0.05, 0.25) * draw.duration
     speed = draw.pace * (1.0 + draw.between(0.0, 0.02) * np.sin(TURN * 3.0 * draw.times / draw.duration))
-    return draw.record("dropout", speed, lambda edges: edges[(edges < begin) | (edges > begin + lasts)])
+    found = draw.record("dropout", speed, lambda edges: edges[(edges < begin) | (edges > begin + lasts)])
+    found.breaks = (begin + lasts,)  # whole turns may be lost, as the finding says
+    return found
 
 
 def drift(draw):
@@ -230,15 +235,16 @@ class Score:
 
 
 def score(record, rows):
-    """Errors of `rows` (time, piece, angle, speed and their deviations) after the first two turns; of each piece the
-    median of the angle's error is taken off, for a wheel without an index has no zero."""
+    """Errors of `rows` (time, piece, angle, speed and their deviations) after the first two turns; of each piece, and
+    of each side of a break, the median of the angle's error is taken off, for a wheel without an index has no zero."""
     t = rows["time"]
     begin = record.edges[min(2 * record.sectors, record.edges.size - 1)]
     used = np.isfinite(rows["speed"]) & (t > begin) & (t < record.edges[-1])
     true_speed, true_angle = (np.interp(t, record.times, each) for each in (record.speeds, record.angles))
     speed, angle = rows["speed"] - true_speed, rows["angle"] - true_angle
-    for piece in np.unique(rows["piece"][used]):
-        own = used & (rows["piece"] == piece)
+    parts = rows["piece"] * (1 + len(record.breaks)) + np.searchsorted(record.breaks, t)
+    for part in np.unique(parts[used]):
+        own = used & (parts == part)
         angle[own] -= np.median(angle[own])
     speed_z = speed[used] / rows["speed_deviation"][used]
     angle_z = angle[used] / rows["angle_deviation"][used]

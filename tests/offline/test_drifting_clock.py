@@ -60,7 +60,6 @@ def test_a_drifting_clock_costs_no_angle_and_its_own_share_of_the_speed(estimate
     assert np.mean(told) == pytest.approx(mean, rel=2e-5)
     # As read it is 3e-4 of itself too low at the middle, a quarter of a stated deviation: no estimate can see that.
     assert np.mean(told) / SPEED - 1.0 == pytest.approx(-(FAST + DRIFT * 0.5 * UNTIL), abs=4e-5)
-    assert np.min(stated) > SPEED * (FAST + DRIFT * UNTIL)
 
 
 def test_two_clocks_of_one_log_are_each_believed(tmp_path):

@@ -11,13 +11,33 @@ pytestmark = pytest.mark.heavy
 RECORDS = 600
 SHORT = [[kind + len(CLASSES) * turn for turn in (0, 9, 18, 27)] for kind in range(len(CLASSES))]
 """60 of them, four of each class."""
+TABLED = 150
+"""The first so many make the table of the page, ten of each class."""
 COVERED = 0.9
 """Least share of rows within two deviations."""
-CONFIDENT = {"stop": 0.02, "missed": 0.1}
-"""Largest share of rows beyond four deviations and 30 % of the speed, 0.01 of other classes: between two edges nothing
-tells of the first milliseconds of a stop, and where many edges are missed a multiple of the sector passes for it."""
-SQUARES = {"stop": 100.0}
-"""Largest mean square of errors of the speed over the stated variance, 3 of other classes, for the same reason."""
+SQUARES = (0.3, 3.0)
+"""Bounds of the mean square of errors over the stated variance."""
+EVENTS = {"step": 1, "start": 1, "stop": 2, "creep": 1, "reversal": 1}
+"""How often the speed of a record of a class changes within a sector: its course there cannot be seen from the edges at
+both ends, so the rows of one sector may be off by more than four deviations and 30 % of the speed. None else may."""
+LOOKS_HALF = (0.4 * 0.6) ** 4 * 3.0
+"""Of records with 40 % missed edges, the share of eight sectors in a row of which every other one shows, as of a wheel
+of half the sectors; the filter needs some three such stretches to tell."""
+CAUTIOUS = {
+    "uneven": "a ripple may be hidden in the offsets, and none is",
+    "walk": "the settings in use are taken as they are where they are only off a little",
+    "swing": "the same",
+    "step": "the fit takes the step for noise",
+    "stop": "the fit takes the stop for noise",
+    "creep": "the fit takes the halt for noise",
+    "reversal": "the fit takes the turn for noise",
+    "start": "the fit takes the start for noise",
+    "ripple": "orders that fit alike are reckoned with",
+    "ripple, uneven": "the same",
+    "missed": "the count may be wrong, and mostly is not",
+    "dropout": "whether the sensor is lost cannot be known",
+}
+"""Classes that may state more than they are off, with the reason."""
 NAMES = {
     "uneven": "uneven sectors",
     "stop": "stop and start",
@@ -29,13 +49,12 @@ NAMES = {
     "drift": "clock that drifts by 0.2 %",
 }
 """Of classes that the page of logs calls otherwise."""
-COUNT_IN_DOUBT = {"missed"}
-"""With many edges missed some turns are lost: the angle is not compared."""
 
 
 def scores(estimated, numbers, fits):
-    """Of a class: its name, and the scores of its records, with fitted settings or without."""
-    names, found = set(), []
+    """Of a class: its name, the scores of its records, with fitted settings or without, and the shares of each that may
+    be far off."""
+    names, found, far = set(), [], []
     for number, fit in zip(numbers, fits, strict=True):
         record = record_of(number)
         rate = min(1000.0, 4000.0 / record.times[-1])
@@ -44,21 +63,21 @@ def scores(estimated, numbers, fits):
         columns = ("time", "piece", "angle", "speed", "angle_deviation", "speed_deviation")
         found.append(score(record, {name: kept.column(name) for name in columns}))
         names.add(record.name)
+        far.append(EVENTS.get(record.name, 0) / record.edges.size + LOOKS_HALF * (record.name == "missed"))
     (name,) = names
-    return name, found
+    return name, found, far
 
 
 def mean(found, name):
     return float(np.mean([getattr(each, name) for each in found]))
 
 
-def check(name, found):
-    assert mean(found, "speed_covered") > COVERED
-    assert mean(found, "speed_nees") < SQUARES.get(name, 3.0)
-    assert max(each.confident for each in found) < CONFIDENT.get(name, 0.01)
-    if name not in COUNT_IN_DOUBT:
-        assert mean(found, "angle_covered") > COVERED
-        assert mean(found, "angle_nees") < 3.0
+def check(name, found, far):
+    least = 0.0 if name in CAUTIOUS else SQUARES[0]
+    for quantity in ("speed", "angle"):
+        assert mean(found, f"{quantity}_covered") > COVERED, quantity
+        assert least < mean(found, f"{quantity}_nees") < SQUARES[1], quantity
+    assert all(each.confident <= most for each, most in zip(found, far, strict=True))
 
 
 @pytest.mark.parametrize("numbers", SHORT, ids=[kind.__name__ for kind in CLASSES])
@@ -76,9 +95,10 @@ def test_stated_deviations_cover_the_errors_of_600_records(estimated, kind, fit)
 
 
 def table_row(name, default, fitted):
-    """A class in the table of docs/logs.md: coverage of speed and angle, and squares of the speed, both ways."""
+    """A class in the table of docs/logs.md: coverage of speed and angle, and squares of both, both ways."""
     cells = (
-        f"{mean(each, 'speed_covered'):.2f}/{mean(each, 'angle_covered'):.2f}; {mean(each, 'speed_nees'):.2g}"
+        f"{mean(each, 'speed_covered'):.2f}/{mean(each, 'angle_covered'):.2f}; "
+        f"{mean(each, 'speed_nees'):.2g}/{mean(each, 'angle_nees'):.2g}"
         for each in (default, fitted)
     )
     return f"| {name} | {' | '.join(cells)} |"
@@ -86,8 +106,9 @@ def table_row(name, default, fitted):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("place", range(len(CLASSES)), ids=[kind.__name__ for kind in CLASSES])
-def test_the_table_of_the_page_is_what_four_records_of_each_class_come_to(estimated, place):
+def test_the_table_of_the_page_is_what_ten_records_of_each_class_come_to(estimated, place):
     page = (Path(__file__).parents[2] / "docs" / "logs.md").read_text("utf-8")
-    name, default = scores(estimated, SHORT[place], [False] * 4)
-    _, fitted = scores(estimated, SHORT[place], [True] * 4)
+    numbers = range(place, TABLED, len(CLASSES))
+    name, default, _ = scores(estimated, numbers, [False] * len(numbers))
+    _, fitted, _ = scores(estimated, numbers, [True] * len(numbers))
     assert table_row(NAMES.get(name, name), default, fitted) in page

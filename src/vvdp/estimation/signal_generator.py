@@ -20,7 +20,8 @@ from vvdp.estimation.noise_basis import TURN
 SAME = 1e-4
 """Share by which the turn of a spool may differ from the period that a generator is made for [1]; assumed.
 
-A generator of 20 states remembers some 20 turns: the pollution is then where it was within 0.01 rad."""
+A generator of 20 states remembers some 20 turns: the pollution is then where it was within 0.01 rad. At 2e-2
+the error is 25 times the stated one (230 um, 9.3 um): up to 8e-4 it is smaller than that, at 1e-4 an eighth of it."""
 
 
 class GeneratorDesign(Params):

@@ -29,7 +29,8 @@ DROPOUTS = 0.01
 """Losses of the sensor, for however long, for each stop of the wheel [1]; assumed."""
 
 REGULAR = 0.02
-"""Share of missed or ignored edges up to which a late edge hides no other [1]; assumed."""
+"""Share of missed or ignored edges up to which a late edge hides no other [1]: a single one of late makes 1/64 of it,
+two make 2/64 (`REMEMBERED`), and any value between has the same effect; derived."""
 
 UNLIKELY = 0.05
 """Probability below which the wheel is not taken to have turned back [1]; assumed."""

@@ -7,17 +7,23 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
+from vvdp.estimation.event_settings import EventFilter, event_filter
 from vvdp.offline.alignment import VAGUE, usual_steps
 from vvdp.offline.config import Estimation, Stamps, Wave
 from vvdp.offline.edges import Edges, no_edges
 from vvdp.offline.hypotheses import LOOKED_AT, TURNS, Verdict, judge
 from vvdp.offline.noise_fit import time_resolution
-from vvdp.sensing.wheel import CodeWheel
+from vvdp.sensing.wheel import TURN, CodeWheel
 
 STRETCHES = 3
 """Of so many stretches of the length that is looked at, the steadiest is taken."""
 FINE = 1e-3
 """Ticks below this share of the time between edges do not matter."""
+PACE = 155.0
+"""Speed of the spool to which the usual settings of the filter belong [rad/s]: wang2017, section 3.5."""
+SLOW, STILL = 4.0, 1e6
+"""From so many times slower on, the usual settings are brought to the pace of the log, and no spool is slower than the
+second; assumed."""
 FEWEST = 3
 """Edges of which times say anything."""
 
@@ -29,6 +35,8 @@ class Beginning(NamedTuple):
     verdict: Verdict
     tick: float
     blur: float
+    period: float = 0.0
+    """The usual time of a sector [s], 0 where it is not known."""
 
 
 def edges_looked_at(wheel: CodeWheel) -> int:
@@ -45,7 +53,31 @@ def beginning(clocks: Sequence[Edges], wanted: Estimation) -> Beginning:
     tick = clock_tick(edges.times, float(np.median(usual))) if isinstance(wanted.source, Stamps) else 0.0
     seen = edges._replace(intervals=np.fmax(edges.intervals, tick))
     blur = float(np.median(seen.intervals[1:] / usual))
-    return Beginning(judge(seen if blur < VAGUE else no_edges(), wanted.wheel), tick, blur if blur > VAGUE else 0.0)
+    verdict = judge(seen if blur < VAGUE else no_edges(), wanted.wheel)
+    return Beginning(verdict, tick, blur if blur > VAGUE else 0.0, float(np.median(usual)))
+
+
+def at_pace(settings: EventFilter, period: float) -> EventFilter:
+    """The settings for a wheel whose sector takes `period` [s]; those that are not as usual stay as they are.
+
+    What is usual belongs to a spool at `PACE`. For one that is slower the unit of time is longer; but drive and
+    friction are as strong, so within a sector the speed may change by as much as itself.
+    """
+    usual, pitch = event_filter(settings.wheel), TURN / len(settings.wheel.edges)
+    if not SLOW * pitch < period * PACE < STILL * pitch:
+        return settings
+    pace = pitch / period
+    slower = PACE / pace
+    brought = {
+        "acceleration_density": usual.acceleration_density / slower**3,
+        "manoeuvre_density": min(usual.manoeuvre_density, pace * pace / period),
+        "speed_variance": usual.speed_variance / slower**2,
+        "association_speed_deviation": usual.association_speed_deviation / slower,
+        "lowest_speed": usual.lowest_speed / slower,
+        "stop_rate": usual.stop_rate / slower,
+    }
+    kept = {name: value for name, value in brought.items() if getattr(settings, name) == getattr(usual, name)}
+    return replace(settings, **kept)  # type: ignore[arg-type]
 
 
 def clock_tick(times: Array, usual: float) -> float:

@@ -52,10 +52,11 @@ def longest_bridged(usual: Array, steps: Array, settings: EventFilter) -> Array:
 
 
 def usual_before(steps: Array) -> Array:
-    """The usual time between edges at each: the median of those before it, or of the first ones of the piece."""
+    """The usual time between edges at each [s]: the second longest of those before it, or of the first ones of the
+    piece. Where edges are missed now and then a silence is as long as several sectors take."""
     if not steps.size:
         return steps
     size = min(RECENT, steps.size)
-    medians = rank_filter(steps, size, (size - 1) // 2)
-    found: Array = medians[np.fmax(np.arange(steps.size) - size, 0)]
+    long = rank_filter(steps, size, max(size - 2, 0))
+    found: Array = long[np.fmax(np.arange(steps.size) - size, 0)]
     return found

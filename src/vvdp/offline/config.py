@@ -359,9 +359,12 @@ def _wheel(given: _Given) -> CodeWheel | None:
 
 
 def _filter(given: _Given, wheel: CodeWheel | None) -> EventFilter | None:
-    changes = given.pick("filter", FILTER_KINDS)
+    wheel_or_usual = wheel or equal_wheel(DEFAULT_SECTORS)
+    usual = event_filter(wheel_or_usual)
+    finer = DEFAULT_SECTORS / len(wheel_or_usual.edges)  # edges scatter by a share of their sector
+    changes = {"edge_variance": usual.edge_variance * finer * finer} | given.pick("filter", FILTER_KINDS)
     try:
-        chosen = dataclasses.replace(event_filter(wheel or equal_wheel(DEFAULT_SECTORS)), **changes)
+        chosen = dataclasses.replace(usual, **changes)
     except ParameterError as problem:
         given.fault("filter", str(problem))
         return None

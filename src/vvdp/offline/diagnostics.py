@@ -21,6 +21,8 @@ SHARE_OF_SECTOR = 0.02
 FEW = 8
 """Edges seen at a place of the wheel below which nothing is said of it."""
 SHARE_MISSED = 0.1
+MISCOUNTED = 0.5
+"""Edges; below, the count of most is right."""
 SHARE_FAR = 5e-3
 """Of all edges. With more missed, and more beyond four deviations of the likeliest settings, numbers are in doubt."""
 
@@ -121,8 +123,9 @@ _FITTED = (
 
 
 def numbers_in_doubt(told: Explained, sums: Sums, wanted: Estimation) -> bool:
-    """Whether edges have wrong numbers: the index was not found, or many were missed and others lie far off."""
-    if has_index(sums, wanted) and not index_found(sums, wanted):
+    """Whether edges have wrong numbers: the index was not found, or many were missed and others lie far off or are
+    counted wrongly by the times."""
+    if (has_index(sums, wanted) and not index_found(sums, wanted)) or sums.doubt.miscounted > MISCOUNTED:
         return True
     return sums.tally.missed > SHARE_MISSED * (sums.tally.edges + sums.tally.missed) and told.outliers > SHARE_FAR
 

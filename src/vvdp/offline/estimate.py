@@ -20,13 +20,14 @@ from vvdp.base.errors import ConfigError, Fault, unusable
 from vvdp.base.files import write_whole
 from vvdp.logs.channel import Log
 from vvdp.logs.source import open_log
-from vvdp.offline.beginning import Beginning, apply_verdict, beginning, edges_looked_at
+from vvdp.offline.beginning import Beginning, apply_verdict, at_pace, beginning, edges_looked_at
 from vvdp.offline.config import Estimation, Stamps, Wave, source_channels
 from vvdp.offline.config_text import config_text
-from vvdp.offline.diagnostics import numbers_in_doubt, settings_of, summary
+from vvdp.offline.diagnostics import SHARE_MISSED, numbers_in_doubt, settings_of, summary
 from vvdp.offline.estimate_result import SMOOTHED, Store
 from vvdp.offline.facts import ripple_words
 from vvdp.offline.findings import explain_no_result, findings
+from vvdp.offline.hindsight import count_deviation, look_back
 from vvdp.offline.interrupt import catch_interrupt
 from vvdp.offline.lost_sensor import settle_silences, silences
 from vvdp.offline.noise_fit import Explained, fit_noise, fitted_filter
@@ -34,10 +35,11 @@ from vvdp.offline.passed_edges import longest_pieces
 from vvdp.offline.passes import FilteringPass, GatheringPass, pascals
 from vvdp.offline.result import Outcome, estimate_result
 from vvdp.offline.second_pass import SecondPass
-from vvdp.offline.speed_doubt import NO_DOUBT, add_doubt, doubt_of
-from vvdp.offline.sums import RowSums, Sums, edge_sums, row_sums
+from vvdp.offline.speed_doubt import Doubt, add_doubt, doubt_of
+from vvdp.offline.sums import RowSums, Sums, Tally, edge_sums, row_sums
 from vvdp.results.result import Result
 from vvdp.results.store import write_result
+from vvdp.sensing.wheel import TURN
 from vvdp.simulation.link import quiet
 
 CONFIG = "estimate.toml"
@@ -148,10 +150,12 @@ def _settle(run: FilteringPass, rows: RowSums) -> Sums:
     lost = silences(file, rows.standstills, tally.sectors, wanted.largest_deceleration)
     settle_silences(file, lost, wanted.sections, tally.sectors)
     told = _explain(run.store, wanted)
-    doubt = doubt_of(told, wanted.filter.ripple_order)
+    pitch, doubt = TURN / tally.sectors, _doubt(file, told, wanted, tally)
     add_doubt(file, doubt)
-    if lost or doubt != NO_DOUBT:
-        rows = row_sums(file, tally.rate)
+    ripple = wanted.filter.ripple_variance if wanted.filter.ripple_order > 0.0 else 0.0
+    scatter = told.advised.edge_variance - wanted.filter.edge_variance if told is not None else 0.0
+    look_back(file, ripple, scatter, pitch)
+    rows = row_sums(file, tally.rate)
     return Sums(
         tally=tally,
         rows=rows,
@@ -160,6 +164,13 @@ def _settle(run: FilteringPass, rows: RowSums) -> Sums:
         doubt=doubt,
         silences=lost,
     )
+
+
+def _doubt(file: Any, told: Explained | None, wanted: Estimation, tally: Tally) -> Doubt:
+    """What the rows leave out: of the speed, and where many edges are missed, of their count."""
+    doubt = doubt_of(told, wanted.filter.ripple_order)
+    many = tally.missed > SHARE_MISSED * (tally.edges + tally.missed)
+    return doubt.with_count(count_deviation(file), TURN / tally.sectors) if many else doubt
 
 
 def _report_skipped(run: FilteringPass) -> None:
@@ -234,7 +245,8 @@ def _look_at_beginning(log: Log, wanted: Estimation) -> tuple[Beginning, Estimat
     if run.tally.interruptions:
         raise KeyboardInterrupt
     found = beginning(run.found, wanted)
-    return found, apply_verdict(wanted, found.verdict)
+    wanted = apply_verdict(wanted, found.verdict)
+    return found, replace(wanted, filter=at_pace(wanted.filter, found.period))
 
 
 def _fit_settings(log: Log, wanted: Estimation, beginning: Beginning, say: Callable[[str], None]) -> Estimation:
@@ -248,7 +260,8 @@ def _fit_settings(log: Log, wanted: Estimation, beginning: Beginning, say: Calla
             raise KeyboardInterrupt
         store.flush()
         told = _explain(store, wanted)
-        sums = Sums(run.tally, RowSums(), edge_sums(store.file, run.tally.sectors), told)
+        doubt = _doubt(store.file, told, wanted, run.tally)
+        sums = Sums(run.tally, RowSums(), edge_sums(store.file, run.tally.sectors), told, doubt)
     if told is None or numbers_in_doubt(told, sums, wanted):
         why = "the log is too short" if told is None else "which edge is which is in doubt, too much"
         log.remark(f"{why} for a fit of the filter's settings; they were left as they were")

@@ -13,7 +13,14 @@ from vvdp.logs.clock import is_time_name
 from vvdp.offline.bridging import LONGEST_BRIDGED, bridged_time
 from vvdp.offline.config import Estimation, Stamps, Wave
 from vvdp.offline.cutting import FEWEST_EDGES
-from vvdp.offline.diagnostics import beside_alternation, in_step, suggested_level, threshold_is_off, worst_edge
+from vvdp.offline.diagnostics import (
+    MISCOUNTED,
+    beside_alternation,
+    in_step,
+    suggested_level,
+    threshold_is_off,
+    worst_edge,
+)
 from vvdp.offline.edges import GAP, JUMPING, MOST_AT_ONCE, CountEdges, WaveEdges
 from vvdp.offline.guess import channels_of_edges
 from vvdp.offline.hypotheses import Sectors
@@ -168,6 +175,7 @@ def record_facts(found: Mapping[str, Any], sums: Sums, wanted: Estimation) -> di
         "gap": GAP,
         "started_anew": Amount(tally.pieces if anew else 0),
         "bridge": bridged_time(TURN / tally.sectors / pace, wanted.filter) if anew and pace > 0.0 else np.nan,
+        "miscounted": sums.doubt.miscounted if sums.doubt.miscounted > MISCOUNTED else 0.0,
         "missed_percent": 100.0 * tally.missed / passed if passed else np.nan,
         "pressure_record": _list_words(complaints, "; ", "{} more"),
     }

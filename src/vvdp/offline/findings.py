@@ -123,6 +123,10 @@ RECORD = (
     Rule("missed", "Missed edges",
         "{missed:edges} did not show, {missed_percent:.2g} % of all.",
         "The filter passes over them. Look at the threshold, the sample rate, and the wheel for dirt."),
+    Rule("miscounted", "Edges may be counted wrongly",
+        "By the times between edges the count is off by {miscounted:.2g} edges, root mean square; the standard "
+        "deviation of the angle has it.",
+        "Look at the sensor: many edges do not show."),
     Rule("few_samples", "Few samples",
         "There are {per_sector:.2g} samples for each sector at the mean speed.",
         "Sample faster: {few_samples}"),

@@ -1,0 +1,85 @@
+"""Rows that later edges contradict, and edges that are counted wrongly."""
+
+import h5py
+import numpy as np
+import pytest
+
+from vvdp.offline.hindsight import contradictions, count_deviation, look_back
+
+TURN = 2.0 * np.pi
+PITCH, SPEED = TURN / 8, 157.0
+
+
+def rows_at(times, speed=SPEED, deviation=0.2):
+    size = len(times)
+    columns = {"speed": speed, "standstill": 0.0, "speed_deviation": deviation, "angle_deviation": 0.01}
+    return {"time": np.asarray(times, float)} | {name: np.full(size, value) for name, value in columns.items()}
+
+
+def edges_at(times, variance=1e-6):
+    times = np.asarray(times, float)
+    return np.array([times, PITCH * np.arange(times.size), np.full(times.size, variance)])
+
+
+def test_a_late_edge_by_hand():
+    """A sector in 20 ms is pi/4/0.02 = 39.3 rad/s: 117.7 less than the row has; after 10 ms that is 1.18 rad."""
+    edges = edges_at([0.0, 0.005, 0.025, 0.045, 0.065, 0.085])
+    more = contradictions(rows_at([0.004, 0.015]), edges, 0.0)
+    assert np.sqrt(more["speed_deviation"][1]) == pytest.approx(SPEED - PITCH / 0.02, rel=1e-6)
+    assert np.sqrt(more["angle_deviation"][1]) == pytest.approx(0.01 * (SPEED - PITCH / 0.02), rel=1e-6)
+    # the row before belongs to a sector of 157 rad/s; the fourth edge from there lies 65 ms ahead
+    assert np.sqrt(more["speed_deviation"][0]) == pytest.approx(SPEED - 4 * PITCH / 0.065, rel=1e-6)
+
+
+def test_what_agrees_with_the_edges_is_left():
+    """An even speed, jitter within three deviations, a row at a standstill, and rows outside of the edges."""
+    even = edges_at(np.arange(20) * PITCH / SPEED, variance=1e-4)
+    even[0] += np.random.default_rng(3).normal(0.0, 5e-3 / SPEED, 20)  # so it takes six of its deviations
+    inside = rows_at(np.linspace(even[0, 0], even[0, -1] - 1e-6, 50))
+    assert not np.any(contradictions(inside, even, 0.0)["speed_deviation"])
+    stopped = rows_at([0.015]) | {"standstill": np.array([0.9])}
+    late = edges_at([0.0, 0.005, 0.025, 0.045])
+    assert not np.any(contradictions(stopped, late, 0.0)["speed_deviation"])
+    assert not np.any(contradictions(rows_at([-0.01, 0.5]), late, 0.0)["speed_deviation"])
+
+
+def test_a_ripple_that_the_filter_knows_is_no_contradiction():
+    """A row 5 rad/s above the mean of its turn: one of a filter that knows of 3.5 % says nothing new."""
+    even = edges_at(np.arange(20) * PITCH / SPEED)
+    fast = rows_at([0.02], speed=SPEED + 5.0)
+    assert contradictions(fast, even, 0.0)["speed_deviation"][0] == pytest.approx(25.0, rel=1e-2)
+    assert contradictions(fast, even, 0.5 * 0.035**2)["speed_deviation"][0] == 0.0
+
+
+def kept_file(path, times, numbers, rows):
+    with h5py.File(path, "w") as file:
+        ones = np.ones(len(times))
+        columns = {"time": times, "number": numbers, "angle": PITCH * np.asarray(numbers), "variance": 1e-6 * ones}
+        for name, values in (columns | {"piece": ones}).items():
+            file[f"edges/{name}"] = values
+        for name, values in (rows | {"piece": np.ones(rows["time"].size)}).items():
+            file[name] = values
+    return path
+
+
+def test_a_piece_that_ends_at_a_standstill_has_an_edge_more(tmp_path):
+    """The last rows after the last edge had 157 rad/s, and the spool stands 0.2 s later: half a sector in that time."""
+    times = np.arange(10) * PITCH / SPEED
+    rows = rows_at(times[-1] + np.array([0.002, 0.2]))
+    rows["standstill"] = np.array([0.0, 0.99])
+    with h5py.File(kept_file(tmp_path / "kept.h5", times, np.arange(10.0), rows), "r+") as file:
+        look_back(file, 0.0, 0.0, PITCH)
+        found = file["speed_deviation"][:]
+    assert found[0] == pytest.approx(SPEED - 0.5 * PITCH / 0.2, rel=5e-3)
+    assert found[1] == 0.2
+
+
+@pytest.mark.parametrize("lost", [0, 4])
+def test_edges_that_were_passed_over_are_counted_by_the_times(tmp_path, lost):
+    """Of 400 edges every third is missed; where the filter passed over `lost` in the middle, half the edges are off by
+    so many: about their mean, by half of it."""
+    shown = np.flatnonzero(np.arange(400) % 3 != 0)
+    numbers = shown - lost * (shown > 200).astype(float)
+    rows = rows_at([0.0])
+    with h5py.File(kept_file(tmp_path / "kept.h5", shown * PITCH / SPEED, numbers, rows)) as file:
+        assert count_deviation(file) == pytest.approx(0.5 * lost, rel=1e-2)
