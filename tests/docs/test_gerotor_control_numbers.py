@@ -85,7 +85,8 @@ def test_numbers_of_the_shipped_systems():
     assert f"{1e6 * found['spool_position_error_rms_m']:.0f} um rms against the reference" in WORDS
     assert f"{1e3 * found['spool_position_error_max_m']:.2f} mm at most" in WORDS
     assert f"a periodic sensor error of {1e3 * found['pollution_rms_m']:.2f} mm rms" in WORDS
-    assert f"stated standard deviation of `axial-gerotor`, {1e6 * found['spool_estimate_deviation_rms_m']:.0f} um" in WORDS
+    stated = f"stated standard deviation of `axial-gerotor`, {1e6 * found['spool_estimate_deviation_rms_m']:.0f} um"
+    assert stated in WORDS
     _, run = run_of(shipped_systems()["axial-gerotor"])
     back = np.flatnonzero((run.times > 5.0) & (run.times < 5.5))
     ahead = run.command.axial.position[back + 1] - run.state.gerotor.position[back]

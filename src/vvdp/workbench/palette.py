@@ -12,9 +12,9 @@ from vvdp.network.graph import NodeKind
 from vvdp.report.symbol_set import LONELY, entry, generic, picture
 from vvdp.report.symbol_set import NODES as NODE_SYMBOLS
 from vvdp.systems.drawing import NODES
+from vvdp.systems.library_pages import library_page
 from vvdp.systems.part_files import shipped_part, shipped_parts
 from vvdp.systems.part_offers import part_ports, part_values
-from vvdp.systems.library_pages import library_page
 
 OIL, SHAFT, ROD = "oil", "shaft", "rod"
 """What can be joined: a port to a node of the same word."""
@@ -67,9 +67,9 @@ def _parts() -> Iterator[dict[str, Any]]:
         yield {
             "table": "parts",
             "type": name,
-            "symbol": _picture(generic(name, {})),
+            "symbol": picture(generic(name, {})),
             "ports": part_ports(file),
-            "lines": [f"{key} = {_example(kind)}" for key, kind in needed],
+            "lines": [f'{key} = "{kind.example if kind else 0}"' for key, kind in needed],
         }
 
 
