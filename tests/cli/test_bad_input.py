@@ -212,7 +212,7 @@ def test_a_file_that_may_not_be_read(here, refused, monkeypatch):
     [
         ("inlet.volume", wording.files.expected_setting),
         ("=3 cc", wording.files.expected_setting),
-        ("inlet.volume=", wording.files.expected_setting),
+        ("inlet.volume=", wording.files.no_value),
         ("volume=3 cc", wording.files.expected_setting),
         ("duty_ratio=1.4", "duty_ratio=1.4: " + wording.files.expected_setting),
         ("duty_ratio=1.4", wording.files.did_you_mean.format(name="operation.duty_ratio=1.4")),

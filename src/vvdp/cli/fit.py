@@ -63,7 +63,7 @@ def fit(
     settings: Settings = None,
     output: Output,
 ) -> None:
-    """Fit the coefficients of an orifice or of a law of the rotary valve to a table of values.
+    """Fit an orifice or a law of the valve to measured data.
 
     Columns: orifice needs flow and pressure_drop; drop needs flow and pressure_drop, and takes diameter; jet needs
     opening and torque, and takes flow and port (closing or opening); leakage needs pressure_drop and leakage, and takes

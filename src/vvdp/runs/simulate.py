@@ -51,15 +51,15 @@ def recorded_run(
     system: System,
     done: Run,
     command: Sequence[str] = (),
-    summarise: Callable[[System, Run], Summary] = summary,
+    summarise: Callable[[System, Run], Summary] | None = None,
 ) -> RecordedRun:
     """A simulated run with its summary and origin. Raises KeyboardInterrupt where it was stopped before its first step.
 
-    `command` is what was typed. With `run_summary` in place of `summary`, `with_closed_forms` is still to be called.
+    `command` is what was typed. With `run_summary` to `summarise` it, `with_closed_forms` is still to be called.
     """
     if not done.end > done.stepping.begin:
         raise KeyboardInterrupt  # nothing to keep
-    found = summarise(system, done)
+    found = (summarise or summary)(system, done)
     balances = {key: found[key] for key in FLAGS if key in found}
     meta: dict[str, Any] = origin(done) | {
         "system": system.name,
