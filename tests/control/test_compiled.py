@@ -30,13 +30,18 @@ def draw():
 
 
 def test_laws_compile(draw, drive, passive, backstepping):
-    pairs = [(passivity_law, passive), (printed_passivity_law, passive), (backstepping_law, backstepping)]
-    for law, gains in pairs:
-        fast = compiled(law, *draw(), gains, drive)
+    learnt = 2e-6  # m^3, volume beside that of the drive
+    rows = [
+        (passivity_law, (passive, drive, learnt)),
+        (printed_passivity_law, (passive, drive)),
+        (backstepping_law, (backstepping, drive)),
+    ]
+    for law, settings in rows:
+        fast = compiled(law, *draw(), *settings)
         for _ in range(20):
             seen = draw()
-            plain = numbers(law(*seen, gains, drive))
-            assert numbers(fast(*seen, gains, drive)) == pytest.approx(plain, rel=1e-11, abs=1e-16)
+            plain = numbers(law(*seen, *settings))
+            assert numbers(fast(*seen, *settings)) == pytest.approx(plain, rel=1e-11, abs=1e-16)
 
 
 def test_everything_else_compiles(draw, drive, passive):
