@@ -192,7 +192,6 @@ ALLOWED = {
     "studies.run._results": ONE_PASS,
     "systems.bench.RotaryBench": FACADE,
     "systems.drawing.Drawer": DRAWN_FILE,
-    "systems.axial_benches.axial_gerotor": "one argument for each table of its system file",
     "systems.displacement.load_following.bleed_off_control": "one argument for each table of its system file",
     "systems.displacement.load_following.load_sensing": "one argument for each table of its system file",
     "systems.displacement.digital_supply.flow_control_unit": "one argument for each table of its system file",
