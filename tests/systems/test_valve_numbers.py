@@ -1,17 +1,21 @@
 """What rotary valves add to the numbers of circuits that a file draws."""
 
 import math
+import tomllib
 
 import numpy as np
 import pytest
 
+from vvdp.base.errors import ConfigError
 from vvdp.base.tables import Table
 from vvdp.simulation.run import simulate
+from vvdp.systems.part_files import shipped_parts
 from vvdp.systems.quantities import quantities
 from vvdp.systems.summary import summary
 from vvdp.systems.system import built_system, load_system
 from vvdp.systems.validity import bounds
 from vvdp.systems.valve_numbers import placed_valves
+from vvdp.systems.valve_unit import valve_unit
 from vvdp.valve.geometry import port_openings
 
 
@@ -56,6 +60,40 @@ def test_frequency_is_that_of_the_spool_and_losses_add_up_to_the_drops(half):
     assert {"unit_pwm_frequency_Hz", "unit_load_opening"} <= quantities(system).keys()
 
 
+def test_efficiency_is_what_reaches_the_load_of_what_the_shaft_takes(half):
+    """By the pressure source, which the losses inside of the unit do not know of."""
+    system, found = half
+    assert found["unit_efficiency"] == pytest.approx(-found["power_line_W"] / found["power_motor_W"], abs=1e-5)
+    assert 0.4 < found["unit_efficiency"] < 0.6
+    assert "unit_efficiency" in quantities(system)
+
+
+def test_two_pumps_on_one_shaft_have_no_efficiency_each():
+    """What one of them takes of the shaft is not known."""
+    system = load_system("two-cylinders", until="0.05 s")
+    assert not [key for key in numbers(system) if key.endswith("_efficiency")]
+
+
+def test_a_spool_that_a_motor_turns():
+    """20 rev/s, three sections: 60 Hz; what the turbine gives its motor comes off the power put in."""
+    part, circuit = tomllib.loads(shipped_parts()["pump-unit"]), dict(unit().table.content)
+    joined = {"load": "line", "shaft": "motor"}
+    components = {
+        name: {key: joined.get(value, value) if isinstance(value, str) else value for key, value in entry.items()}
+        for name, entry in part["components"].items()
+    }
+    spool = {"type": "driven-shaft", "speed": "20 rev/s"}
+    circuit |= {
+        "nodes": circuit["nodes"] | {"inlet": part["nodes"]["inlet"], "spool": spool},
+        "components": components,
+    }
+    del circuit["parts"]
+    found = numbers(built_system(Table("flat", circuit, {}), "flat"))
+    assert found["valve_pwm_frequency_Hz"] == pytest.approx(60.0, rel=1e-9)
+    put_in = found["power_motor_W"] + found["power_spool_W"]
+    assert found["valve_efficiency"] == pytest.approx(-found["power_line_W"] / put_in, abs=1e-5)
+
+
 def test_the_load_port_is_open_as_its_geometry_says(half):
     """Mean over a turn of the spool at 10 mm; over time a little else, as the spool is not evenly fast."""
     system, found = half
@@ -75,3 +113,29 @@ def test_the_laws_of_the_valve_have_their_bounds_by_the_name_of_the_part(half):
 def test_a_system_that_tells_its_own_numbers_tells_them_once():
     system = load_system("prototype-constant-load", until="0.1 s")
     assert "valve_pwm_frequency_Hz" not in numbers(system)
+
+
+def test_the_unit_is_found_in_the_network(half):
+    """Its own values, pump and relief valve: 1800 rpm, 10 of 20 mm, 70 bar at the load, as the file has them."""
+    found = valve_unit(half[0], "valve")
+    assert found.nominal_flow == pytest.approx(22.8e-6 * 30.0, rel=1e-9)
+    assert (found.duty_ratio, found.inlet_volume) == pytest.approx((0.5, 12.7e-6))
+    assert found.load_pressure == pytest.approx(70e5 + 101325.0)
+    assert found.relief_valve.cracking_pressure == pytest.approx(120e5 + 101325.0)
+    assert not found.makes_pressure and not found.is_softened
+
+
+@pytest.mark.parametrize("name", ["prototype", "prototype-constant-load", "vvdp-duty-control"])
+def test_the_network_has_what_the_tables_say(name):
+    system = load_system(name)
+    assert valve_unit(system, "valve") == system.extras.unit
+
+
+def test_of_several_one_is_asked_for():
+    system = load_system("two-cylinders")
+    assert valve_unit(system, "valve", "swing_unit").duty_ratio == pytest.approx(0.3)
+    assert valve_unit(system, "valve", "lift_unit").duty_ratio == pytest.approx(0.5)
+    with pytest.raises(ConfigError, match="give --part, one of lift_unit, swing_unit"):
+        valve_unit(system, "valve")
+    with pytest.raises(ConfigError, match="did you mean 'lift_unit'"):
+        valve_unit(system, "valve", "lift_unt")
