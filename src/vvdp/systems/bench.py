@@ -1,6 +1,6 @@
 """What a test bench of the rotary valve brings along beyond other systems, and what verbs about it ask for."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -14,8 +14,11 @@ from vvdp.hydraulics.pump import Pump, pump_friction_power
 from vvdp.hydraulics.relief_valve import ReliefValve
 from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
+from vvdp.results.chart import Chart
+from vvdp.results.result import Table
 from vvdp.simulation.model import Case
 from vvdp.simulation.outcome import Outcome
+from vvdp.simulation.record import Record
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves
 from vvdp.systems.bench_overview import ANALYTIC, OVERVIEW, OVERVIEW_NOTE, QUANTITIES
@@ -25,7 +28,9 @@ from vvdp.systems.bench_values import BenchValues
 from vvdp.systems.bound import Bound
 from vvdp.systems.extras import Extras, Summary
 from vvdp.systems.port_cavitation import lowest_cavitation_number
+from vvdp.systems.program_reports import reported_programs
 from vvdp.systems.spool_estimate import estimate_lines, estimate_numbers, estimate_quantities
+from vvdp.systems.spool_travel import spool_source
 from vvdp.systems.system import System
 from vvdp.systems.valve_unit import ValveUnit
 from vvdp.valve.losses import full_open_loss, range_warnings
@@ -91,9 +96,12 @@ class RotaryBench(Extras):
         self.operation: DutyOperation | AxialOperation = given["operation"]
         self.load: OrificeLoad | PressureLoad = given["load"]
         self.load_line: Vessel | None = given.get("load_line")
+        self.programs = reported_programs(system, system.stepping.sample_period) or Extras(system)
         if self.is_watched:
             self.QUANTITIES = QUANTITIES | estimate_quantities(self.averaging_angle)
             self.OVERVIEW = (*OVERVIEW, *estimate_lines(self.averaging_angle))
+        self.QUANTITIES = {**self.QUANTITIES, **self.programs.QUANTITIES}
+        self.OVERVIEW = (*self.OVERVIEW, *self.programs.OVERVIEW)
 
     @property
     def makes_pressure(self) -> bool:
@@ -176,8 +184,8 @@ class RotaryBench(Extras):
 
     @property
     def is_watched(self) -> bool:
-        """Whether an encoder watches the spool."""
-        return "encoder" in self.tables
+        """Whether an encoder of its own watches the spool, not that of a control."""
+        return "encoder" in self.system.circuit.network.programs and "encoder" in self.tables
 
     @property
     def averaging_angle(self) -> float:
@@ -238,7 +246,14 @@ class RotaryBench(Extras):
         """The same bench with all that is prescribed held at its first value, the axial position as a duty ratio.
 
         The pump does not pulsate and nothing watches the spool: only what repeats itself with the valve is left.
+        Raises ConfigError where a control holds the duty ratio.
         """
+        if isinstance(spool_source(self.system.circuit.network), str):
+            message = (
+                "its duty ratio is held by a control and cannot be prescribed at set points; take a bench without one, "
+                "such as prototype"
+            )
+            raise ConfigError([Fault(self.system.name, 0, "", message)])
         tables = {name: _hold_table(table) for name, table in self.tables.items() if name not in WATCHING}
         operation = tables["operation"]
         tables["operation"] = DutyOperation(
@@ -332,7 +347,7 @@ class RotaryBench(Extras):
     def record_numbers(self, run: Run) -> Summary:
         """How good the estimate of a watched spool was; empty for a short run, or without an encoder."""
         if not self.is_watched:
-            return {}
+            return self.programs.record_numbers(run)
         estimate, sampled = run.command.encoder._asdict(), run.memory["encoder"].encoder._asdict()
         return estimate_numbers(run.times, estimate, sampled, self.averaging_angle)
 
@@ -391,7 +406,16 @@ class RotaryBench(Extras):
 
     def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
         """What is to be known before the numbers of a bench, in sentences."""
-        return bench_warnings(self.values, found, self.closed_form_limits(found))
+        yield from bench_warnings(self.values, found, self.closed_form_limits(found))
+        yield from self.programs.warnings(found)
+
+    def merits(self, found: Mapping[str, Any]) -> Iterator[str]:
+        """What the numbers of its programs show to be right."""
+        return self.programs.merits(found)
+
+    def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:
+        """The figures of its programs."""
+        return self.programs.charts(record)
 
 
 def rotary_bench(system: System, verb: str) -> RotaryBench:

@@ -23,7 +23,6 @@ from vvdp.systems.axial_records import ChamberDriveTables, GerotorControlTables,
 from vvdp.systems.axial_tables import InitialChamber, InitialPosition
 from vvdp.systems.bench_tables import DutyOperation, InitialBench
 from vvdp.systems.chamber_feedback import RawFeedback
-from vvdp.systems.duty_bench import DutyControl, GerotorDutyControl
 from vvdp.systems.gerotor_control import add_watched_gerotor
 from vvdp.systems.rotary_bench import OrificeBench, join_load, new_bench
 
@@ -59,7 +58,6 @@ def duty_control(tables: ChamberUnit) -> Network:
     """A pump unit with an orifice load; a chamber moves its spool against a spring, to the duty ratio that is asked."""
     length, drive, pilot = tables.valve.helix_length, tables.drive, tables.pilot
     net = new_bench(tables)
-    net.extras = DutyControl
     join_load(net, tables, replace(tables.joints, axial_position="slide.position"))
     control = AxialControl(
         sensor=tables.axial_sensor,
@@ -81,7 +79,6 @@ def duty_control_gerotor(tables: GerotorUnit) -> Network:
     """The same with a gerotor pump that moves the spool."""
     length = tables.valve.helix_length
     net = new_bench(tables)
-    net.extras = GerotorDutyControl
     join_load(net, tables, replace(tables.joints, axial_position="gerotor.position"))
     add_gerotor_drive(net, tables.gerotor, tables.characteristic, f"{PROGRAM}.drive", tables.initial.axial_position)
     wanted = map_signal(tables.operation.duty_ratio, lambda d: d * length)

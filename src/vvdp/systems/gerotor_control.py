@@ -24,6 +24,7 @@ from vvdp.programs.gerotor_loop import (
     watched_gerotor_start,
     watched_gerotor_step,
 )
+from vvdp.programs.loop_report import SpoolLoopReport
 from vvdp.programs.spool_encoder import WatchSettings
 
 
@@ -87,7 +88,14 @@ def add_watched_gerotor(
     """Add the program that controls a gerotor drive whose spool turns with the shaft `spool`, watched by an encoder."""
     observer = periodic_observer(tables.observer, drive, tables.helix_length)
     loop = GerotorLoop(observer=observer, **control_values(tables, drive))
-    kind = ProgramType(watched_gerotor_step, GerotorPlace, UNKNOWN, WatchedGerotor, watched_gerotor_start)
+    kind = ProgramType(
+        watched_gerotor_step,
+        GerotorPlace,
+        UNKNOWN,
+        WatchedGerotor,
+        watched_gerotor_start,
+        report=SpoolLoopReport,
+    )
     settings = WatchedGerotor(watch=watch, loop=loop)
     reads = {"time": "t", "angle": f"{spool}.angle", "speed": f"{spool}.speed", "position": "gerotor.position"}
     net.program(PROGRAM, kind, settings, reads=reads, period=loop.sample_period)
