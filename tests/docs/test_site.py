@@ -97,7 +97,7 @@ def test_a_broken_link_fails_the_build(tmp_path):
 
 
 def test_every_link_between_pages_leads_somewhere(site):
-    """Those that MkDocs does not see, too: out of docstrings and generated pages; two interactive pages are made here."""
+    """Those that MkDocs does not see, too: out of docstrings and generated pages; here two live pages are made."""
     import live_pages
 
     found = pages(site)
