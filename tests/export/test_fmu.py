@@ -14,11 +14,13 @@ from tests.export.fmi_host import ERROR, OK, Host
 from tests.generator.c_way import compilers
 
 from vvdp.base.errors import ConfigError
-from vvdp.export.fmu import compile_binary, fmu, require_kind
+from vvdp.export.fmu import fmu, require_kind
+from vvdp.export.fmu_binary import compile_binary
 from vvdp.export.fmu_model import FIXED, INPUT, TUNABLE, fmu_model
 from vvdp.export.fmu_sources import source_files
 from vvdp.export.fmu_units import display_name, unit_lines
 from vvdp.generator.binding import is_fused
+from vvdp.programs.foreign.platforms import this_platform
 from vvdp.simulation.run import simulate
 from vvdp.simulation.values import leaves
 from vvdp.systems.system import load_system, shipped_systems
@@ -324,7 +326,7 @@ def test_the_same_system_gives_the_same_file():
 
 def test_without_a_compiler_there_are_the_sources(monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda name: None)
-    monkeypatch.setattr("vvdp.export.fmu.has_zig", lambda: False)
+    monkeypatch.setattr("vvdp.export.fmu_binary.has_zig", lambda: False)
     bare = fmu(made("accumulator-charging", 3).model, 3)
     assert bare.compiler == ""
     assert not [name for name in bare.entries if name.startswith("binaries/")]
@@ -339,7 +341,9 @@ def test_the_sources_have_no_warning(fmi, monkeypatch):
     warnings = ("-Wall", "-Wextra", "-pedantic", "-Wshadow", "-Wconversion", "-Werror")
     for compiler in compilers():
         monkeypatch.setenv("CC", compiler)
-        used, binary = compile_binary(source_files(model, fmi, "{x}"), (*model.machine.flags, *warnings))
+        used, binary = compile_binary(
+            source_files(model, fmi, "{x}"), (*model.machine.flags, *warnings), this_platform()
+        )
         assert binary
         assert used in compiler
 

@@ -122,6 +122,14 @@ class Variables:
             "--output", metavar="PATH[=NAME]", help="Output of the FMU (repeatable; default: all that can be shown)."
         ),
     ] = None
+    platform: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--platform",
+            metavar="NAME",
+            help="Machine with a binary in the FMU, for example x86_64-windows (repeatable; default: this one).",
+        ),
+    ] = None
 
 
 @app.command("fmu", cls=Verb)
@@ -137,20 +145,25 @@ def write_fmu(
     """Export a system as an FMU for co-simulation, with its simulation loop.
 
     The file holds the sources in C99 and, if a C compiler or the package ziglang is found, the binary of this machine.
+    Binaries for other machines (`--platform`) need the extra `fmi-cross`.
     """
     from vvdp.base.errors import unusable
     from vvdp.base.files import write_whole
     from vvdp.cli.screen import print_json, tell
     from vvdp.export.fmu import fmu, require_kind
+    from vvdp.export.fmu_binary import platforms_named
     from vvdp.export.fmu_model import fmu_model
+    from vvdp.report.circuit import graph_of
+    from vvdp.report.diagram import diagram
     from vvdp.systems.system import load_system
 
     require_kind(chosen.kind)
+    platforms = platforms_named(chosen.platform or (), chosen.fmi)
     if out.exists() and not force:
         raise unusable(out, "exists already; --force replaces it")
-    made = fmu(
-        fmu_model(load_system(chosen.system, settings or ()), chosen.input or (), chosen.output or ()), chosen.fmi
-    )
+    system = load_system(chosen.system, settings or ())
+    drawn = diagram(graph_of(system.circuit.network, system.title))
+    made = fmu(fmu_model(system, chosen.input or (), chosen.output or ()), chosen.fmi, platforms, drawn)
     write_whole(out, made.content)
     facts = made.facts
     if json:
@@ -161,7 +174,7 @@ def write_fmu(
         f"{len(facts['free_parameters'])} free parameters, {len(facts['fixed_parameters'])} fixed values"
     )
     if made.compiler:
-        tell(f"{facts['bytes']} bytes, {facts['binary_bytes']} of them the binary by {made.compiler}")
+        tell(f"{facts['bytes']} bytes; binaries for {', '.join(facts['platforms'])} by {made.compiler}")
     else:
         tell("no C compiler was found: the FMU has sources only; install one, or the extra `fmi-cross`")
     tell(f"FMU: {out}")
