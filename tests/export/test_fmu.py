@@ -14,7 +14,7 @@ from tests.export.fmi_host import ERROR, OK, Host
 from tests.generator.c_way import compilers
 
 from vvdp.base.errors import ConfigError
-from vvdp.export.fmu import fmu, require_kind
+from vvdp.export.fmu import fmu
 from vvdp.export.fmu_binary import compile_binary
 from vvdp.export.fmu_model import FIXED, INPUT, TUNABLE, fmu_model
 from vvdp.export.fmu_sources import source_files
@@ -23,7 +23,7 @@ from vvdp.generator.binding import is_fused
 from vvdp.programs.foreign.platforms import this_platform
 from vvdp.simulation.run import simulate
 from vvdp.simulation.values import leaves
-from vvdp.systems.system import load_system, shipped_systems
+from vvdp.systems.system import load_system
 
 pytestmark = [
     pytest.mark.skipif(not is_fused(), reason="a run has other bits on a processor without fused operations"),
@@ -77,23 +77,6 @@ def test_states_have_the_bits_of_a_run(name, fmi, host):
             assert one.step(every * PERIOD) == OK, one.said
             rows.append(one.get(*paths))
         assert np.array(rows).tobytes() == run.states[::every, : len(paths)].tobytes()
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize(
-    ("name", "fmi"), [*((name, 3) for name in sorted(shipped_systems())), ("two-cylinders", 2), ("long-hose", 2)]
-)
-def test_every_system_ends_on_the_bits_of_its_run(name, fmi, host):
-    """A row may be interpolated a hair behind a jump; the end is not. Both versions have the same machine inside."""
-    system = load_system(name)
-    period = system.stepping.sample_period
-    until = 100 * period
-    run = simulate(system.model, system.case, replace(system.stepping, until=until, window=0.0, average_from=None))
-    one = host(name, fmi)
-    for _ in range(100):
-        assert one.step(period) == OK, one.said
-    paths = paths_of(system)
-    assert one.get(*paths).tobytes() == run.final[: len(paths)].tobytes()
 
 
 def test_commands_and_outputs_are_those_in_force(host):
@@ -305,12 +288,6 @@ def test_inputs_and_outputs_are_chosen_and_renamed():
     with pytest.raises(ConfigError, match="set it to a number first"):
         fmu_model(moving, ["load.area"])
     assert dict(fmu_model(moving).fixed)["load.area"] == "it is a course over time"
-
-
-@pytest.mark.parametrize("kind", ["me", "both", "xs"])
-def test_other_kinds_are_refused(kind):
-    with pytest.raises(ConfigError, match=r"model exchange cannot|expected cs"):
-        require_kind(kind)
 
 
 def test_the_same_system_gives_the_same_file():

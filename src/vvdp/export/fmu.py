@@ -12,14 +12,14 @@ from typing import Any
 from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.kinds import Kind
 from vvdp.export.fmu_binary import compile_binary
-from vvdp.export.fmu_description import build_description, description, fmu_name
+from vvdp.export.fmu_description import CS, ME, build_description, description, fmu_name
 from vvdp.export.fmu_model import FmuModel
 from vvdp.export.fmu_sources import TOKEN_SIZE, source_files
 from vvdp.export.fmu_units import unit_name
 from vvdp.programs.foreign.platforms import Platform, this_platform
 
-KINDS = ("cs",)
-"""What can be exported: co-simulation."""
+KINDS = {"cs": (CS,), "me": (ME,), "both": (ME, CS)}
+"""What can be exported: co-simulation with the loop of vvdp, model exchange for the integrator of a host, or both."""
 WHEN = (1980, 1, 1, 0, 0, 0)
 """The time of each entry: the same text gives the same file."""
 
@@ -30,6 +30,7 @@ class Fmu:
 
     model: FmuModel
     fmi: int
+    kind: str
     content: bytes
     entries: Mapping[str, bytes]
     compiler: str
@@ -43,11 +44,12 @@ class Fmu:
             "verb": "export fmu",
             "system": model.system.name,
             "fmi": self.fmi,
-            "kind": KINDS[0],
+            "kind": self.kind,
             "files": sorted(self.entries),
             "functions": len(machine.functions),
             "lines": sum(each.count(b"\n") for name, each in self.entries.items() if name.endswith(".c")),
             "states": machine.begun.state.size,
+            "event_indicators": sum(each.vector == "indicator" for each in model.inner),
             "memory_bytes": machine.size,
             "inputs": model.inputs,
             "outputs": [each.name for each in model.outputs],
@@ -62,26 +64,29 @@ class Fmu:
 
 
 def require_kind(kind: str) -> None:
-    """Raises ConfigError for kinds of FMU that are not built."""
+    """Raises ConfigError for a kind of FMU that does not exist."""
     if kind not in KINDS:
-        why = "only co-simulation (cs) can be exported so far; model exchange cannot"
-        raise ConfigError([Fault("--kind", 0, kind, why if kind in ("me", "both") else "unknown; expected cs")])
+        raise ConfigError([Fault("--kind", 0, kind, f"unknown; expected {', '.join(KINDS)}")])
 
 
-def fmu(model: FmuModel, fmi: int, platforms: Sequence[Platform] = (), diagram: str = "") -> Fmu:
+def fmu(
+    model: FmuModel, fmi: int, platforms: Sequence[Platform] = (), diagram: str = "", *, is_solved: bool = True
+) -> Fmu:
     """The FMU of a model for FMI 2 or 3, with a binary for each platform (this machine where none is given).
 
-    Its page shows the diagram, an SVG. Without a compiler it has sources only, and `compiler` is empty.
+    If the model is a guest, it is for model exchange, and for co-simulation as well where `is_solved`. Its page shows
+    the diagram, an SVG. Without a compiler it has sources only, and `compiler` is empty.
 
     Raises RunError where the compiler refuses.
     """
     if fmi not in (2, 3):
         raise ConfigError([Fault("--fmi", 0, str(fmi), "expected 2 or 3")])
     name, flags = fmu_name(model), model.machine.flags
+    kind = "cs" if not model.machine.is_guest else "both" if is_solved else "me"
     token = f"{{{_hash_of(model, fmi)}}}"
     sources = source_files(model, fmi, token)
     files = {
-        "modelDescription.xml": description(model, fmi, token, list(sources)),
+        "modelDescription.xml": description(model, fmi, token, list(sources), KINDS[kind]),
         "documentation/index.html": page(model, flags, diagram),
         "documentation/licenses/license.txt": LICENCES,
         **{f"sources/{each}": text for each, text in sources.items()},
@@ -95,7 +100,14 @@ def fmu(model: FmuModel, fmi: int, platforms: Sequence[Platform] = (), diagram: 
         if binary:
             entries[f"binaries/{each.folder(fmi)}/{name}{each.end}"] = binary
             compilers.append(compiler)
-    return Fmu(model, fmi, _zip_of(entries), entries, ", ".join(dict.fromkeys(compilers)))
+    return Fmu(
+        model=model,
+        fmi=fmi,
+        kind=kind,
+        content=_zip_of(entries),
+        entries=entries,
+        compiler=", ".join(dict.fromkeys(compilers)),
+    )
 
 
 def _hash_of(model: FmuModel, fmi: int) -> str:
