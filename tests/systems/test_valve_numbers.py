@@ -1,6 +1,8 @@
 """What rotary valves add to the numbers of circuits that a file draws."""
 
 import math
+import tomllib
+from importlib import resources
 
 import numpy as np
 import pytest
@@ -38,6 +40,20 @@ def numbers(system):
     return summary(system, simulate(system.model, system.case, system.stepping))
 
 
+def driven(speed):
+    """The same unit, its spool turned by a motor."""
+    part = tomllib.loads(resources.files("vvdp.systems").joinpath("parts", "pump-unit.toml").read_text("utf-8"))
+    nodes = {
+        "tank": {"type": "tank"},
+        "load": {"type": "pressure-source", "pressure": "70 bar"},
+        "shaft": {"type": "driven-shaft", "speed": "1800 rpm"},
+        "spool": {"type": "driven-shaft", "speed": speed},
+    }
+    run = {"until": "0.3 s", "average_from": "0.2 s"}
+    circuit = {"nodes": part["nodes"] | nodes, "components": part["components"], "run": run}
+    return built_system(Table("driven", circuit, {}), "driven")
+
+
 @pytest.fixture(scope="module")
 def half():
     system = unit()
@@ -54,6 +70,23 @@ def test_frequency_is_that_of_the_spool_and_losses_add_up_to_the_drops(half):
     beyond = found["loss_unit_full_open_W"] + found["loss_unit_transition_W"]
     assert beyond == pytest.approx(drops, rel=1e-12)
     assert {"unit_pwm_frequency_Hz", "unit_load_opening"} <= quantities(system).keys()
+
+
+@pytest.mark.parametrize(
+    ("speed", "mean", "fastest"),
+    [
+        ("1500 rpm", 75.0, 75.0),
+        ({"ramp": ["1200 rpm", "1800 rpm"], "from": "0 s", "to": "0.3 s"}, 8.0 / (math.sqrt(0.8) - 0.8), 90.0),
+    ],
+)
+def test_a_spool_may_be_turned_by_a_motor(speed, mean, fastest):
+    """Three periods in a turn: 75 Hz at 1500 rpm. Of the ramp 60 t + 50 t^2 have passed, 14 at 0.2 s; the mean is over
+    whole periods, 8 until 0.3 s."""
+    system = driven(speed)
+    found = numbers(system)
+    assert found["valve_pwm_frequency_Hz"] == pytest.approx(mean, rel=1e-9)
+    assert 3.0 * found["speed_max_spool_rad_s"] / (2.0 * math.pi) == pytest.approx(fastest, rel=1e-12)
+    assert "speed_max_spool_rad_s" in quantities(system) and "speed_max_shaft_rad_s" not in found
 
 
 def test_the_load_port_is_open_as_its_geometry_says(half):

@@ -10,7 +10,7 @@ from vvdp.base.signal import signal_value
 from vvdp.components.rotary_valve import ROTARY_VALVE
 from vvdp.fluid.oil import density
 from vvdp.network.network import Network, Part
-from vvdp.network.nodes import HydraulicNode
+from vvdp.network.nodes import DrivenShaft, HydraulicNode
 from vvdp.systems.bench_validity import ValveReading, transition_loss, valve_bounds
 from vvdp.systems.bound import Bound
 from vvdp.systems.extras import LoadedSystem, Summary
@@ -38,6 +38,12 @@ def placed_valves(network: Network) -> Iterator[PlacedValve]:
         owners = [name for name, circuit in network.circuits.items() if valve.name in circuit.names]
         alone = [name for name in owners if sum(each.name in network.circuits[name].names for each in valves) == 1]
         yield PlacedValve(alone[0] if alone else valve.name, valve)
+
+
+def driven_spools(network: Network) -> list[str]:
+    """The shafts of rotary valves whose speed is prescribed or commanded."""
+    spools = dict.fromkeys(str(valve.part.nodes["spool"]) for valve in placed_valves(network))
+    return [name for name in spools if isinstance(network.nodes[name], DrivenShaft)]
 
 
 def valve_numbers(system: LoadedSystem, means: Mapping[str, float], found: Summary) -> Summary:
