@@ -3,10 +3,13 @@
 A circuit of the gallery stands below its picture, any other where a page has `<!-- live: NAME -->`.
 """
 
+import multiprocessing
 import os
 import re
+import sys
 import tempfile
 from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 DOCS = Path(__file__).parents[1]
@@ -53,14 +56,22 @@ def with_frames(markdown: str, path: str) -> str:
 
 
 def pages() -> Iterator[tuple[str, str]]:
-    """Path below the site and text of each interactive page."""
+    """Path below the site and text of each interactive page; as many at once as there are processors."""
+    files = {name: text for page in DOCS.glob("*.md") for name, text in FILE.findall(page.read_text("utf-8"))}
+    shown = names()
+    sys.path.insert(0, str(Path(__file__).parent))  # MkDocs takes it off; the processes look for this module there
+    with ProcessPoolExecutor(mp_context=multiprocessing.get_context("spawn")) as processes:
+        for name, text in zip(shown, processes.map(_page, shown, map(files.get, shown)), strict=True):
+            yield f"{FOLDER}/{name}.html", text
+
+
+def _page(name: str, text: str | None) -> str:
+    """The page of a shipped system, or of the file with this text."""
     from vvdp.systems.system import load_system
     from vvdp.web.page import web_page
 
-    files = {name: text for page in DOCS.glob("*.md") for name, text in FILE.findall(page.read_text("utf-8"))}
     with tempfile.TemporaryDirectory() as folder:
-        for name in names():
-            if name in files:
-                (Path(folder) / name).write_text(files[name], "utf-8")
-            system = load_system(str(Path(folder) / name) if name in files else name)
-            yield f"{FOLDER}/{name}.html", web_page(system, f"vvdp run {name}").html
+        file = Path(folder) / name
+        if text is not None:
+            file.write_text(text, "utf-8")
+        return web_page(load_system(name if text is None else str(file)), f"vvdp run {name}").html

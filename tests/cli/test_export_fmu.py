@@ -35,8 +35,8 @@ def test_a_system_is_exported(vvdp, here, keys_as_described):
 @pytest.mark.parametrize(
     ("words", "reason"),
     [
-        (("--kind", "me"), "model exchange cannot"),
-        (("--kind", "both"), "model exchange cannot"),
+        (("--kind", "se"), "expected cs, me, both"),
+        (("--platform", "amiga"), "expected one of x86_64-linux"),
         (("--input", "nodes.shaft.sped"), "did you mean 'nodes.shaft.speed'"),
         (("--output", "pump_lin"), "did you mean 'pump_line'"),
         (("--set", "nodes.shaft.speed=x"), "nodes.shaft.speed"),

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from vvdp.programs.foreign.platforms import this_platform
+
 OK, ERROR = 0, 3
 Logger3 = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p)
 Logger2 = ctypes.CFUNCTYPE(
@@ -28,7 +30,8 @@ class Host:
         path = Path(folder, "made.fmu")
         path.write_bytes(made.content)
         with zipfile.ZipFile(path) as file:
-            (binary,) = [name for name in file.namelist() if name.startswith("binaries/")]
+            folders = f"binaries/{this_platform().folder(made.fmi)}/"
+            (binary,) = [name for name in file.namelist() if name.startswith(folders)]
             self.library = ctypes.CDLL(file.extract(binary, folder))
         self.fmi, self.model = made.fmi, made.model
         names = [each.name for each in made.model.variables]

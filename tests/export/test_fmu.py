@@ -14,14 +14,16 @@ from tests.export.fmi_host import ERROR, OK, Host
 from tests.generator.c_way import compilers
 
 from vvdp.base.errors import ConfigError
-from vvdp.export.fmu import compile_binary, fmu, require_kind
+from vvdp.export.fmu import fmu
+from vvdp.export.fmu_binary import compile_binary
 from vvdp.export.fmu_model import FIXED, INPUT, TUNABLE, fmu_model
 from vvdp.export.fmu_sources import source_files
 from vvdp.export.fmu_units import display_name, unit_lines
 from vvdp.generator.binding import is_fused
+from vvdp.programs.foreign.platforms import this_platform
 from vvdp.simulation.run import simulate
 from vvdp.simulation.values import leaves
-from vvdp.systems.system import load_system, shipped_systems
+from vvdp.systems.system import load_system
 
 pytestmark = [
     pytest.mark.skipif(not is_fused(), reason="a run has other bits on a processor without fused operations"),
@@ -75,22 +77,6 @@ def test_states_have_the_bits_of_a_run(name, fmi, host):
             assert one.step(every * PERIOD) == OK, one.said
             rows.append(one.get(*paths))
         assert np.array(rows).tobytes() == run.states[::every, : len(paths)].tobytes()
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize("fmi", [2, 3])
-@pytest.mark.parametrize("name", sorted(shipped_systems()))
-def test_every_system_ends_on_the_bits_of_its_run(name, fmi, host):
-    """A row may be interpolated a hair behind a jump; the end is not."""
-    system = load_system(name)
-    period = system.stepping.sample_period
-    until = 100 * period
-    run = simulate(system.model, system.case, replace(system.stepping, until=until, window=0.0, average_from=None))
-    one = host(name, fmi)
-    for _ in range(100):
-        assert one.step(period) == OK, one.said
-    paths = paths_of(system)
-    assert one.get(*paths).tobytes() == run.final[: len(paths)].tobytes()
 
 
 def test_commands_and_outputs_are_those_in_force(host):
@@ -304,12 +290,6 @@ def test_inputs_and_outputs_are_chosen_and_renamed():
     assert dict(fmu_model(moving).fixed)["load.area"] == "it is a course over time"
 
 
-@pytest.mark.parametrize("kind", ["me", "both", "xs"])
-def test_other_kinds_are_refused(kind):
-    with pytest.raises(ConfigError, match=r"model exchange cannot|expected cs"):
-        require_kind(kind)
-
-
 def test_the_same_system_gives_the_same_file():
     again = fmu(fmu_model(load_system("accumulator-charging")), 3)
     assert again.content == made("accumulator-charging", 3).content
@@ -323,7 +303,7 @@ def test_the_same_system_gives_the_same_file():
 
 def test_without_a_compiler_there_are_the_sources(monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda name: None)
-    monkeypatch.setattr("vvdp.export.fmu.has_zig", lambda: False)
+    monkeypatch.setattr("vvdp.export.fmu_binary.has_zig", lambda: False)
     bare = fmu(made("accumulator-charging", 3).model, 3)
     assert bare.compiler == ""
     assert not [name for name in bare.entries if name.startswith("binaries/")]
@@ -338,7 +318,9 @@ def test_the_sources_have_no_warning(fmi, monkeypatch):
     warnings = ("-Wall", "-Wextra", "-pedantic", "-Wshadow", "-Wconversion", "-Werror")
     for compiler in compilers():
         monkeypatch.setenv("CC", compiler)
-        used, binary = compile_binary(source_files(model, fmi, "{x}"), (*model.machine.flags, *warnings))
+        used, binary = compile_binary(
+            source_files(model, fmi, "{x}"), (*model.machine.flags, *warnings), this_platform()
+        )
         assert binary
         assert used in compiler
 

@@ -1,13 +1,12 @@
 """Small FMUs for tests: a spring with a damper in C, for FMI 2 and FMI 3, which can be made to fail."""
 
 import subprocess
-import sys
 import zipfile
 from pathlib import Path
 
 from tests.generator.c_way import compilers
 
-from vvdp.programs.foreign.archive import ENDS, platform_folder
+from vvdp.programs.foreign.platforms import this_platform
 
 SOURCE = r"""
 #include <math.h>
@@ -116,7 +115,7 @@ def binary(folder: Path, fmi: int, *flags: str) -> bytes:
 
 def entries_of(fmi, library, **others):
     """The entries of an FMU for this machine."""
-    place = f"binaries/{platform_folder(fmi)}/spring{ENDS[sys.platform]}"
+    place = f"binaries/{this_platform().folder(fmi)}/spring{this_platform().end}"
     return {"modelDescription.xml": description(fmi, **others).encode(), place: library}
 
 

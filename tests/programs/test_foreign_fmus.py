@@ -16,7 +16,8 @@ from vvdp.cli.main import main
 from vvdp.export.fmu import fmu
 from vvdp.export.fmu_model import fmu_model
 from vvdp.programs.foreign import partners
-from vvdp.programs.foreign.archive import MOST_DESCRIPTION, platform_folder
+from vvdp.programs.foreign.archive import MOST_DESCRIPTION
+from vvdp.programs.foreign.platforms import this_platform
 from vvdp.runs.simulate import run_system
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.run import simulate
@@ -363,7 +364,7 @@ def test_hostile_files_are_refused_in_one_sentence(name, made, system):
 
 def test_platforms_links_and_archives_are_refused(made, system, tmp_path):
     library = {"modelDescription.xml": description(2).encode(), "binaries/win16/spring.dll": b""}
-    with pytest.raises(ConfigError, match=f"no binary for {platform_folder(2)}; it is for win16"):
+    with pytest.raises(ConfigError, match=f"no binary for {this_platform().folder(2)}; it is for win16"):
         system(2, entries=library, trusted=False)
     with pytest.raises(ConfigError, match="there is none at all"):
         system(2, entries={"modelDescription.xml": description(2).encode()}, trusted=False)

@@ -2,6 +2,7 @@
 
 import math
 import tomllib
+from importlib import resources
 
 import numpy as np
 import pytest
@@ -9,7 +10,6 @@ import pytest
 from vvdp.base.errors import ConfigError
 from vvdp.base.tables import Table
 from vvdp.simulation.run import simulate
-from vvdp.systems.part_files import shipped_parts
 from vvdp.systems.quantities import quantities
 from vvdp.systems.summary import summary
 from vvdp.systems.system import built_system, load_system
@@ -42,6 +42,20 @@ def numbers(system):
     return summary(system, simulate(system.model, system.case, system.stepping))
 
 
+def driven(speed):
+    """The same unit, its spool turned by a motor."""
+    part = tomllib.loads(resources.files("vvdp.systems").joinpath("parts", "pump-unit.toml").read_text("utf-8"))
+    nodes = {
+        "tank": {"type": "tank"},
+        "load": {"type": "pressure-source", "pressure": "70 bar"},
+        "shaft": {"type": "driven-shaft", "speed": "1800 rpm"},
+        "spool": {"type": "driven-shaft", "speed": speed},
+    }
+    run = {"until": "0.3 s", "average_from": "0.2 s"}
+    circuit = {"nodes": part["nodes"] | nodes, "components": part["components"], "run": run}
+    return built_system(Table("driven", circuit, {}), "driven")
+
+
 @pytest.fixture(scope="module")
 def half():
     system = unit()
@@ -60,6 +74,23 @@ def test_frequency_is_that_of_the_spool_and_losses_add_up_to_the_drops(half):
     assert {"unit_pwm_frequency_Hz", "unit_load_opening"} <= quantities(system).keys()
 
 
+@pytest.mark.parametrize(
+    ("speed", "mean", "fastest"),
+    [
+        ("1500 rpm", 75.0, 75.0),
+        ({"ramp": ["1200 rpm", "1800 rpm"], "from": "0 s", "to": "0.3 s"}, 8.0 / (math.sqrt(0.8) - 0.8), 90.0),
+    ],
+)
+def test_a_spool_may_be_turned_by_a_motor(speed, mean, fastest):
+    """Three periods in a turn: 75 Hz at 1500 rpm. Of the ramp 60 t + 50 t^2 have passed, 14 at 0.2 s; the mean is over
+    whole periods, 8 until 0.3 s."""
+    system = driven(speed)
+    found = numbers(system)
+    assert found["valve_pwm_frequency_Hz"] == pytest.approx(mean, rel=1e-9)
+    assert 3.0 * found["speed_max_spool_rad_s"] / (2.0 * math.pi) == pytest.approx(fastest, rel=1e-12)
+    assert "speed_max_spool_rad_s" in quantities(system) and "speed_max_shaft_rad_s" not in found
+
+
 def test_efficiency_is_what_reaches_the_load_of_what_the_shaft_takes(half):
     """By the pressure source, which the losses inside of the unit do not know of."""
     system, found = half
@@ -68,30 +99,17 @@ def test_efficiency_is_what_reaches_the_load_of_what_the_shaft_takes(half):
     assert "unit_efficiency" in quantities(system)
 
 
+def test_efficiency_with_a_spool_that_a_motor_turns():
+    """What the turbine gives its motor comes off the power put in."""
+    found = numbers(driven("1500 rpm"))
+    put_in = found["power_shaft_W"] + found["power_spool_W"]
+    assert found["valve_efficiency"] == pytest.approx(-found["power_load_W"] / put_in, abs=1e-5)
+
+
 def test_two_pumps_on_one_shaft_have_no_efficiency_each():
     """What one of them takes of the shaft is not known."""
     system = load_system("two-cylinders", until="0.05 s")
     assert not [key for key in numbers(system) if key.endswith("_efficiency")]
-
-
-def test_a_spool_that_a_motor_turns():
-    """20 rev/s, three sections: 60 Hz; what the turbine gives its motor comes off the power put in."""
-    part, circuit = tomllib.loads(shipped_parts()["pump-unit"]), dict(unit().table.content)
-    joined = {"load": "line", "shaft": "motor"}
-    components = {
-        name: {key: joined.get(value, value) if isinstance(value, str) else value for key, value in entry.items()}
-        for name, entry in part["components"].items()
-    }
-    spool = {"type": "driven-shaft", "speed": "20 rev/s"}
-    circuit |= {
-        "nodes": circuit["nodes"] | {"inlet": part["nodes"]["inlet"], "spool": spool},
-        "components": components,
-    }
-    del circuit["parts"]
-    found = numbers(built_system(Table("flat", circuit, {}), "flat"))
-    assert found["valve_pwm_frequency_Hz"] == pytest.approx(60.0, rel=1e-9)
-    put_in = found["power_motor_W"] + found["power_spool_W"]
-    assert found["valve_efficiency"] == pytest.approx(-found["power_line_W"] / put_in, abs=1e-5)
 
 
 def test_the_load_port_is_open_as_its_geometry_says(half):

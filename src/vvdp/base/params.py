@@ -36,6 +36,11 @@ def _field_types(cls: type) -> dict[str, Any]:
     return get_type_hints(cls)
 
 
+def field_names(cls: type) -> list[str]:
+    """The fields of a parameter class, in their order."""
+    return [each.name for each in dataclasses.fields(cls)]
+
+
 def default_values(cls: type) -> dict[str, Any]:
     """The fields of a parameter class that need not be given, with their values."""
     return {f.name: f.default for f in dataclasses.fields(cls) if f.default is not dataclasses.MISSING}

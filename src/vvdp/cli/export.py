@@ -109,7 +109,12 @@ class Variables:
 
     system: SystemName
     fmi: Annotated[int, typer.Option("--fmi", metavar="N", min=2, max=3, help="Version of FMI: 2 or 3.")] = 3
-    kind: Annotated[str, typer.Option("--kind", metavar="KIND", help="Kind of FMU: `cs` (co-simulation).")] = "cs"
+    kind: Annotated[
+        str,
+        typer.Option(
+            "--kind", metavar="KIND", help="Kind of FMU: `cs` (co-simulation), `me` (model exchange), `both`."
+        ),
+    ] = "cs"
     input: Annotated[
         list[str] | None,
         typer.Option(
@@ -120,6 +125,17 @@ class Variables:
         list[str] | None,
         typer.Option(
             "--output", metavar="PATH[=NAME]", help="Output of the FMU (repeatable; default: all that can be shown)."
+        ),
+    ] = None
+    books: Annotated[
+        bool, typer.Option("--books", help="Model exchange: carry the energy and mass balance as states, too.")
+    ] = False
+    platform: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--platform",
+            metavar="NAME",
+            help="Machine with a binary in the FMU, for example x86_64-windows (repeatable; default: this one).",
         ),
     ] = None
 
@@ -134,23 +150,30 @@ def write_fmu(
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
     json: AsJson = False,
 ) -> None:
-    """Export a system as an FMU for co-simulation, with its simulation loop.
+    """Export a system as an FMU, for co-simulation with its simulation loop or for model exchange.
 
     The file holds the sources in C99 and, if a C compiler or the package ziglang is found, the binary of this machine.
+    Binaries for other machines (`--platform`) need the extra `fmi-cross`.
     """
     from vvdp.base.errors import unusable
     from vvdp.base.files import write_whole
     from vvdp.cli.screen import print_json, tell
     from vvdp.export.fmu import fmu, require_kind
-    from vvdp.export.fmu_model import fmu_model
+    from vvdp.export.fmu_binary import platforms_named
+    from vvdp.export.fmu_model import Guest, fmu_model
+    from vvdp.report.circuit import graph_of
+    from vvdp.report.diagram import diagram
     from vvdp.systems.system import load_system
 
     require_kind(chosen.kind)
+    platforms = platforms_named(chosen.platform or (), chosen.fmi)
     if out.exists() and not force:
         raise unusable(out, "exists already; --force replaces it")
-    made = fmu(
-        fmu_model(load_system(chosen.system, settings or ()), chosen.input or (), chosen.output or ()), chosen.fmi
-    )
+    system = load_system(chosen.system, settings or ())
+    drawn = diagram(graph_of(system.circuit.network, system.title))
+    guest = None if chosen.kind == "cs" else Guest(has_books=chosen.books)
+    model = fmu_model(system, chosen.input or (), chosen.output or (), guest)
+    made = fmu(model, chosen.fmi, platforms, drawn, is_solved=chosen.kind != "me")
     write_whole(out, made.content)
     facts = made.facts
     if json:
@@ -161,7 +184,7 @@ def write_fmu(
         f"{len(facts['free_parameters'])} free parameters, {len(facts['fixed_parameters'])} fixed values"
     )
     if made.compiler:
-        tell(f"{facts['bytes']} bytes, {facts['binary_bytes']} of them the binary by {made.compiler}")
+        tell(f"{facts['bytes']} bytes; binaries for {', '.join(facts['platforms'])} by {made.compiler}")
     else:
         tell("no C compiler was found: the FMU has sources only; install one, or the extra `fmi-cross`")
     tell(f"FMU: {out}")

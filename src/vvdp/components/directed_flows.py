@@ -1,4 +1,4 @@
-"""A pump and a return throttle behind an ideal directional valve: it switches at once and loses nothing."""
+"""A pump and a meter-out throttle behind an ideal directional valve: it switches at once and loses nothing."""
 
 from typing import NamedTuple
 

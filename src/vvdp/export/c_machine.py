@@ -1,7 +1,7 @@
 """A system with its loop as C: one struct of the caller, and functions that start it, carry it on and show it."""
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -12,11 +12,11 @@ from vvdp.base.arrays import Array
 from vvdp.base.signal import Signal
 from vvdp.export.c_powers import C_INTRINSICS
 from vvdp.export.c_structs import struct_text
-from vvdp.export.machine import FUNCTIONS, machine_module
+from vvdp.export.machine import machine_module, parameters_of
 from vvdp.generator.c_room import Amount, room_of
 from vvdp.generator.c_text import Shared, constant, identifier, length_names, wrap
 from vvdp.generator.c_writer import CModule, shown_file, write_c
-from vvdp.generator.kinds import FLOAT, Kind, Record, Row
+from vvdp.generator.kinds import FLOAT, Address, Kind, Record, Row
 from vvdp.generator.tree import Module
 from vvdp.simulation import loop, places
 from vvdp.simulation.layout import SIGNAL_SLOTS, blocks, members
@@ -65,6 +65,11 @@ class CMachine:
     begun: Reached
 
     @property
+    def is_guest(self) -> bool:
+        """Whether the integrator of another program can carry it."""
+        return "enter" in self.module.entries
+
+    @property
     def hash(self) -> str:
         """What tells this text from any other."""
         return hashlib.sha256((self.core.header + self.core.source).encode()).hexdigest()[:16]
@@ -102,9 +107,13 @@ class CMachine:
         return 8 * (numbers + LAST_MARKS * (1 + self.begun.state.size))
 
 
-def c_machine(system: System) -> CMachine:
-    """A system with its loop in C. Raises LanguageError, with file and line, where a text cannot be exported."""
-    module, name = machine_module(system.model, system.case), identifier(f"{system.name}_{MACHINE}".replace("-", "_"))
+def c_machine(system: System, *, is_guest: bool = False) -> CMachine:
+    """A system with its loop in C, and for a guest what the integrator of another program calls.
+
+    Raises LanguageError, with file and line, where a text cannot be exported.
+    """
+    module = machine_module(system.model, system.case, is_guest=is_guest)
+    name = identifier(f"{system.name}_{MACHINE}".replace("-", "_"))
     rooms = {}
     for function, room in room_of(module).items():
         if function in module.entries:
@@ -154,8 +163,8 @@ double {name}_time(const {name}_machine *machine);
 """
 
 
-def header_text(machine: CMachine) -> str:
-    """The structs and functions for callers."""
+def header_text(machine: CMachine, more: str = "") -> str:
+    """The structs and functions for callers, with `more` of them at the end."""
     name, case = machine.name, machine.system.case
     guard, begin = f"{name.upper()}_H", machine.system.stepping.begin
     shown = example_outputs(machine.system.model, case)
@@ -179,7 +188,7 @@ def header_text(machine: CMachine) -> str:
     )
     head = f"/* {machine.system.name} with its simulation loop: units are SI, pressures absolute. */\n"
     first = f"#ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n"
-    return "\n".join([first, head, *structs, _machine_struct(machine), wrap_lines(said), "#endif\n"])
+    return "\n".join([first, head, *structs, _machine_struct(machine), wrap_lines(said) + more, "#endif\n"])
 
 
 def wrap_lines(words: str) -> str:
@@ -268,12 +277,17 @@ def _run(machine: CMachine) -> str:
     lines += ["    if (record == NULL) {", "        record = &none;", "    }"]
     lines += ["    const int keeps = record->marks > 0;"]
     lines += _record_lines(core.types[loop.PATTERN], "pattern", "(int64_t *)pattern_", loop.PATTERN, machine)
-    lines += _record_lines(core.types[loop.BENCH], "bench", "machine->bench.", loop.BENCH, machine)
+    lines += bench_lines(machine)
     handed = [each for argument in _arguments(machine) for each in argument]
-    lines += _room_lines(machine, "run", handed)
+    lines += room_lines(machine, "run", handed)
     lines.append(f"    const int64_t answer = {core.functions['run']}({', '.join(handed)});")
-    lines.append(f"    return {_answer_text(machine, 'run', '(int)answer')};")
+    lines.append(f"    return {answer_text(machine, 'run', '(int)answer')};")
     return "\n".join([*map(wrap, lines), "}", ""])
+
+
+def bench_lines(machine: CMachine) -> list[str]:
+    """The struct of the core for the room of the loop, which the machine holds."""
+    return _record_lines(machine.core.types[loop.BENCH], "bench", "machine->bench.", loop.BENCH, machine)
 
 
 def _record_lines(kind: str, name: str, before: str, record: Record, machine: CMachine) -> list[str]:
@@ -303,9 +317,19 @@ def _arguments(machine: CMachine) -> Iterator[list[str]]:
     words |= {key: f"keeps ? record->{key} : machine->{key}" for key in ("mark_times", "mark_states")}
     words |= {"longest": repr(stepping.longest_step), "marks_from": repr(stepping.begin)}
     words |= {"method": str(stepping.method.value), "overwrite": "keeps ? 0 : 1"}
-    kinds: dict[str, Any] = dict(zip(loop.run.__code__.co_varnames, loop.RUN, strict=False))
-    for name, kind in list(kinds.items())[len(FUNCTIONS) :]:
-        yield _argument(words.get(name, name), kind, shapes.get(name) or _shape(machine, name))
+    yield from call_arguments(machine, parameters_of(loop.run, loop.RUN), words, shapes)
+
+
+def call_arguments(
+    machine: CMachine, kinds: Mapping[str, Kind], words: Mapping[str, str], shapes: Mapping[str, list[str]]
+) -> Iterator[list[str]]:
+    """Arguments of a function of the core in C by their names, each with its open lengths.
+
+    words, shapes  text and lengths of those that are not what the machine or a table holds
+    """
+    for name, kind in kinds.items():
+        if not isinstance(kind, Address):
+            yield _argument(words.get(name, name), kind, shapes.get(name) or _shape(machine, name))
 
 
 def _argument(word: str, kind: Kind, shape: list[str]) -> list[str]:
@@ -328,16 +352,16 @@ def _outputs(machine: CMachine) -> str:
     kept = [f"(double *)machine->{key}, {machine.content[key].size}" for key in ("state", "command", "parameters")]
     handed = [f"machine->clock[{places.TIME}]", *kept, f"(double *)outputs, {count}"]
     lines = [f"int {name}_outputs(const {name}_machine *machine, {name}_output *outputs)", "{"]
-    lines += _room_lines(machine, "outputs", handed)
+    lines += room_lines(machine, "outputs", handed)
     lines += [
         f"    {core.functions['outputs']}({', '.join(handed)});",
-        f"    return {_answer_text(machine, 'outputs', '0')};",
+        f"    return {answer_text(machine, 'outputs', '0')};",
     ]
     time = [f"double {name}_time(const {name}_machine *machine)", "{", f"    return machine->clock[{places.TIME}];"]
     return "\n".join([*map(wrap, lines), "}", "", *time, "}", ""])
 
 
-def _room_lines(machine: CMachine, entry: str, handed: list[str]) -> list[str]:
+def room_lines(machine: CMachine, entry: str, handed: list[str]) -> list[str]:
     """What stands before a call of an entry that can fail or takes room, which is added to what is handed over."""
     needs, lines = machine.core.needs[entry], list[str]()
     if needs.trouble:
@@ -351,6 +375,6 @@ def _room_lines(machine: CMachine, entry: str, handed: list[str]) -> list[str]:
     return lines
 
 
-def _answer_text(machine: CMachine, entry: str, answer: str) -> str:
+def answer_text(machine: CMachine, entry: str, answer: str) -> str:
     """The answer of an entry, or the number of its failure."""
     return f"failure != 0 ? {FAILED} + (int)failure : {answer}" if machine.core.needs[entry].trouble else answer

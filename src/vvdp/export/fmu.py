@@ -1,31 +1,25 @@
-"""An FMU as one file: description, sources, the binary of this machine, and a page about it."""
+"""An FMU as one file: description, sources, binaries, and a page about it."""
 
 import hashlib
 import html
 import io
-import os
-import shutil
-import subprocess
-import sys
-import tempfile
 import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
-from pathlib import Path
 from typing import Any
 
-from vvdp.base.errors import ConfigError, Fault, RunError
+from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.kinds import Kind
-from vvdp.export.fmu_description import build_description, description, fmu_name
+from vvdp.export.fmu_binary import compile_binary
+from vvdp.export.fmu_description import CS, ME, build_description, description, fmu_name
 from vvdp.export.fmu_model import FmuModel
 from vvdp.export.fmu_sources import TOKEN_SIZE, source_files
 from vvdp.export.fmu_units import unit_name
-from vvdp.export.zig import has_zig, run_zig
-from vvdp.programs.foreign.archive import ENDS, platform_folder
+from vvdp.programs.foreign.platforms import Platform, this_platform
 
-KINDS = ("cs",)
-"""What can be exported: co-simulation."""
+KINDS = {"cs": (CS,), "me": (ME,), "both": (ME, CS)}
+"""What can be exported: co-simulation with the loop of vvdp, model exchange for the integrator of a host, or both."""
 WHEN = (1980, 1, 1, 0, 0, 0)
 """The time of each entry: the same text gives the same file."""
 
@@ -36,6 +30,7 @@ class Fmu:
 
     model: FmuModel
     fmi: int
+    kind: str
     content: bytes
     entries: Mapping[str, bytes]
     compiler: str
@@ -44,16 +39,17 @@ class Fmu:
     def facts(self) -> dict[str, Any]:
         """What the command line prints."""
         model, machine = self.model, self.model.machine
-        binary = [each for name, each in self.entries.items() if name.startswith("binaries/")]
+        binaries = {name: each for name, each in self.entries.items() if name.startswith("binaries/")}
         return {
             "verb": "export fmu",
             "system": model.system.name,
             "fmi": self.fmi,
-            "kind": KINDS[0],
+            "kind": self.kind,
             "files": sorted(self.entries),
             "functions": len(machine.functions),
             "lines": sum(each.count(b"\n") for name, each in self.entries.items() if name.endswith(".c")),
             "states": machine.begun.state.size,
+            "event_indicators": sum(each.vector == "indicator" for each in model.inner),
             "memory_bytes": machine.size,
             "inputs": model.inputs,
             "outputs": [each.name for each in model.outputs],
@@ -61,41 +57,57 @@ class Fmu:
             "fixed_parameters": [{"key": key, "reason": why} for key, why in model.fixed],
             "compiler": self.compiler,
             "bytes": len(self.content),
-            "binary_bytes": sum(map(len, binary)),
+            "platforms": [name.split("/")[1] for name in binaries],
+            "binary_bytes": sum(map(len, binaries.values())),
             "hash": machine.hash,
         }
 
 
 def require_kind(kind: str) -> None:
-    """Raises ConfigError for kinds of FMU that are not built."""
+    """Raises ConfigError for a kind of FMU that does not exist."""
     if kind not in KINDS:
-        why = "only co-simulation (cs) can be exported so far; model exchange cannot"
-        raise ConfigError([Fault("--kind", 0, kind, why if kind in ("me", "both") else "unknown; expected cs")])
+        raise ConfigError([Fault("--kind", 0, kind, f"unknown; expected {', '.join(KINDS)}")])
 
 
-def fmu(model: FmuModel, fmi: int) -> Fmu:
-    """The FMU of a model for FMI 2 or 3; without a compiler it has sources only, and `compiler` is empty.
+def fmu(
+    model: FmuModel, fmi: int, platforms: Sequence[Platform] = (), diagram: str = "", *, is_solved: bool = True
+) -> Fmu:
+    """The FMU of a model for FMI 2 or 3, with a binary for each platform (this machine where none is given).
+
+    If the model is a guest, it is for model exchange, and for co-simulation as well where `is_solved`. Its page shows
+    the diagram, an SVG. Without a compiler it has sources only, and `compiler` is empty.
 
     Raises RunError where the compiler refuses.
     """
     if fmi not in (2, 3):
         raise ConfigError([Fault("--fmi", 0, str(fmi), "expected 2 or 3")])
     name, flags = fmu_name(model), model.machine.flags
+    kind = "cs" if not model.machine.is_guest else "both" if is_solved else "me"
     token = f"{{{_hash_of(model, fmi)}}}"
     sources = source_files(model, fmi, token)
     files = {
-        "modelDescription.xml": description(model, fmi, token, list(sources)),
-        "documentation/index.html": page(model, flags),
+        "modelDescription.xml": description(model, fmi, token, list(sources), KINDS[kind]),
+        "documentation/index.html": page(model, flags, diagram),
         "documentation/licenses/license.txt": LICENCES,
         **{f"sources/{each}": text for each, text in sources.items()},
     }
     if fmi == 3:
         files["sources/buildDescription.xml"] = build_description(model, list(sources), flags)
     entries = {each: text.encode() for each, text in files.items()}
-    compiler, binary = compile_binary(sources, flags)
-    if binary:
-        entries[f"binaries/{platform_folder(fmi)}/{name}{ENDS[sys.platform]}"] = binary
-    return Fmu(model, fmi, _zip_of(entries), entries, compiler)
+    compilers = []
+    for each in platforms or (this_platform(),):
+        compiler, binary = compile_binary(sources, flags, each)
+        if binary:
+            entries[f"binaries/{each.folder(fmi)}/{name}{each.end}"] = binary
+            compilers.append(compiler)
+    return Fmu(
+        model=model,
+        fmi=fmi,
+        kind=kind,
+        content=_zip_of(entries),
+        entries=entries,
+        compiler=", ".join(dict.fromkeys(compilers)),
+    )
 
 
 def _hash_of(model: FmuModel, fmi: int) -> str:
@@ -104,29 +116,6 @@ def _hash_of(model: FmuModel, fmi: int) -> str:
     names = [each.name for each in model.variables]
     words = "\n".join([version("vvdp"), *texts.values(), *names])
     return hashlib.sha256(words.encode()).hexdigest()[: TOKEN_SIZE - 8]
-
-
-def compile_binary(sources: Mapping[str, str], flags: Sequence[str]) -> tuple[str, bytes]:
-    """The compiler that was used and the library that it made; both empty where there is no compiler.
-
-    A C compiler of this machine (CC, gcc, cc, clang), or that of the package ziglang.
-    """
-    found = next(filter(None, map(shutil.which, filter(None, (os.environ.get("CC"), "gcc", "cc", "clang")))), None)
-    if found is None and not has_zig():
-        return "", b""
-    with tempfile.TemporaryDirectory(prefix="vvdp-fmu-") as name:
-        folder = Path(name)
-        for each, text in sources.items():
-            (folder / each).write_text(text, "utf-8")
-        files = [each for each in sources if each.endswith(".c")]
-        words = [*flags, "-O2", "-fvisibility=hidden", "-fPIC", "-shared", "-s", "-o", "fmu.bin", *files, "-lm"]
-        if found is None:
-            run_zig(folder, ["cc", "-mcpu=baseline", *words])
-        else:
-            done = subprocess.run([found, *words], cwd=folder, capture_output=True, text=True, check=False)
-            if done.returncode:
-                raise RunError(f"{found} failed: {done.stderr.strip()[-600:]}")
-        return Path(found).name if found else "ziglang", (folder / "fmu.bin").read_bytes()
 
 
 def _zip_of(entries: Mapping[str, bytes]) -> bytes:
@@ -143,8 +132,8 @@ Association Project FMI under the 2-Clause BSD License, which stands in each of 
 """
 
 
-def page(model: FmuModel, flags: Sequence[str]) -> str:
-    """The page of an FMU: its variables, what is fixed and why, and how to compile it."""
+def page(model: FmuModel, flags: Sequence[str], diagram: str = "") -> str:
+    """The page of an FMU: its circuit, its variables, what is fixed and why, and how to compile it."""
     system = model.system
     rows = [_row(each.name, each.role, each.kind, f"{each.low:g} to {each.high:g}") for each in model.settables]
     shown = [_row(each.name, "output", each.kind, each.vector) for each in model.outputs]
@@ -158,6 +147,7 @@ def page(model: FmuModel, flags: Sequence[str]) -> str:
             f"hash of the text: {model.machine.hash}.",
             f"Conditions are calculated every {system.stepping.sample_period:g} s,",
             f"the tolerance is {system.stepping.relative_tolerance:g}. Units are SI; pressures are absolute.</p>",
+            diagram,
             f"<p>Compile the sources with: {html.escape(' '.join(flags))}</p>",
             f"<h2>Variables</h2><table>{head}{''.join([*rows, *shown])}</table>",
             f"<h2>Fixed values</h2><table><tr><th>value</th><th>reason</th></tr>{''.join(fixed)}</table>",

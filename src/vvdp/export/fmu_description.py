@@ -9,6 +9,8 @@ from vvdp.export.fmu_model import FIXED, INPUT, FmuModel, Settable
 from vvdp.export.fmu_units import display_name, unit_lines, unit_name
 from vvdp.generator.c_text import identifier
 
+ME, CS = "ModelExchange", "CoSimulation"
+"""The kinds of FMU by their names in a description."""
 HEAD = '<?xml version="1.0" encoding="UTF-8"?>\n'
 
 
@@ -17,25 +19,22 @@ def fmu_name(model: FmuModel) -> str:
     return identifier(model.system.name.replace("-", "_"))
 
 
-def description(model: FmuModel, fmi: int, token: str, sources: Sequence[str]) -> str:
-    """The text of `modelDescription.xml`."""
+def description(model: FmuModel, fmi: int, token: str, sources: Sequence[str], kinds: Sequence[str]) -> str:
+    """The text of `modelDescription.xml`; `kinds` are those of the FMU, ME and CS."""
     system = model.system
-    name, stepping = fmu_name(model), system.stepping
-    states = "FMUState" if fmi == 3 else "FMUstate"
+    stepping = system.stepping
     head = {"fmiVersion": f"{fmi}.0", "modelName": system.name}
     head |= {"instantiationToken" if fmi == 3 else "guid": token, "generationTool": f"vvdp {version('vvdp')}"}
     head["description"] = f"{system.name}: circuit, programs and simulation loop of vvdp"
-    able = f'canHandleVariableCommunicationStepSize="true" canGetAndSet{states}="true" canSerialize{states}="true"'
+    if fmi == 2 and ME in kinds:
+        head["numberOfEventIndicators"] = str(sum(each.vector == "indicator" for each in model.inner))
     given = {"startTime": stepping.begin, "stopTime": stepping.until, "tolerance": stepping.relative_tolerance}
     given["stepSize"] = stepping.sample_period
-    kinds = [each.kind for each in model.variables]
     lines = [
         f"<fmiModelDescription {_attributes(head)}>",
-        f'  <CoSimulation modelIdentifier="{name}" {able}{"/>" if fmi == 3 else ">"}',
-        *(["    <SourceFiles>", *(f'      <File name="{each}"/>' for each in sources if each.endswith(".c"))]
-          + ["    </SourceFiles>", "  </CoSimulation>"] if fmi == 2 else []),
+        *(line for kind in (ME, CS) if kind in kinds for line in _kind_lines(kind, fmu_name(model), fmi, sources)),
         "  <UnitDefinitions>",
-        *unit_lines(kinds),
+        *unit_lines(each.kind for each in model.variables),
         "  </UnitDefinitions>",
         '  <LogCategories>\n    <Category name="logStatusError"/>\n  </LogCategories>',
         f"  <DefaultExperiment {_attributes({key: repr(value) for key, value in given.items()})}/>",
@@ -46,8 +45,22 @@ def description(model: FmuModel, fmi: int, token: str, sources: Sequence[str]) -
         *_structure(model, fmi),
         "  </ModelStructure>",
         "</fmiModelDescription>",
-    ]  # fmt: skip
+    ]
     return HEAD + "\n".join(lines) + "\n"
+
+
+def _kind_lines(kind: str, name: str, fmi: int, sources: Sequence[str]) -> list[str]:
+    """What a kind of FMU can do."""
+    states = "FMUState" if fmi == 3 else "FMUstate"
+    able = {"modelIdentifier": name, f"canGetAndSet{states}": "true", f"canSerialize{states}": "true"}
+    if kind == CS:
+        able["canHandleVariableCommunicationStepSize"] = "true"
+    elif fmi == 3:
+        able["needsCompletedIntegratorStep"] = "true"
+    if fmi == 3:
+        return [f"  <{kind} {_attributes(able)}/>"]
+    files = [f'      <File name="{each}"/>' for each in sources if each.endswith(".c")]
+    return [f"  <{kind} {_attributes(able)}>", "    <SourceFiles>", *files, "    </SourceFiles>", f"  </{kind}>"]
 
 
 def _attributes(values: dict[str, str]) -> str:
@@ -70,6 +83,24 @@ def variable_lines(model: FmuModel, fmi: int) -> Iterator[str]:
         nominal = {} if kind is None or not kind.scale > 0.0 else {"nominal": repr(kind.scale)}
         ends = {} if kind is None else {"min": repr(kind.low), "max": repr(kind.high)}
         yield _variable(fmi, {**own, "initial": "calculated"}, {**_unit(kind), **ends, **nominal})
+    yield from _inner_lines(model, fmi)
+
+
+def _inner_lines(model: FmuModel, fmi: int) -> Iterator[str]:
+    """What a guest has besides: further states, rates, and for FMI 3 indicators. Rates are per second."""
+    numbers = _references(model)
+    states = {each.place: numbers[each.name] for each in model.carried}
+    for each in model.inner:
+        own = {"name": each.name, "valueReference": str(numbers[each.name]), "causality": "local"}
+        own |= {"variability": "continuous", "initial": "calculated"}
+        if each.vector == "rate":
+            yield _variable(fmi, own, {"derivative": str(states[each.place])})
+        elif each.vector == "state" or fmi == 3:
+            yield _variable(fmi, own, _unit(each.kind))
+
+
+def _references(model: FmuModel) -> dict[str, int]:
+    return {each.name: number for number, each in enumerate(model.variables, 1)}
 
 
 def _role(settable: Settable) -> dict[str, str]:
@@ -91,16 +122,22 @@ def _variable(fmi: int, own: dict[str, str], number: dict[str, str]) -> str:
 
 
 def _structure(model: FmuModel, fmi: int) -> Iterator[str]:
-    first = 1 + len(model.settables)
-    numbers = range(first, first + len(model.outputs))
+    known = _references(model)
+    outputs = [known[each.name] for each in model.outputs]
+    rates = [known[each.name] for each in model.inner if each.vector == "rate"]
+    states = [known[each.name] for each in model.inner if each.vector == "state"]
+    unknown = [*outputs, *states, *rates]
     if fmi == 3:
-        yield from (f'    <Output valueReference="{number}"/>' for number in numbers)
-        yield from (f'    <InitialUnknown valueReference="{number}"/>' for number in numbers)
+        indicators = [known[each.name] for each in model.inner if each.vector == "indicator"]
+        parts = {"Output": outputs, "ContinuousStateDerivative": rates, "InitialUnknown": unknown}
+        for tag, numbers in {**parts, "EventIndicator": indicators}.items():
+            yield from (f'    <{tag} valueReference="{number}"/>' for number in numbers)
         return
-    for tag in ("Outputs", "InitialUnknowns"):
-        yield f"    <{tag}>"
-        yield from (f'      <Unknown index="{number}"/>' for number in numbers)
-        yield f"    </{tag}>"
+    for tag, numbers in {"Outputs": outputs, "Derivatives": rates, "InitialUnknowns": unknown}.items():
+        if numbers:
+            yield f"    <{tag}>"
+            yield from (f'      <Unknown index="{number}"/>' for number in numbers)
+            yield f"    </{tag}>"
 
 
 def build_description(model: FmuModel, sources: Sequence[str], flags: Sequence[str]) -> str:

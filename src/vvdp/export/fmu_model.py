@@ -1,8 +1,8 @@
 """What of a system an FMU shows: inputs, parameters that are free, outputs, and what is fixed with the reason."""
 
 import re
-from collections.abc import Sequence, Set
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Sequence, Set
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.kinds import Kind
 from vvdp.base.signal import Signal
 from vvdp.base.tables import nearest
+from vvdp.export.c_guest import indicator_count
 from vvdp.export.c_machine import CMachine, c_machine
 from vvdp.simulation.parts import example_outputs
 from vvdp.simulation.values import leaves
@@ -57,13 +58,26 @@ class Output:
 
 
 @dataclass(frozen=True)
+class Guest:
+    """An FMU that the integrator of a host carries; `has_books`: with the energy and mass balance among its states."""
+
+    has_books: bool = False
+
+
+@dataclass(frozen=True)
 class FmuModel:
-    """A machine with the variables of an FMU; `fixed` are values that stay, each with the reason."""
+    """A machine with the variables of an FMU; `fixed` are values that stay, each with the reason.
+
+    carried  of a guest, the states that the integrator of the host carries, in its order
+    inner    of a guest, what the host needs besides: states that are no output, rates of all states, indicators
+    """
 
     machine: CMachine
     settables: tuple[Settable, ...]
     outputs: tuple[Output, ...]
-    fixed: tuple[tuple[str, str], ...] = field(default=())
+    fixed: tuple[tuple[str, str], ...]
+    carried: tuple[Output, ...] = ()
+    inner: tuple[Output, ...] = ()
 
     @property
     def system(self) -> System:
@@ -73,7 +87,7 @@ class FmuModel:
     @property
     def variables(self) -> tuple[Settable | Output, ...]:
         """All variables in the order of their references, which begin with 1."""
-        return (*self.settables, *self.outputs)
+        return (*self.settables, *self.outputs, *self.inner)
 
     @property
     def inputs(self) -> list[str]:
@@ -81,11 +95,14 @@ class FmuModel:
         return [each.name for each in self.settables if each.role == INPUT]
 
 
-def fmu_model(system: System, inputs: Sequence[str] = (), outputs: Sequence[str] = ()) -> FmuModel:
+def fmu_model(
+    system: System, inputs: Sequence[str] = (), outputs: Sequence[str] = (), guest: Guest | None = None
+) -> FmuModel:
     """The variables of an FMU of a system.
 
     inputs   keys of signals, or KEY=NAME; by default all signals that the file keeps constant
     outputs  paths of states, commands and outputs, or PATH=NAME; by default all of them
+    guest    of an FMU that the integrator of a host carries
 
     A parameter is free if what follows it is known: it is changed, the case is built again, and what changes in its
     vectors is a product or a sum, to the last bit. Raises ConfigError where a key is unknown, or no constant signal.
@@ -105,9 +122,40 @@ def fmu_model(system: System, inputs: Sequence[str] = (), outputs: Sequence[str]
             if key not in shown:
                 raise ConfigError([Fault("--output", 0, key, f"unknown{nearest(key, tuple(shown))}")])
         shown = {key: Output(name, *_place(shown[key])) for key, name in names.items()}
-    found = FmuModel(c_machine(system), tuple(settables), tuple(shown.values()), tuple(fixed))
+    machine = c_machine(system, is_guest=guest is not None)
+    states = () if guest is None else tuple(_states(machine, shown.values(), guest))
+    found = FmuModel(
+        machine=machine,
+        settables=tuple(settables),
+        outputs=tuple(shown.values()),
+        fixed=tuple(fixed),
+        carried=states,
+        inner=() if guest is None else tuple(_inner(machine, states, shown.values())),
+    )
     _refuse_same_names(found)
     return found
+
+
+def _states(machine: CMachine, shown: Iterable[Output], guest: Guest) -> Iterator[Output]:
+    """The states that a host carries: those that are shown under their names."""
+    names = {each.place: each for each in shown if each.vector == "state"}
+    place = 0
+    for path, leaf, kind in leaves(machine.system.case.state):
+        size = int(np.size(leaf))
+        if not path.startswith("books.") or guest.has_books:
+            for i in range(size):
+                own = f"state.{path}[{i + 1}]" if np.ndim(leaf) else f"state.{path}"
+                yield names.get(place + i, Output(own, path, kind, "state", place + i))
+        place += size
+
+
+def _inner(machine: CMachine, carried: Sequence[Output], shown: Iterable[Output]) -> Iterator[Output]:
+    known = set(shown)
+    yield from (each for each in carried if each not in known)
+    for each in carried:
+        yield Output(f"der({each.name})", each.key, None, "rate", each.place)
+    for place in range(indicator_count(machine)):
+        yield Output(f"event_indicator[{place + 1}]", "indicator", None, "indicator", place)
 
 
 def _place(output: Output) -> tuple[str, Kind | None, str, int]:

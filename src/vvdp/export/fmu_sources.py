@@ -4,14 +4,23 @@ import json
 from collections.abc import Mapping
 from importlib import resources
 
-from vvdp.export.c_machine import STATUS, facade_text, header_text
+from vvdp.export.c_guest import guest_header, guest_text, indicator_count
+from vvdp.export.c_machine import STATUS, facade_text, header_text, numbers_text
 from vvdp.export.fmu_model import FIXED, INPUT, FmuModel
 from vvdp.generator.c_text import constant, wrap
 from vvdp.generator.kinds import FLOAT
 
 ROLES = {FIXED: "FMU_FIXED", INPUT: "FMU_INPUT"}
-VECTORS = {"y": "FMU_STATE", "state": "FMU_STATE", "command": "FMU_COMMAND", "output": "FMU_OUTPUT",
-           "memory": "FMU_MEMORY", "params": "FMU_PARAMETERS"}  # fmt: skip
+VECTORS = {
+    "y": "FMU_STATE",
+    "state": "FMU_STATE",
+    "command": "FMU_COMMAND",
+    "output": "FMU_OUTPUT",
+    "memory": "FMU_MEMORY",
+    "params": "FMU_PARAMETERS",
+    "rate": "FMU_RATE",
+    "indicator": "FMU_INDICATOR",
+}
 OPERATIONS = {"+": "FMU_ADD", "*": "FMU_TIMES", "/": "FMU_BY", "over": "FMU_OVER"}
 REASONS = {
     "NOT_FINITE": "a rate is no longer finite",
@@ -31,22 +40,23 @@ TOKEN_SIZE = 40
 
 def source_files(model: FmuModel, fmi: int, token: str) -> dict[str, str]:
     """The files of the folder `sources` by name."""
-    machine = model.machine
+    machine, is_guest = model.machine, model.machine.is_guest
     return {
-        f"{machine.name}.h": header_text(machine),
-        f"{machine.name}.c": facade_text(machine),
+        f"{machine.name}.h": header_text(machine, guest_header(machine) if is_guest else ""),
+        f"{machine.name}.c": facade_text(machine) + (guest_text(machine) if is_guest else ""),
         f"{machine.name}_core.h": machine.core.header,
         f"{machine.name}_core.c": machine.core.source,
         "fmu_model.h": _model_header(model, fmi, token),
         "fmu_tables.c": tables_text(model),
-        **fixed_files(fmi),
+        **fixed_files(fmi, is_guest=is_guest),
     }
 
 
-def fixed_files(fmi: int) -> Mapping[str, str]:
+def fixed_files(fmi: int, *, is_guest: bool) -> Mapping[str, str]:
     """The sources that are the same in every FMU, and the headers of FMI (2-Clause BSD)."""
     folder = resources.files("vvdp.export").joinpath("fmi")
-    return {name: folder.joinpath(name).read_text("utf-8") for name in ("fmu.h", "fmu.c", *FMI_FILES[fmi])}
+    names = ["fmu.h", "fmu.c", *(["fmu_guest.c"] if is_guest else []), *FMI_FILES[fmi]]
+    return {name: folder.joinpath(name).read_text("utf-8") for name in names}
 
 
 def _model_header(model: FmuModel, fmi: int, token: str) -> str:
@@ -54,6 +64,8 @@ def _model_header(model: FmuModel, fmi: int, token: str) -> str:
     followers = sum(len(each.followers) for each in model.settables)
     reasons = [REASONS.get(word, "the loop was interrupted") for word in STATUS]
     names = {"machine": "fmu_machine", "output": "fmu_model_output"}
+    functions = ["start", "run", "outputs", "time"]
+    functions += ["derive", "indicate", "enter", "fallen", "move"] if machine.is_guest else []
     return "\n".join(
         [
             "/* The machine of this FMU, and how many variables it has. */",
@@ -63,16 +75,24 @@ def _model_header(model: FmuModel, fmi: int, token: str) -> str:
             f"#define FMU_HAS_TIME {int(fmi == 3)}",
             f"#define FMU_BEGIN {stepping.begin!r}",
             f"#define FMU_PERIOD {stepping.sample_period!r}",
-            *(f"#define fmu_model_{each} {machine.name}_{each}" for each in ("start", "run", "outputs", "time")),
+            f"#define FMU_IS_GUEST {int(machine.is_guest)}",
+            *(f"#define fmu_model_{each} {machine.name}_{each}" for each in functions),
             "",
             f"enum {{ FMU_TOKEN_SIZE = {TOKEN_SIZE}, FMU_STATES = {machine.begun.state.size} }};",
             f"enum {{ FMU_SETTABLES = {len(model.settables)}, FMU_FOLLOWERS = {followers} }};",
-            f"enum {{ FMU_OUTPUTS = {len(model.outputs)} }};",
+            f"enum {{ FMU_OUTPUTS = {len(model.outputs) + len(model.inner)} }};",
+            *([_guest_sizes(model)] if machine.is_guest else []),
             *(f"typedef {machine.name}_{own} {name};" for own, name in names.items()),
             wrap(f"static const char *const fmu_reasons[] = {{{', '.join(map(json.dumps, reasons))}}};"),
             "\n#endif\n",
         ]
     )
+
+
+def _guest_sizes(model: FmuModel) -> str:
+    sizes = {"CARRIED": len(model.carried), "POSITIONS": model.machine.bench.rate.size}
+    sizes["INDICATORS"] = indicator_count(model.machine)
+    return f"enum {{ {', '.join(f'FMU_{name} = {size}' for name, size in sizes.items())} }};"
 
 
 def tables_text(model: FmuModel) -> str:
@@ -84,7 +104,8 @@ def tables_text(model: FmuModel) -> str:
         for own in each.followers:
             operation = f"{OPERATIONS[own.operation]}, {constant(FLOAT, own.constant)}"
             followers.append(f"    {{{number}, {VECTORS[own.vector]}, {own.place}, {operation}}},")
-    outputs = [f"    {{{VECTORS[each.vector]}, {each.place}}}, /* {each.key} */" for each in model.outputs]
+    shown = (*model.outputs, *model.inner)
+    outputs = [f"    {{{VECTORS[each.vector]}, {each.place}}}, /* {each.key} */" for each in shown]
     parts = ['/* Variables in the order of their references. */\n#include "fmu.h"\n']
     for kind, rows, none in (
         ("fmu_settable", settables, '    {"", 0.0, 0.0, 0.0, FMU_FIXED},'),
@@ -92,4 +113,7 @@ def tables_text(model: FmuModel) -> str:
         ("fmu_output", outputs, "    {FMU_STATE, 0},"),
     ):
         parts.append("\n".join([f"const {kind} {kind}s[] = {{", *(rows or [none]), "};\n"]))
+    if model.machine.is_guest:
+        nominals = numbers_text(model.machine.tables.scale[: len(model.carried)])
+        parts.append(f"const double fmu_nominals[] = {{\n{nominals}\n}};\n")
     return "\n".join(parts)

@@ -5,18 +5,18 @@ beforehand, and that lengths of arrays stand in the text, so that all arrays hav
 """
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.generator.kinds import Kind, Known
+from vvdp.generator.kinds import Address, Kind, Known
 from vvdp.generator.tree import Module
 from vvdp.generator.unit import Unit
 from vvdp.generator.verify import verify
-from vvdp.simulation import loop
+from vvdp.simulation import guest, loop
 from vvdp.simulation.dialect import model_options
 from vvdp.simulation.exchange import refuse_partners
 from vvdp.simulation.flat import store
@@ -44,23 +44,29 @@ LENGTH = re.compile(r"int\((\w)\[([^\]]+)\]\)")
 """A length, or the place of an array, as the texts of `simulation.parts` read it from a vector."""
 SUM = re.compile(r"\s+([\w, ]+) = ([\w +*,]+)")
 """A line that works out places from others."""
-FUNCTIONS = ("rates", "sample", "events", "stop")
-"""The arguments of the loop that are functions."""
 
 
-def machine_module(model: Model, case: Case) -> Module:
+def machine_module(model: Model, case: Case, *, is_guest: bool = False) -> Module:
     """The verified tree of a system with its loop; its entries are `run`, the loop, and `outputs`.
 
-    Lengths of arrays and places of signals are those of `case`. Raises LanguageError where a function uses what the
+    With `is_guest` it has those of `simulation.guest` as well, for the integrator of another program. Lengths of
+    arrays and places of signals are those of `case`. Raises LanguageError where a function uses what the
     language does not have, RunError where a program exchanges values with a model outside.
     """
     refuse_partners(model.partners, "exported code")
     known, unit = _functions(model, case), Unit(model_options())
-    functions: list[Kind] = [Known(known[name]) for name in FUNCTIONS]
-    unit.add(loop.run, [*functions, *loop.RUN[len(FUNCTIONS) :]], "run")
+    entries = {"run": (loop.run, loop.RUN), **guest.ENTRIES} if is_guest else {"run": (loop.run, loop.RUN)}
+    for name, (function, kinds) in entries.items():
+        handed = parameters_of(function, kinds)
+        unit.add(function, [Known(known[each]) if isinstance(k, Address) else k for each, k in handed.items()], name)
     shown = outputs_part(model, case, shapes=False)
     unit.add(_with_lengths(shown, {"p": vectors(case).params}), shown.kinds, "outputs")
     return verify(unit.module())
+
+
+def parameters_of(function: Callable[..., Any], kinds: Sequence[Kind]) -> dict[str, Kind]:
+    """The types of a function's arguments by name; those that are functions are known to it beforehand."""
+    return dict(zip(function.__code__.co_varnames, kinds, strict=False))
 
 
 def _functions(model: Model, case: Case) -> dict[str, Callable[..., Any]]:

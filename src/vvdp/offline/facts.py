@@ -26,6 +26,7 @@ from vvdp.offline.guess import channels_of_edges
 from vvdp.offline.hypotheses import Sectors
 from vvdp.offline.lost_sensor import WANDERS
 from vvdp.offline.noise_fit import CLEAR, WORTH, Explained, fitted_filter
+from vvdp.offline.passed_edges import FEWEST_FITTED
 from vvdp.offline.sums import Sums, Tally, repeats_after
 from vvdp.offline.turn_pattern import Candidate, SpeedRipple, is_whole
 from vvdp.sensing.wheel import TURN
@@ -171,6 +172,8 @@ def record_facts(found: Mapping[str, Any], sums: Sums, wanted: Estimation) -> di
         "standstills": _list_words([f"from {begin:.4g} to {end:.4g} s" for begin, end in rows.standstills]),
         "interruptions": tally.interruptions,
         "unsettled": not found["settled"],
+        "unchecked": found["settled"] and sums.explained is None,
+        "fewest_checked": FEWEST_FITTED,
         "hardly_possible": "" if SLOWEST <= rows.usual_speed <= FASTEST else with_unit(rows.usual_speed, SPEED),
         "gap": GAP,
         "started_anew": Amount(tally.pieces if anew else 0),

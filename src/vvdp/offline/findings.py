@@ -96,6 +96,10 @@ RECORD = (
         "{edges:edges} {edges:is} less than two turns of {sectors}: the filter has not settled, and means are over all "
         "that there is.",
         "Take a longer record.", Grade.BAD),
+    Rule("unchecked", "The settings were not checked",
+        "{edges:edges} {edges:is} fewer than the {fewest_checked} that a check needs: how far speed and angle may be "
+        "off rests on the settings of the filter alone.",
+        "Take a longer record, or give [filter] acceleration_density by what the drive can do."),
     Rule("hardly_possible", "Speed hardly possible",
         "The mean speed is {hardly_possible}.",
         "Look at the unit of the times, the sample rate, and the number of sectors ({sectors}).", Grade.BAD),

@@ -10,7 +10,7 @@ from vvdp.offline.estimate_result import portions
 
 MOST_EDGES = 4096
 """Edges that a fit is made of, at most."""
-FEWEST_EDGES = 64
+FEWEST_FITTED = 64
 """Edges below which nothing is fitted."""
 
 
@@ -44,7 +44,7 @@ def longest_pieces(file: Any, edge_variance: float) -> Passed | None:
         own = _first_edges(file, firsts[longest], longest, room, edge_variance)
         found += [own] if own.times.size > 2 else []
         total, room = total + min(sizes[longest], MOST_EDGES), room - (own.times.size if own.times.size > 2 else 0)
-    return Passed(*map(np.concatenate, zip(*found, strict=True))) if MOST_EDGES - room >= FEWEST_EDGES else None
+    return Passed(*map(np.concatenate, zip(*found, strict=True))) if MOST_EDGES - room >= FEWEST_FITTED else None
 
 
 def _first_edges(file: Any, first: int, wanted: float, most: int, edge_variance: float) -> Passed:

@@ -1,9 +1,8 @@
 """Networks that a system file draws itself: its tables [nodes], [components] and [programs]."""
 
 import dataclasses
-import inspect
 from collections.abc import Callable, Iterator, Mapping
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Annotated, Any, NamedTuple, get_type_hints
@@ -13,6 +12,7 @@ from vvdp.base.kinds import (
     Angle,
     Compliance,
     Inertia,
+    Kind,
     Mass,
     Polytropic,
     Position,
@@ -24,7 +24,7 @@ from vvdp.base.kinds import (
     Velocity,
     Volume,
 )
-from vvdp.base.params import Params, without_class
+from vvdp.base.params import Params, field_names, without_class
 from vvdp.base.signal import Signal
 from vvdp.base.tables import (
     Sourced,
@@ -311,7 +311,9 @@ class Drawer(ProgramDrawer):
         inputs = {argument.name for argument in component.inputs}
         if not self._has_own_keys(path, part, COMPONENTS):
             return
-        values = [self._table(cls, path, {k: part[k] for k in _fields(cls) if k in part}) for cls in component.params]
+        values = [
+            self._table(cls, path, {k: part[k] for k in field_names(cls) if k in part}) for cls in component.params
+        ]
         joints = {key: part[key] for key in component.ports if key in part}
         joints |= self._inputs(component, path, {key: part[key] for key in inputs if key in part})
         start = self._start(component, path, part.get("start"))
@@ -322,7 +324,7 @@ class Drawer(ProgramDrawer):
 
     def _add_assembly(self, net: Network, name: str, part: Mapping[str, Any], assembly: Assembly) -> None:
         path = f"components.{name}"
-        fields = _fields(assembly.params)
+        fields = field_names(assembly.params)
         if not self._has_own_keys(path, part, COMPONENTS):
             return
         values = self._table(assembly.params, path, {key: part[key] for key in fields if key in part})
@@ -356,9 +358,8 @@ class Drawer(ProgramDrawer):
                     found[key] = source
                 case _:
                     signals[key] = entry
-        kinds = {a.name: a.kind for a in component.inputs if a.name in signals}
-        hints = {key: Annotated[Signal, kind] for key, kind in kinds.items()}
-        table = self._table(type("Inputs", (Params,), {"__annotations__": hints}), path, signals) if signals else None
+        kinds = tuple((a.name, a.kind) for a in component.inputs if a.name in signals)
+        table = self._table(_signals_class(kinds), path, signals) if signals else None
         return found | ({key: getattr(table, key) for key in signals} if table else {})
 
     def _start(self, component: Component, path: str, given: Any) -> Any:
@@ -375,8 +376,10 @@ class Drawer(ProgramDrawer):
         return component.state(**{key: getattr(table, key) for key in hints}) if table else None
 
 
-def _fields(cls: type[Params]) -> list[str]:
-    return list(inspect.signature(cls).parameters)
+@cache
+def _signals_class(kinds: tuple[tuple[str, Kind], ...]) -> type[Params]:
+    """A parameter class with a signal for each name."""
+    return type("Inputs", (Params,), {"__annotations__": {key: Annotated[Signal, kind] for key, kind in kinds}})
 
 
 def draw_network(content: Mapping[str, Any], table: Table, faults: list[Fault], folder: Path = Path()) -> Drawing:

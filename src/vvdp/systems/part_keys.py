@@ -1,10 +1,9 @@
 """The keys that a component or a program has in a file, and the type that was meant where they are those of another."""
 
-import inspect
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from vvdp.base.params import Params, default_values
+from vvdp.base.params import Params, default_values, field_names
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Component
 from vvdp.network.program import ProgramType
@@ -37,14 +36,15 @@ def part_keys(part: PartType) -> PartKeys:
     else:
         joined = {*part.ports, *(each.name for each in part.inputs if each.default is None)}
         classes, optional = tuple(part.params), {"at", "start", *(each.name for each in part.inputs)}
-    fields = {key for cls in classes for key in inspect.signature(cls).parameters}
+    fields = {key for cls in classes for key in field_names(cls)}
     needed = {"type", *joined, *(fields - {key for cls in classes for key in default_values(cls)})}
     return PartKeys(frozenset(needed), frozenset({*needed, *fields, *optional}))
 
 
 def other_type(word: str, given: Mapping[str, object], types: Mapping[str, PartType]) -> str:
     """A message where the keys `given` with type `word` are not its own but all those of another; else empty."""
-    odd = [key for key in given if key not in part_keys(types[word]).known]
+    own = part_keys(types[word])
+    odd = [key for key in given if key not in own.known]
     if not odd:
         return ""
     keys = {name: part_keys(part) for name, part in types.items()}

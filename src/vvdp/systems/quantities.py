@@ -26,7 +26,7 @@ from vvdp.systems.control_stages import sequences
 from vvdp.systems.heat_numbers import heat_quantities
 from vvdp.systems.system import System
 from vvdp.systems.tank_levels import reservoirs
-from vvdp.systems.valve_numbers import valve_quantities
+from vvdp.systems.valve_numbers import driven_spools, valve_quantities
 
 OF_ANY_RUN: Mapping[str, tuple[Kind, str]] = {
     "duration_s": (DURATION, "simulated time"),
@@ -82,7 +82,7 @@ def _of_nodes(system: System) -> Iterator[tuple[str, tuple[Kind, str]]]:
         for which, label in EXTREMES.items():
             if isinstance(node, HydraulicNode):
                 yield f"pressure_{which}_{name}_Pa", (GAUGE_PRESSURE, f"{words} pressure, {label}")
-            elif isinstance(node, Shaft):
+            elif isinstance(node, Shaft) or name in driven_spools(system.circuit.network):
                 yield f"speed_{which}_{name}_rad_s", (SPEED, f"{words} speed, {label}")
             elif isinstance(node, Rod):
                 yield f"velocity_{which}_{name}_m_s", (VELOCITY, f"{words} velocity, {label}")

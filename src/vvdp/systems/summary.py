@@ -9,6 +9,7 @@ import numpy as np
 from vvdp.base.signal import Signal
 from vvdp.network.network import Part
 from vvdp.network.nodes import (
+    DrivenShaft,
     HydraulicNode,
     OilVolume,
     PressureSource,
@@ -31,7 +32,7 @@ from vvdp.systems.pipe_waves import wave_numbers
 from vvdp.systems.system import System
 from vvdp.systems.tank_levels import level_numbers
 from vvdp.systems.validity import broken_bounds, cavitation_pressure, lowest_pressure
-from vvdp.systems.valve_numbers import valve_numbers
+from vvdp.systems.valve_numbers import driven_spools, valve_numbers
 
 
 def summary(system: System, run: Run) -> Summary:
@@ -74,7 +75,7 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
         **waiting_numbers(run, system),
     }
     balances = _balances(run)
-    found |= valve_numbers(system, run, means, found | balances)
+    found |= valve_numbers(system, means, found | balances)
     if system.extras is not None:
         found |= system.extras.simulation_numbers(run, found | balances)
     found |= balances
@@ -152,10 +153,24 @@ def node_numbers(run: Outcome, system: System, means: Mapping[str, float]) -> Su
             if isinstance(node, Rod):
                 found[f"position_min_{name}_m"] = low[f"{name}.position"]
                 found[f"position_max_{name}_m"] = high[f"{name}.position"]
+    for name in driven_spools(system.circuit.network):
+        at = paths.index(name)
+        mean = (window.last[at] - window.first[at]) / (window.end - window.begin)
+        bounds = _driven_bounds(system.circuit.network.nodes[name], run, system, mean)
+        keys = (f"speed_{which}_{name}_rad_s" for which in ("mean", "min", "max"))
+        found |= dict(zip(keys, (mean, *bounds), strict=True))
     for name in moving_parts(system.circuit.network):
         found[f"position_min_{name}_m"] = low[f"{name}.position"]
         found[f"position_max_{name}_m"] = high[f"{name}.position"]
     return found
+
+
+def _driven_bounds(node: DrivenShaft, run: Outcome, system: System, mean: float) -> tuple[float, float]:
+    """Bounds of a prescribed speed [rad/s], as the case has it; its mean where it is a connection."""
+    if not isinstance(node.speed, Signal):
+        return mean, mean
+    given: Signal = attrgetter(system.circuit.place(node.speed))(run.case.params)
+    return given.extremes
 
 
 def _prescribed_bounds(

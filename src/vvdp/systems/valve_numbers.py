@@ -1,26 +1,22 @@
 """What a rotary valve adds to the numbers of any circuit that a file draws: frequency, opening, cavitation, losses."""
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from vvdp.base.kinds import FRACTION, FREQUENCY, MEAN_POWER, Kind
-from vvdp.base.signal import Signal, signal_value
+from vvdp.base.signal import signal_value
 from vvdp.components.rotary_valve import ROTARY_VALVE
 from vvdp.fluid.oil import density
 from vvdp.network.network import Network, Part
 from vvdp.network.nodes import DrivenShaft, HydraulicNode
-from vvdp.simulation.values import leaves
 from vvdp.systems.bench_validity import ValveReading, efficiency, transition_loss, valve_bounds
 from vvdp.systems.bound import Bound
 from vvdp.systems.extras import LoadedSystem, Summary
 from vvdp.valve.losses import full_open_loss
 from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import pwm_frequency
-
-if TYPE_CHECKING:
-    from vvdp.simulation.outcome import Outcome
 
 
 class PlacedValve(NamedTuple):
@@ -44,7 +40,13 @@ def placed_valves(network: Network) -> Iterator[PlacedValve]:
         yield PlacedValve(alone[0] if alone else valve.name, valve)
 
 
-def valve_numbers(system: LoadedSystem, run: "Outcome", means: Mapping[str, float], found: Summary) -> Summary:
+def driven_spools(network: Network) -> list[str]:
+    """The shafts of rotary valves whose speed is prescribed or commanded."""
+    spools = dict.fromkeys(str(valve.part.nodes["spool"]) for valve in placed_valves(network))
+    return [name for name in spools if isinstance(network.nodes[name], DrivenShaft)]
+
+
+def valve_numbers(system: LoadedSystem, means: Mapping[str, float], found: Summary) -> Summary:
     """Numbers of each rotary valve, beside those in `found`; none where the system tells them itself.
 
     means  of all that the books add up, by its path in them
@@ -52,12 +54,12 @@ def valve_numbers(system: LoadedSystem, run: "Outcome", means: Mapping[str, floa
     numbers = Summary()
     for valve in placed_valves(system.circuit.network) if system.circuit.network.extras is None else ():
         name, own = valve.name, valve.part.name
-        numbers[f"{name}_pwm_frequency_Hz"] = pwm_frequency(mean_speed(run, valve.part.nodes["spool"]), valve.values)
-        reading = valve_reading(system, valve, found | numbers)
+        reading = valve_reading(system, valve, found)
         drops = sum(means[f"spent.{own}.{loss}"] for loss in ("nozzle", "centre_section", "outlet_turbine"))
         rho = density(reading.temperature, reading.oil)
         open_loss = full_open_loss(reading.flow, rho, valve.values) if reading.flow > 0.0 else 0.0
         numbers |= {
+            f"{name}_pwm_frequency_Hz": reading.pwm_frequency,
             f"{name}_load_opening": means[f"totals.{own}_load_opening"],
             f"{name}_cavitation_share": float(np.clip(means[f"totals.{own}_cavitating"], 0.0, 1.0)),
             f"loss_{name}_full_open_W": open_loss,
@@ -68,13 +70,6 @@ def valve_numbers(system: LoadedSystem, run: "Outcome", means: Mapping[str, floa
             delivered = put_in - unit_loss(system.circuit.network, valve, found)
             numbers[f"{name}_efficiency"] = efficiency(delivered, put_in, found.get("stored_power_W", 0.0))
     return numbers
-
-
-def mean_speed(run: "Outcome", shaft: str) -> float:
-    """Mean speed of a shaft over the window [rad/s]; the angle of a driven one is a state of its own."""
-    paths, window = [path for path, _, _ in leaves(run.case.state)], run.window
-    at = paths.index(f"{shaft}.angle" if f"{shaft}.angle" in paths else shaft)
-    return float((window.last[at] - window.first[at]) / (window.end - window.begin))
 
 
 def own_shaft(network: Network, inlet: str) -> str:
@@ -98,29 +93,16 @@ def valve_reading(system: LoadedSystem, valve: PlacedValve, found: Mapping[str, 
     network, nodes = system.circuit.network, valve.part.nodes
     inlet = network.nodes[nodes["inlet"]]
     assert isinstance(inlet, HydraulicNode)
-    frequency = float(found[f"{valve.name}_pwm_frequency_Hz"])
+    speeds = {end: float(found[f"speed_{end}_{nodes['spool']}_rad_s"]) for end in ("mean", "min", "max")}
     return ValveReading(
         valve=valve.values,
         oil=inlet.oil,
         temperature=signal_value(0.0, network.temperature),
         flow=-float(found[f"flow_mean_{valve.part.name}_inlet_m3_s"]),
-        pwm_frequency=frequency,
+        pwm_frequency=pwm_frequency(speeds["mean"], valve.values),
         inlet_pressure=float(found[f"pressure_mean_{nodes['inlet']}_Pa"]) + inlet.oil.reference_pressure,
-        fastest=max(abs(speed) for speed in speed_ends(network, nodes["spool"], frequency, valve.values, found)),
+        fastest=max(abs(speeds["min"]), abs(speeds["max"])),
     )
-
-
-def speed_ends(
-    network: Network, shaft: str, frequency: float, valve: RotaryValve, found: Mapping[str, float | bool]
-) -> tuple[float, float]:
-    """Between which speeds the spool turned [rad/s]; of one whose drive is commanded the mean, by its `frequency`."""
-    node = network.nodes[shaft]
-    if not isinstance(node, DrivenShaft):
-        return float(found[f"speed_min_{shaft}_rad_s"]), float(found[f"speed_max_{shaft}_rad_s"])
-    if isinstance(node.speed, Signal):
-        return node.speed.extremes
-    mean = 2.0 * np.pi * frequency / valve.sections
-    return mean, mean
 
 
 def placed_valve_bounds(system: LoadedSystem, found: Mapping[str, float | bool]) -> Iterator[Bound]:

@@ -1,4 +1,4 @@
-/* FMI 2.0 for co-simulation. */
+/* FMI 2.0 for co-simulation and, for a guest, model exchange. */
 #include "fmi2Functions.h"
 #include "fmu.h"
 
@@ -57,7 +57,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token, 
         fail(&told, "an instance needs a name");
         return NULL;
     }
-    if (type != fmi2CoSimulation) {
+    if (type == fmi2ModelExchange && !FMU_IS_GUEST) {
         fail(&told, "this FMU is for co-simulation only");
         return NULL;
     }
@@ -326,70 +326,81 @@ fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2S
     return fail(c, "steps are not asynchronous");
 }
 
-/* Model exchange, which this FMU does not provide. */
+/* Model exchange. */
+
+#if FMU_IS_GUEST
+#define AS_GUEST(call) status_of(c, call)
+#define MODEL (((component *)c)->model)
+#else
+#define AS_GUEST(call) fail(c, "this FMU is for co-simulation only")
+#endif
 
 fmi2Status fmi2EnterEventMode(fmi2Component c)
 {
-    return fail(c, "this FMU is for co-simulation only");
+    return AS_GUEST(1);
 }
 
 fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *found)
 {
-    (void)found;
-    return fail(c, "this FMU is for co-simulation only");
+    memset(found, 0, sizeof *found);
+    const fmi2Status status = AS_GUEST(fmu_enter(MODEL));
+#if FMU_IS_GUEST
+    found->nextEventTimeDefined = isfinite(MODEL->kept.next) ? fmi2True : fmi2False;
+    found->nextEventTime = MODEL->kept.next;
+#endif
+    return status;
 }
 
 fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c)
 {
-    return fail(c, "this FMU is for co-simulation only");
+    return AS_GUEST(1);
 }
 
 fmi2Status fmi2CompletedIntegratorStep(
         fmi2Component c, fmi2Boolean is_kept, fmi2Boolean *enters_event, fmi2Boolean *terminates)
 {
     (void)is_kept;
-    (void)enters_event;
-    (void)terminates;
-    return fail(c, "this FMU is for co-simulation only");
+    *enters_event = *terminates = fmi2False;
+    return AS_GUEST(fmu_complete(MODEL));
 }
 
 fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time)
 {
     (void)time;
-    return fail(c, "this FMU is for co-simulation only");
+    return AS_GUEST(fmu_move(MODEL, time));
 }
 
 fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t count)
 {
     (void)x;
     (void)count;
-    return fail(c, "this FMU is for co-simulation only");
+    return AS_GUEST(fmu_put_states(MODEL, x, count));
 }
 
 fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real x[], size_t count)
 {
     (void)x;
     (void)count;
-    return fail(c, "this FMU is for co-simulation only");
+    return AS_GUEST(fmu_derive(MODEL, x, count));
 }
 
 fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real x[], size_t count)
 {
     (void)x;
     (void)count;
-    return fail(c, "this FMU is for co-simulation only");
+    return AS_GUEST(fmu_indicate(MODEL, x, count));
 }
 
 fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t count)
 {
     (void)x;
     (void)count;
-    return fail(c, "this FMU is for co-simulation only");
+    return AS_GUEST(fmu_get_states(MODEL, x, count));
 }
 
 fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x[], size_t count)
 {
     (void)x;
     (void)count;
-    return fail(c, "this FMU is for co-simulation only");
+    return AS_GUEST(fmu_get_nominals(MODEL, x, count));
 }

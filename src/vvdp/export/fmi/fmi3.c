@@ -1,7 +1,8 @@
-/* FMI 3.0 for co-simulation. */
+/* FMI 3.0 for co-simulation and, for a guest, model exchange. */
 #include "fmi3Functions.h"
 #include "fmu.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -38,27 +39,15 @@ fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t count, con
     return fmi3OK;
 }
 
-fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
-        fmi3Boolean logging, fmi3Boolean with_events, fmi3Boolean early_return,
-        const fmi3ValueReference intermediate[], size_t intermediate_count, fmi3InstanceEnvironment environment,
-        fmi3LogMessageCallback logger, fmi3IntermediateUpdateCallback update)
+/* An instance; NULL, told to the logger, where it cannot be made. */
+static fmi3Instance instance_of(component told, fmi3String name, fmi3String token)
 {
-    component told = {NULL, logger, environment, logging};
-    (void)resources;
-    (void)visible;
-    (void)early_return;
-    (void)intermediate;
-    (void)update;
     if (name == NULL || *name == '\0') {
         fail(&told, "an instance needs a name");
         return NULL;
     }
     if (token == NULL || strcmp(token, FMU_TOKEN) != 0) {
         fail(&told, "the instantiation token is that of another FMU");
-        return NULL;
-    }
-    if (with_events || intermediate_count != 0) {
-        fail(&told, "event mode and intermediate variables are not provided");
         return NULL;
     }
     component *c = calloc(1, sizeof *c);
@@ -74,6 +63,24 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
     return c;
 }
 
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
+        fmi3Boolean logging, fmi3Boolean with_events, fmi3Boolean early_return,
+        const fmi3ValueReference intermediate[], size_t intermediate_count, fmi3InstanceEnvironment environment,
+        fmi3LogMessageCallback logger, fmi3IntermediateUpdateCallback update)
+{
+    component told = {NULL, logger, environment, logging};
+    (void)resources;
+    (void)visible;
+    (void)early_return;
+    (void)intermediate;
+    (void)update;
+    if (with_events || intermediate_count != 0) {
+        fail(&told, "event mode and intermediate variables are not provided");
+        return NULL;
+    }
+    return instance_of(told, name, token);
+}
+
 static fmi3Instance only_co_simulation(fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger)
 {
     component told = {NULL, logger, environment, 0};
@@ -84,12 +91,17 @@ static fmi3Instance only_co_simulation(fmi3InstanceEnvironment environment, fmi3
 fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
         fmi3Boolean logging, fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger)
 {
-    (void)name;
-    (void)token;
     (void)resources;
     (void)visible;
+#if FMU_IS_GUEST
+    const component told = {NULL, logger, environment, logging};
+    return instance_of(told, name, token);
+#else
+    (void)name;
+    (void)token;
     (void)logging;
     return only_co_simulation(environment, logger);
+#endif
 }
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources,
@@ -231,12 +243,102 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 size, fmi3Bo
     return status_of(c, is_well);
 }
 
-/* What this FMU does not provide. */
+/* Model exchange. */
 
-fmi3Status fmi3EnterEventMode(fmi3Instance instance)
+#if FMU_IS_GUEST
+#define AS_GUEST(call) status_of(c, call)
+#define MODEL (((component *)c)->model)
+enum { CARRIED = FMU_CARRIED, INDICATORS = FMU_INDICATORS };
+#else
+#define AS_GUEST(call) fail(c, "this FMU is for co-simulation only")
+enum { CARRIED = 0, INDICATORS = 0 };
+#endif
+
+fmi3Status fmi3EnterEventMode(fmi3Instance c)
 {
-    return fail(instance, "fmi3EnterEventMode is not provided");
+    return AS_GUEST(1);
 }
+
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *again, fmi3Boolean *terminates, fmi3Boolean *nominals,
+        fmi3Boolean *values, fmi3Boolean *is_known, fmi3Float64 *next)
+{
+    *again = *terminates = *nominals = *values = *is_known = fmi3False;
+    const fmi3Status status = AS_GUEST(fmu_enter(MODEL));
+    *next = 0.0;
+#if FMU_IS_GUEST
+    *is_known = isfinite(MODEL->kept.next) ? fmi3True : fmi3False;
+    *next = MODEL->kept.next;
+#endif
+    return status;
+}
+
+fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c)
+{
+    return AS_GUEST(1);
+}
+
+fmi3Status fmi3CompletedIntegratorStep(
+        fmi3Instance c, fmi3Boolean is_kept, fmi3Boolean *enters_event, fmi3Boolean *terminates)
+{
+    (void)is_kept;
+    *enters_event = *terminates = fmi3False;
+    return AS_GUEST(fmu_complete(MODEL));
+}
+
+fmi3Status fmi3SetTime(fmi3Instance c, fmi3Float64 time)
+{
+    (void)time;
+    return AS_GUEST(fmu_move(MODEL, time));
+}
+
+fmi3Status fmi3SetContinuousStates(fmi3Instance c, const fmi3Float64 x[], size_t count)
+{
+    (void)x;
+    (void)count;
+    return AS_GUEST(fmu_put_states(MODEL, x, count));
+}
+
+fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64 x[], size_t count)
+{
+    (void)x;
+    (void)count;
+    return AS_GUEST(fmu_derive(MODEL, x, count));
+}
+
+fmi3Status fmi3GetEventIndicators(fmi3Instance c, fmi3Float64 x[], size_t count)
+{
+    (void)x;
+    (void)count;
+    return AS_GUEST(fmu_indicate(MODEL, x, count));
+}
+
+fmi3Status fmi3GetContinuousStates(fmi3Instance c, fmi3Float64 x[], size_t count)
+{
+    (void)x;
+    (void)count;
+    return AS_GUEST(fmu_get_states(MODEL, x, count));
+}
+
+fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Float64 x[], size_t count)
+{
+    (void)x;
+    (void)count;
+    return AS_GUEST(fmu_get_nominals(MODEL, x, count));
+}
+
+fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance c, size_t *count)
+{
+    *count = INDICATORS;
+    return AS_GUEST(1);
+}
+
+fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t *count)
+{
+    *count = CARRIED;
+    return AS_GUEST(1);
+}
+
+/* What this FMU does not provide. */
 
 fmi3Status fmi3GetFloat32(fmi3Instance instance, const fmi3ValueReference valueReferences[],
         size_t nValueReferences, fmi3Float32 values[], size_t nValues)
@@ -615,89 +717,6 @@ fmi3Status fmi3SetShiftFraction(fmi3Instance instance, const fmi3ValueReference 
 fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance)
 {
     return fail(instance, "fmi3EvaluateDiscreteStates is not provided");
-}
-
-fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean* discreteStatesNeedUpdate,
-        fmi3Boolean* terminateSimulation, fmi3Boolean* nominalsOfContinuousStatesChanged,
-        fmi3Boolean* valuesOfContinuousStatesChanged, fmi3Boolean* nextEventTimeDefined, fmi3Float64* nextEventTime)
-{
-    (void)discreteStatesNeedUpdate;
-    (void)terminateSimulation;
-    (void)nominalsOfContinuousStatesChanged;
-    (void)valuesOfContinuousStatesChanged;
-    (void)nextEventTimeDefined;
-    (void)nextEventTime;
-    return fail(instance, "fmi3UpdateDiscreteStates is not provided");
-}
-
-fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance)
-{
-    return fail(instance, "fmi3EnterContinuousTimeMode is not provided");
-}
-
-fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean noSetFMUStatePriorToCurrentPoint,
-        fmi3Boolean* enterEventMode, fmi3Boolean* terminateSimulation)
-{
-    (void)noSetFMUStatePriorToCurrentPoint;
-    (void)enterEventMode;
-    (void)terminateSimulation;
-    return fail(instance, "fmi3CompletedIntegratorStep is not provided");
-}
-
-fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time)
-{
-    (void)time;
-    return fail(instance, "fmi3SetTime is not provided");
-}
-
-fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 continuousStates[],
-        size_t nContinuousStates)
-{
-    (void)continuousStates;
-    (void)nContinuousStates;
-    return fail(instance, "fmi3SetContinuousStates is not provided");
-}
-
-fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 derivatives[],
-        size_t nContinuousStates)
-{
-    (void)derivatives;
-    (void)nContinuousStates;
-    return fail(instance, "fmi3GetContinuousStateDerivatives is not provided");
-}
-
-fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 eventIndicators[], size_t nEventIndicators)
-{
-    (void)eventIndicators;
-    (void)nEventIndicators;
-    return fail(instance, "fmi3GetEventIndicators is not provided");
-}
-
-fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 continuousStates[], size_t nContinuousStates)
-{
-    (void)continuousStates;
-    (void)nContinuousStates;
-    return fail(instance, "fmi3GetContinuousStates is not provided");
-}
-
-fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[],
-        size_t nContinuousStates)
-{
-    (void)nominals;
-    (void)nContinuousStates;
-    return fail(instance, "fmi3GetNominalsOfContinuousStates is not provided");
-}
-
-fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t* nEventIndicators)
-{
-    (void)nEventIndicators;
-    return fail(instance, "fmi3GetNumberOfEventIndicators is not provided");
-}
-
-fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t* nContinuousStates)
-{
-    (void)nContinuousStates;
-    return fail(instance, "fmi3GetNumberOfContinuousStates is not provided");
 }
 
 fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference valueReferences[],

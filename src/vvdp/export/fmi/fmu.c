@@ -30,6 +30,9 @@ void fmu_reset(fmu *f)
     strcpy(f->kept.token, FMU_TOKEN);
     fmu_model_start(&f->kept.machine);
     f->kept.time = FMU_BEGIN;
+#if FMU_IS_GUEST
+    f->kept.next = FMU_BEGIN;
+#endif
     for (int i = 0; i < FMU_SETTABLES; i++) {
         f->kept.values[i] = fmu_settables[i].start;
     }
@@ -76,8 +79,40 @@ static int show(fmu *f)
     if (fmu_model_outputs(&f->shown, &f->outputs) != 0) {
         return fail(f, "the outputs cannot be calculated");
     }
+#if FMU_IS_GUEST
+    if (fmu_model_derive(&f->shown, f->kept.time, f->kept.next, f->rates) != 0
+            || fmu_model_indicate(&f->shown, f->kept.time, f->kept.next, f->indicators) != 0) {
+        return fail(f, "the rates cannot be calculated");
+    }
+#endif
     f->is_shown = 1;
     return 1;
+}
+
+#if FMU_IS_GUEST
+fmu_machine *fmu_begun(fmu *f)
+{
+    if (f->kept.phase >= FMU_RUNNING) {
+        return &f->kept.machine;
+    }
+    return show(f) ? &f->shown : NULL;
+}
+#endif
+
+static double number_of(fmu *f, const fmu_output *output)
+{
+    switch (output->vector) {
+    case FMU_OUTPUT:
+        return ((const double *)&f->outputs)[output->place];
+#if FMU_IS_GUEST
+    case FMU_RATE:
+        return f->rates[output->place];
+    case FMU_INDICATOR:
+        return f->indicators[output->place];
+#endif
+    default:
+        return vector_of(&f->shown, output->vector)[output->place];
+    }
 }
 
 int fmu_get(fmu *f, const uint32_t *references, size_t count, double *values)
@@ -89,12 +124,10 @@ int fmu_get(fmu *f, const uint32_t *references, size_t count, double *values)
         } else if (r >= FIRST_SETTABLE && r < FIRST_OUTPUT) {
             values[i] = f->kept.values[r - FIRST_SETTABLE];
         } else if (r >= FIRST_OUTPUT && r < FIRST_OUTPUT + FMU_OUTPUTS) {
-            const fmu_output *output = &fmu_outputs[r - FIRST_OUTPUT];
             if (!show(f)) {
                 return 0;
             }
-            values[i] = output->vector == FMU_OUTPUT ? ((const double *)&f->outputs)[output->place]
-                                                     : vector_of(&f->shown, output->vector)[output->place];
+            values[i] = number_of(f, &fmu_outputs[r - FIRST_OUTPUT]);
         } else {
             snprintf(f->problem, sizeof f->problem, "there is no variable with the reference %u", (unsigned)r);
             return 0;

@@ -9,7 +9,7 @@
 
 typedef enum { FMU_CREATED, FMU_INITIALISING, FMU_RUNNING, FMU_ENDED, FMU_FAILED } fmu_phase;
 typedef enum { FMU_FIXED, FMU_TUNABLE, FMU_INPUT } fmu_role;
-typedef enum { FMU_STATE, FMU_COMMAND, FMU_OUTPUT, FMU_MEMORY, FMU_PARAMETERS } fmu_vector;
+typedef enum { FMU_STATE, FMU_COMMAND, FMU_OUTPUT, FMU_MEMORY, FMU_PARAMETERS, FMU_RATE, FMU_INDICATOR } fmu_vector;
 typedef enum { FMU_ADD, FMU_TIMES, FMU_BY, FMU_OVER } fmu_operation;
 
 /* A variable that can be set, within its range. */
@@ -39,6 +39,9 @@ typedef struct {
 extern const fmu_settable fmu_settables[];
 extern const fmu_follower fmu_followers[];
 extern const fmu_output fmu_outputs[];
+#if FMU_IS_GUEST
+extern const double fmu_nominals[];
+#endif
 
 /* All that changes; it contains no address. */
 typedef struct {
@@ -47,6 +50,9 @@ typedef struct {
     double time;
     double values[FMU_SETTABLES + 1];
     fmu_machine machine;
+#if FMU_IS_GUEST
+    double next; /* the time of the next event that is known */
+#endif
 } fmu_kept;
 
 typedef struct {
@@ -54,6 +60,10 @@ typedef struct {
     fmu_machine shown; /* the machine whose numbers the outputs show */
     fmu_model_output outputs;
     int is_shown;
+#if FMU_IS_GUEST
+    double rates[FMU_POSITIONS];
+    double indicators[FMU_INDICATORS + 1];
+#endif
     char problem[256];
 } fmu;
 
@@ -72,5 +82,18 @@ int fmu_step(fmu *f, double time, double size);
 fmu_kept *fmu_copy(const fmu *f);
 int fmu_restore(fmu *f, const fmu_kept *kept);
 int fmu_restore_bytes(fmu *f, const void *bytes, size_t count, fmu_kept **kept);
+
+#if FMU_IS_GUEST
+/* Model exchange: what happens at an event, and what the integrator of the host asks between events. */
+fmu_machine *fmu_begun(fmu *f); /* the machine, before its first step as it would begin; NULL where it cannot */
+int fmu_enter(fmu *f);
+int fmu_move(fmu *f, double time);
+int fmu_put_states(fmu *f, const double *states, size_t count);
+int fmu_get_states(fmu *f, double *states, size_t count);
+int fmu_get_nominals(fmu *f, double *nominals, size_t count);
+int fmu_derive(fmu *f, double *rates, size_t count);
+int fmu_indicate(fmu *f, double *indicators, size_t count);
+int fmu_complete(fmu *f);
+#endif
 
 #endif

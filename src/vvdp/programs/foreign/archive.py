@@ -1,8 +1,6 @@
 """The file of a foreign FMU: a zip archive from anyone, of which only what is needed is unpacked."""
 
-import platform
 import stat
-import sys
 import zipfile
 import zlib
 from dataclasses import dataclass
@@ -10,11 +8,11 @@ from pathlib import Path
 
 from vvdp.base.errors import ParameterError
 from vvdp.programs.foreign.description import Description, read_description
+from vvdp.programs.foreign.platforms import this_platform
 
 DESCRIPTION = "modelDescription.xml"
 MOST_DESCRIPTION, MOST_BYTES, MOST_ENTRIES = 2**25, 2**30, 20_000
 """Bytes of a description and of all that is unpacked, and entries of an archive, beyond which it is refused."""
-ENDS = {"linux": ".so", "darwin": ".dylib", "win32": ".dll"}
 
 
 @dataclass(frozen=True)
@@ -35,8 +33,8 @@ class Archive:
     @property
     def binary(self) -> str:
         """The entry with the machine code for this machine. Raises ParameterError if there is none."""
-        folder = platform_folder(self.description.fmi)
-        name = f"binaries/{folder}/{self.description.identifier}{ENDS[sys.platform]}"
+        folder = this_platform().folder(self.description.fmi)
+        name = f"binaries/{folder}/{self.description.identifier}{this_platform().end}"
         if name not in self.entries:
             there = f"it is for {', '.join(self.platforms)}" if self.platforms else "there is none at all"
             raise ParameterError(f"the FMU has no binary for {folder}; {there}")
@@ -53,14 +51,6 @@ class Archive:
                     target.write_bytes(_content(file, name, MOST_BYTES))
         (folder / "resources").mkdir(exist_ok=True)
         return folder / self.binary
-
-
-def platform_folder(fmi: int) -> str:
-    """The folder of binaries for this machine."""
-    processor = {"amd64": "x86_64", "arm64": "aarch64"}.get(platform.machine().lower(), platform.machine().lower())
-    if fmi == 3:
-        return f"{processor}-{ {'linux': 'linux', 'darwin': 'darwin', 'win32': 'windows'}[sys.platform] }"
-    return {"linux": "linux", "darwin": "darwin", "win32": "win"}[sys.platform] + "64"
 
 
 def open_archive(path: Path) -> Archive:

@@ -34,7 +34,7 @@ class Sink(NamedTuple):
 RELIEF = Sink("loss_relief_W", "relief valve")
 METERING = Sink("loss_valves_W", "valves")
 COMPENSATORS = Sink("loss_compensators_W", "compensators")
-RETURN = Sink("loss_return_W", "return throttle")
+RETURN = Sink("loss_return_W", "meter-out throttle")
 SWITCHING = Sink("loss_rotary_W", "PWM valve")
 LEAKAGE = Sink("loss_leakage_W", "leakage")
 PUMP_FRICTION = Sink("loss_pump_friction_W", "pump friction")
