@@ -63,6 +63,10 @@ def _value_at(file: PartFile, path: str) -> OfferedValue:
             return _value_at(inner, ".".join((group, *keys)))
         return OfferedValue(found.kind, _text(entry, found.kind) or found.default)
     entry = as_table(as_table(file.table.content.get(group)).get(name))
+    if len(keys) == 2 and keys[0] == "start":
+        state = getattr(COMPONENTS.get(str(entry.get("type"))), "state", None)
+        kind = field_kinds(state).get(keys[1]) if state else None
+        return OfferedValue(kind, _text(as_table(entry.get("start")).get(keys[1]), kind))
     kind, usual = _kind(group, str(entry.get("type")), keys[0])
     if group == "programs" and kind in GENERIC:
         kind = written_quantity(entry.get(keys[0]))
