@@ -12,7 +12,7 @@ from vvdp.components.pipes import LAYERED_PIPE, PIPE
 from vvdp.fluid.mixture import fluid_state
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.hydraulics.line import line_friction_drop
-from vvdp.hydraulics.pipe import sound_speed
+from vvdp.hydraulics.pipe import LinePipe, sound_speed
 from vvdp.network.assembly import Group
 from vvdp.network.network import Network
 from vvdp.network.nodes import HydraulicNode
@@ -71,13 +71,14 @@ def lasting_transits(pipe: Group, network: Network, highest: float, duration: fl
     duration  of the run [s]
     """
     line, node = pipe.values, network.nodes[pipe.nodes[0]]
-    assert isinstance(node, HydraulicNode)
+    assert isinstance(line, LinePipe) and isinstance(node, HydraulicNode)
     temperature = signal_value(0.0, network.temperature)
     rho = density(temperature, node.oil)
     c = sound_speed(rho, fluid_state(highest, node.oil), line.hose_compliance)
     impedance = rho * c / (0.25 * np.pi * line.diameter**2)
     drop = line_friction_drop(STILL, rho, dynamic_viscosity(temperature, node.oil), line)
-    return min(c * duration / line.length, 2.0 * impedance * STILL / drop if drop > 0.0 else np.inf)
+    lasting = 2.0 * impedance * STILL / drop if drop > 0.0 else np.inf
+    return float(min(c * duration / line.length, lasting))
 
 
 def pipes(system: LoadedSystem) -> Mapping[str, Group]:
@@ -93,6 +94,7 @@ def wave_numbers(system: LoadedSystem, run: Run) -> dict[str, float]:
     for name, pipe in pipes(system).items():
         pressures = run.states[:, [places[node] for node in pipe.nodes]]
         lasting = lasting_transits(pipe, system.circuit.network, float(pressures.max()), duration)
+        assert isinstance(pipe.values, LinePipe)
         found[f"wave_roughness_{name}"] = roughness(pressures, lasting, pipe.values.damping)
     return found
 

@@ -40,10 +40,10 @@ def placed_valves(network: Network) -> Iterator[PlacedValve]:
         yield PlacedValve(alone[0] if alone else valve.name, valve)
 
 
-def driven_spools(network: Network) -> list[str]:
+def driven_spools(network: Network) -> list[DrivenShaft]:
     """The shafts of rotary valves whose speed is prescribed or commanded."""
-    spools = dict.fromkeys(str(valve.part.nodes["spool"]) for valve in placed_valves(network))
-    return [name for name in spools if isinstance(network.nodes[name], DrivenShaft)]
+    names = dict.fromkeys(str(valve.part.nodes["spool"]) for valve in placed_valves(network))
+    return [node for node in map(network.nodes.__getitem__, names) if isinstance(node, DrivenShaft)]
 
 
 def valve_numbers(system: LoadedSystem, means: Mapping[str, float], found: Summary) -> Summary:
