@@ -55,7 +55,7 @@ def valve_ports() -> Any:
     axis.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     below = figure.add_subplot(rows[1, :])
     duties = np.linspace(0.0, 1.0, 101)
-    at = bench.set_point(0.0).condition(bench.oil)
+    at = bench.unit.set_point(0.0).condition(bench.oil)
     below.plot(duties, duties * at.flow / LPM, color=Colour.RELIEF, linestyle=":", label="ideal switch")
     for load, colour in LOADS.items():
         against = at._replace(load_pressure=load * BAR + bench.tank_pressure)
@@ -76,7 +76,7 @@ def losses() -> Any:
     ):
         points = []
         for load in PRESSURES:
-            point = bench.set_point(load * BAR + tank)._replace(relief_pressure=setting(load) * BAR + tank)
+            point = bench.unit.set_point(load * BAR + tank)._replace(relief_pressure=setting(load) * BAR + tank)
             points.append(operating_point(point, bench.inlet_volume, bench.oil, bench.valve))
         parts = [[1e-3 * getattr(point, key) for point in points] for key, _ in PARTS.values()]
         colours = [colour for _, colour in PARTS.values()]

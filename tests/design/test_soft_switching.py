@@ -138,7 +138,7 @@ def test_closed_forms_refuse_a_system_that_is_switched_softly(system):
         problem(soft, "loss_total")
     with pytest.raises(ParameterError, match=wording.design.soft_already):
         levers(soft, simulated=False)
-    assert wording.design.in_no_closed_form in next(soft.extras.average_limits())
+    assert wording.design.in_no_closed_form in next(soft.extras.unit.average_limits())
 
 
 @pytest.mark.slow

@@ -14,7 +14,7 @@ from vvdp.hydraulics.gerotor_drive import gerotor_effort
 from vvdp.systems.system import load_system
 
 PAGE = " ".join((Path(__file__).parents[2] / "docs" / "models" / "axial-drives.md").read_text("utf-8").split())
-CHAMBER, GEROTOR = load_system("axial-chamber").circuit.network, load_system("axial-gerotor").tables
+CHAMBER, GEROTOR = load_system("axial-chamber").circuit.network, load_system("axial-gerotor").circuit.network
 PISTON, SPRING = (CHAMBER.parts[f"drive_axial_{name}"].values[0] for name in ("piston", "spring"))
 OIL = CHAMBER.oil
 P0, PSI = OIL.reference_pressure, 6894.757
@@ -45,7 +45,8 @@ def test_frequencies_of_the_chamber_drive():
 
 
 def test_effort_of_the_gerotor_drive():
-    drive, flow = GEROTOR["gerotor"], GEROTOR["characteristic"].largest_flow
+    drive, characteristic = GEROTOR.parts["drive_gerotor"].values
+    flow = characteristic.largest_flow
     velocity = flow / drive.area
     effort = gerotor_effort(flow, velocity, drive)
     power = effort.passages + effort.friction

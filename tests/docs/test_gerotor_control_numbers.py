@@ -89,7 +89,7 @@ def test_numbers_of_the_shipped_systems():
     assert stated in WORDS
     _, run = run_of(shipped_systems()["axial-gerotor"])
     back = np.flatnonzero((run.times > 5.0) & (run.times < 5.5))
-    ahead = run.command.axial.position[back + 1] - run.state.gerotor.position[back]
+    ahead = run.command.drive_observer.position[back + 1] - run.state.drive_gerotor.position[back]
     assert 1e6 * np.mean(ahead) == pytest.approx(-65.0, abs=4.0)
     assert "ahead by 65 um" in WORDS
     unit = summary(*run_of(shipped_systems()["vvdp-duty-control-gerotor"]))

@@ -43,7 +43,23 @@ PLACES = {
     ("passivity", ""): "programs.drive.law",
 }
 """Where the drawn drive has what the tables of the other systems have."""
-NAMES = {("operation", "spool_speed"): "speed"}
+GEROTOR_PLACES = {
+    ("operation", "duty_ratio"): "parts.drive",
+    ("operation", "spool_speed"): "nodes.spool",
+    ("axial_observer", ""): "programs.drive.observer",
+    ("axial_observer", "sample_period"): "parts.drive",
+    ("axial_sequence", ""): "programs.drive.observer",
+    ("axial_sensor", ""): "programs.drive.sensor",
+    ("axial_reference", ""): "programs.drive.reference",
+    ("gerotor", ""): "components.drive.gerotor",
+    ("characteristic", ""): "components.drive.gerotor",
+    ("calibration", ""): "parts.drive",
+}
+"""The same of the drive with a gerotor pump."""
+NAMES = {("operation", "spool_speed"): "speed"} | {
+    ("calibration", key): f"believed_{key}"
+    for key in ("lag", "largest_flow", "forward_dead_band", "backward_dead_band", "backward_gain")
+}
 
 
 def change(text: str, table: str, **values: str) -> str:
@@ -51,8 +67,9 @@ def change(text: str, table: str, **values: str) -> str:
     places that these have there."""
     if "[parts.drive]" not in text:
         return change_table(text, table, **values)
+    places = GEROTOR_PLACES if 'type = "gerotor-drive"' in text else PLACES
     for key, value in values.items():
-        place = PLACES.get((table, key), PLACES.get((table, ""), table))
+        place = places.get((table, key), places.get((table, ""), table))
         text = change_table(text, place, **{NAMES.get((table, key), key): value})
     return text
 

@@ -17,12 +17,9 @@ pytestmark = pytest.mark.heavy
 
 NAMES = ("axial-chamber", "axial-gerotor")
 BY_COMMAND = """
-[operation]
+[components.drive.gerotor]
 command = { table = [["0 s", "0"], ["0.05 s", "0"], ["0.05 s", "0.05"], ["0.2 s", "0.05"], ["0.2 s", "1"],
   ["0.9 s", "1"], ["0.9 s", "-1"]] }
-spool_speed = "10 rev/s"
-[initial]
-axial_position = "0 mm"
 [run]
 until = "1.2 s"
 average_from = "0.2 s"
@@ -30,6 +27,7 @@ average_from = "0.2 s"
 """The gerotor drive without its control: inside the dead band, forward to its end, and back."""
 
 
+CURVE = '["96 %", "76 %", "80 %", "36 %", "16 %"]'
 CHAMBER_COMMAND = """
 [components.drive.pilot_valve]
 command = { table = [["0 s", "0"], ["0.05 s", "0"], ["0.05 s", "0.2"], ["0.15 s", "0.2"], ["0.15 s", "0"],
@@ -44,9 +42,7 @@ average_from = "0.2 s"
 def by_command(name: str) -> str:
     """A shipped drive on a prescribed command."""
     text = shipped_systems()[name]
-    if name == "axial-chamber":
-        return text[: text.index("[run]")] + CHAMBER_COMMAND
-    return text[: text.index("[axial_observer]")] + BY_COMMAND
+    return text[: text.index("[run]")] + (CHAMBER_COMMAND if name == "axial-chamber" else BY_COMMAND)
 
 
 def loaded(name: str, settings: tuple[str, ...] = ()) -> System:
@@ -107,43 +103,46 @@ def test_reach_is_told():
 
 
 def test_calibration_that_is_not_monotone_is_refused_with_its_line(tmp_path):
-    text = by_command("axial-gerotor").replace('"56 %"', '"80 %"')
+    text = by_command("axial-gerotor").replace("[run]", f"[programs.drive.sensor]\nlight = {CURVE}\n[run]")
     line = next(i for i, row in enumerate(text.splitlines(), 1) if row.startswith("light ="))
     told = refusal(text, tmp_path)
     assert (
-        f"own.toml:{line}: axial_sensor.light: " + wording.systems.table_falls.format(row=3, value=0.8, before=0.76)
+        f"own.toml:{line}: programs.drive.sensor.light: "
+        + wording.systems.table_falls.format(row=3, value=0.8, before=0.76)
         in told
     )
 
 
+def calibrated(commands: str, flows: str) -> str:
+    """The drive on its prescribed command, its flows measured."""
+    rows = f'type = "calibrated-gerotor-drive"\ncommands = {commands}\nflows = {flows}\n'
+    return by_command("axial-gerotor").replace("[components.drive.gerotor]\n", "[components.drive.gerotor]\n" + rows)
+
+
 def test_table_of_flows_that_falls_is_refused_with_its_line(tmp_path):
-    text = by_command("axial-gerotor")
-    begin, end = text.index("[characteristic]"), text.index("[stroke]")
-    rows = '[characteristic]\ncommands = ["-1", "0", "0.5", "1"]\nflows = ["-1.6 lpm", "0 lpm", "1 lpm", "0.9 lpm"]\n\n'
-    text = text[:begin] + rows + text[end:]
+    text = calibrated('["-1", "0", "0.5", "1"]', '["-1.6 lpm", "0 lpm", "1 lpm", "0.9 lpm"]')
     line = next(i for i, row in enumerate(text.splitlines(), 1) if row.startswith("flows ="))
     told = refusal(text, tmp_path)
     assert (
-        f"own.toml:{line}: characteristic.flows: "
+        f"own.toml:{line}: components.drive.gerotor.flows: "
         + wording.systems.not_below_row.format(row=4, value="1.5e-05", other=3)
         in told
     )
 
 
 def test_calibrated_drive_runs_from_a_file(tmp_path):
-    text = by_command("axial-gerotor")
-    begin, end = text.index("[characteristic]"), text.index("[stroke]")
-    rows = '[characteristic]\ncommands = ["-1", "-0.08", "0.06", "1"]\n'
-    rows += 'flows = ["-1.62 lpm", "0 lpm", "0 lpm", "1.8 lpm"]\n\n'
-    (tmp_path / "own.toml").write_text(text[:begin] + rows + text[end:], "utf-8")
+    rows = calibrated('["-1", "-0.08", "0.06", "1"]', '["-1.62 lpm", "0 lpm", "0 lpm", "1.8 lpm"]')
+    (tmp_path / "own.toml").write_text(rows, "utf-8")
     system = load_system(str(tmp_path / "own.toml"))
     run = simulate(system.model, system.case, system.stepping)
-    assert run.state.gerotor.position == pytest.approx(done("axial-gerotor")[1].state.gerotor.position, abs=1e-8)
+    assert run.state.drive_gerotor.position == pytest.approx(
+        done("axial-gerotor")[1].state.drive_gerotor.position, abs=1e-8
+    )
 
 
 def test_gerotor_meets_its_end_and_comes_back():
     _, run = done("axial-gerotor")
-    x, t = run.state.gerotor.position, run.times
+    x, t = run.state.drive_gerotor.position, run.times
     assert np.all(x[t < 0.2] == 0.0)
     assert np.max(x) == pytest.approx(27e-3, abs=1e-8)
     assert np.gradient(x[t > 1.0], t[t > 1.0]) == pytest.approx(-0.9 * 3e-5 / 506.7e-6, rel=1e-3)
@@ -154,11 +153,11 @@ def test_sensor_sees_position_and_pollution(name):
     """What it shows less the position and the pollution at the spool's angle is the noise, 20 um."""
     system = loaded(name)
     _, run = done(name)
-    program, spool = ("drive_sensor", "drive_slide") if name == "axial-chamber" else ("axial_sensor", "gerotor")
-    sensor = system.circuit.network.programs[program].settings
+    spool = "drive_slide" if name == "axial-chamber" else "drive_gerotor"
+    sensor = system.circuit.network.programs["drive_sensor"].settings
     x = getattr(run.state, spool).position
     polluted = np.array([pollution_at(float(angle), sensor.near) for angle in run.state.spool])
-    seen = getattr(run.command, program).position
+    seen = run.command.drive_sensor.position
     assert np.std(polluted) > 0.4e-3
     coarse = run.times < run.times[-1] - 0.26  # a row at a sample shows what was commanded before it
     noise = seen[1:] - (x + polluted)[:-1]
@@ -169,11 +168,11 @@ def test_sensor_sees_position_and_pollution(name):
 
 
 def test_lost_and_frozen_signal_of_a_file():
-    faults = ["axial_sensor.dropout_begin=0.3 s", "axial_sensor.dropout_end=0.4 s"]
-    faults += ["axial_sensor.freeze_begin=0.5 s", "axial_sensor.freeze_end=0.6 s", "axial_sensor.bias=1 mm"]
-    _, run = done("axial-gerotor", *faults)
-    t, seen = run.times, run.command.axial_sensor.position
+    faults = {"dropout_begin": "0.3 s", "dropout_end": "0.4 s", "freeze_begin": "0.5 s", "freeze_end": "0.6 s"}
+    faults["bias"] = "1 mm"
+    _, run = done("axial-gerotor", *(f"programs.drive_sensor.{key}={value}" for key, value in faults.items()))
+    t, seen = run.times, run.command.drive_sensor.position
     assert np.all(seen[(t > 0.301) & (t < 0.399)] == 30e-3)
     assert np.ptp(seen[(t > 0.501) & (t < 0.599)]) == 0.0
-    plain = done("axial-gerotor")[1].command.axial_sensor.position
+    plain = done("axial-gerotor")[1].command.drive_sensor.position
     assert seen[(t > 0.01) & (t < 0.2)] - plain[(t > 0.01) & (t < 0.2)] == pytest.approx(1e-3, abs=1e-9)

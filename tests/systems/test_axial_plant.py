@@ -79,10 +79,10 @@ def test_plants_of_the_axial_drives():
     """As their files have them; the gerotor's spool follows a flow. Each is what its sensor sees."""
     chamber, gerotor = load_system("axial-chamber"), load_system("axial-gerotor")
     assert axial_plant(chamber).plant == pytest.approx((0.5, 2594.0, 8.3), rel=1e-9)
-    assert axial_plant(gerotor) == AxialPlant("gerotor", None)
+    assert axial_plant(gerotor) == AxialPlant("drive_gerotor", None)
     turn = 2.0 * np.pi
     assert axial_sight(chamber) == ("drive_slide", pytest.approx(22.5 * turn), 5)
-    assert axial_sight(gerotor) == ("gerotor", pytest.approx(10.0 * turn), 5)
+    assert axial_sight(gerotor) == ("drive_gerotor", pytest.approx(10.0 * turn), 5)
 
 
 def test_oil_is_as_stiff_as_beta_a2_over_v_says(tmp_path):

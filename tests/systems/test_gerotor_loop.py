@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.systems.axial_texts import change, run_of, system_of, without
+from tests.systems.axial_texts import change, change_table, run_of, system_of
 from tests.words import wording
 
 from vvdp.base.errors import ConfigError
@@ -26,7 +26,7 @@ def refusal(text: str) -> str:
 def test_it_homes_learns_and_is_controlled():
     """0.3 s to the end at 30 mm/s, 0.3 s there, then to duty ratio 0; what it believes at the end is where it is."""
     _, run = run_of(SHORT)
-    shown, x, t = run.command.axial, run.state.gerotor.position, run.times
+    shown, x, t = run.command.drive_observer, run.state.drive_gerotor.position, run.times
     begins = [t[np.argmax(shown.stage == stage)] for stage in (HOME, LEARN, RUN)]
     assert begins == pytest.approx([0.0, 0.301, 0.601], abs=2e-3)
     fastest = np.min(np.diff(x[t < 0.2]) / np.diff(t[t < 0.2]))
@@ -34,7 +34,7 @@ def test_it_homes_learns_and_is_controlled():
     learning = shown.stage == LEARN
     assert x[learning] == pytest.approx(-6.2e-3, abs=1e-8)
     assert shown.position[learning][2:] == pytest.approx(-6.2e-3, abs=1e-12)
-    assert np.max(np.abs(shown.drive[learning][2:])) == 0.0
+    assert np.max(np.abs(run.command.drive_law.command[learning][2:])) == 0.0
     assert abs(x[t < 1.6][-1]) < 60e-6
 
 
@@ -51,7 +51,7 @@ def test_trapezoid_of_the_whole_duty_ratio():
 
 
 def test_observers_without_a_deviation_state_none():
-    text = change(without(SHIPPED, "axial_observer"), "axial_observer", sample_period="1 ms", bandwidth="60 rad/s")
+    text = change_table(SHIPPED, "programs.drive.observer", type="lumped-observer", bandwidth="60 rad/s")
     found = summary(*run_of(text))
     assert found["spool_position_error_rms_m"] > 100e-6
     assert "spool_estimate_coverage" not in found
@@ -62,17 +62,17 @@ def test_a_short_time_without_the_sensor_is_bridged_by_the_flow():
     text = change(SHORT, "axial_sensor", dropout_begin="1.4 s", dropout_end="1.6 s")
     _, run = run_of(text)
     lost = (run.times > 1.41) & (run.times < 1.6)
-    assert np.all(run.command.axial.measured[lost] == 30e-3)
-    assert np.ptp(run.state.gerotor.position[lost]) < 30e-6
+    assert np.all(run.command.drive_sensor.position[lost] == 30e-3)
+    assert np.ptp(run.state.drive_gerotor.position[lost]) < 30e-6
 
 
 def test_stopped_it_stays_where_it_is():
     """It has no spring: without current the duty ratio remains."""
     _, run = run_of(change(change(SHIPPED, "axial_sequence", stop_time="3 s"), "run", until="4 s"))
     late = run.times > 3.1
-    assert np.all(run.command.axial.stage[late] == STOP)
-    assert run.state.gerotor.position[late] == pytest.approx(20.32e-3, abs=0.1e-3)
-    assert np.ptp(run.state.gerotor.position[late]) < 1e-6
+    assert np.all(run.command.drive_observer.stage[late] == STOP)
+    assert run.state.drive_gerotor.position[late] == pytest.approx(20.32e-3, abs=0.1e-3)
+    assert np.ptp(run.state.drive_gerotor.position[late]) < 1e-6
 
 
 @pytest.mark.parametrize("seeds", [1, pytest.param(10, marks=pytest.mark.slow)])
@@ -88,23 +88,16 @@ def test_pump_unit_is_held_within_the_dead_band(seeds):
 
 
 def test_what_is_refused():
-    assert "axial_observer" in refusal(without(SHIPPED, "axial_observer"))
-    assert wording.systems.is_missing.format(table="calibration") in refusal(without(SHIPPED, "calibration"))
-    told = refusal(change(SHIPPED, "operation", duty_ratio="1.4"))
+    told = refusal(change(UNIT, "operation", duty_ratio="1.4"))
     assert (
         "operation.duty_ratio: "
         + wording.systems.drive_range.format(low=28.45, high="28.45 mm", least=-6.2, most="27 mm")
         in told
     )
-    assert "calibration.lag: " + wording.systems.no_motor_follows.format(lag="0 s") in refusal(
-        change(SHIPPED, "calibration", lag="0 s")
-    )
+    for text in (SHIPPED, UNIT):
+        assert "lag: " + wording.systems.no_motor_follows.format(lag="0 s") in refusal(
+            change(text, "calibration", lag="0 s")
+        )
     assert "straight_flow" in refusal(change(SHIPPED, "calibration", straight_flow="2 lpm"))
-    text = without(SHIPPED, "axial_observer")
-    values = {
-        "noise_period": "41.5 ms",
-        "sensor_deviation": "30 um",
-        "position_drift": "3 um",
-        "generator_drift": "3 um",
-    }
-    assert "41.5" in refusal(change(text, "axial_observer", sample_period="1 ms", **values))
+    text = change_table(SHIPPED, "programs.drive.observer", type="generator-observer", noise_period="41.5 ms")
+    assert "41.5" in refusal(change_table(text, "programs.drive.observer", generator_drift="3 um"))

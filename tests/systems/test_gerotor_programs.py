@@ -1,18 +1,13 @@
-"""Observer and law of the gerotor drive as programs: against the sampled block of `axial-gerotor`, and by hand."""
+"""Observers and law of the gerotor drive as programs: in the part `gerotor-drive`, and by hand."""
 
-import re
-
-import numpy as np
 import pytest
+from tests.systems.axial_texts import change_table, run_of, system_of
 
 from vvdp.base.errors import ConfigError
-from vvdp.base.tables import parsed_table
 from vvdp.programs.gerotor_control import DriveTask, FeedforwardTable, feedforward_settings, feedforward_step
 from vvdp.programs.gerotor_control import feedforward_start as start
-from vvdp.simulation.record import record_of
-from vvdp.simulation.run import Run, simulate
 from vvdp.systems.summary import summary
-from vvdp.systems.system import System, built_system, shipped_systems
+from vvdp.systems.system import load_system, shipped_systems
 
 pytestmark = pytest.mark.heavy
 
@@ -20,118 +15,35 @@ SHIPPED = shipped_systems()["axial-gerotor"]
 PERIOD = 1e-3
 
 
-def rows(table: str) -> str:
-    """The values of a table of the shipped system, without where they come from."""
-    part = SHIPPED[SHIPPED.index(f"[{table}]\n") :].split("\n", 1)[1].split("\n[", 1)[0]
-    return re.sub(r"(?m)^(\w+) = \{ value = (\[.*?\]|\".*?\").*\}$", r"\1 = \2", part)
+def test_a_value_of_the_part_reaches_drive_observer_and_law():
+    """With twice the area all three know, and the spool goes half as fast."""
+    system = load_system("axial-gerotor", ["parts.drive.area=1013.4 mm^2"])
+    network = system.circuit.network
+    settings = [network.programs[f"drive_{name}"].settings for name in ("observer", "law")]
+    assert network.parts["drive_gerotor"].values[0].area == pytest.approx(1013.4e-6)
+    assert [settings[0].observer.area, settings[1].law.area] == pytest.approx([1013.4e-6] * 2)
 
 
-def drawn(ahead: float = 0.0, previous: str = '["command"]') -> str:
-    """The shipped drive of components and programs; the duty ratio is asked for so much earlier [s]."""
-    asked = re.search(r"duty_ratio = \{ table = (\[\[.*?\]\])", SHIPPED)[1]
-    asked = re.sub(r'"([\d.]+) s"', lambda m: f'"{max(float(m[1]) - ahead, 0.0)!r} s"', asked)
-    sequence = rows("axial_sequence").replace("homing_command", "# homing_command")
-    return f"""title = "Gerotor drive of programs"
-[nodes]
-spool = {{ type = "driven-shaft", speed = "10 rev/s" }}
-[components.gerotor]
-type = "gerotor-drive"
-command = {{ from = "law.command" }}
-start = {{ flow = "0 lpm", position = "0 mm" }}
-{rows("gerotor")}
-{rows("characteristic")}
-[programs.sensor]
-type = "axial-sensor"
-position = "gerotor.position"
-angle = "spool.angle"
-{rows("axial_sensor")}
-[programs.observer]
-type = "gerotor-observer"
-measured = "sensor.position"
-light = "sensor.light"
-angle = "spool.angle"
-speed = "spool.speed"
-command = "law.command"
-previous = {previous}
-area = "506.7 mm^2"
-stop_position = "-6.2 mm"
-helix_length = "20.32 mm"
-{rows("calibration")}
-{rows("axial_observer")}
-{sequence}
-[programs.wanted]
-type = "product"
-first = {{ table = {asked} }}
-second = "20.32 mm"
-[programs.reference]
-type = "reference"
-reads = "wanted.value"
-released = "observer.released"
-rest = "-6.2 mm"
-{rows("axial_reference")}
-[programs.law]
-type = "feedforward-pi"
-reference = "reference.value"
-reference_velocity = "reference.rate"
-position = "observer.position"
-stage = "observer.stage"
-homing_command = "0.6"
-area = "506.7 mm^2"
-sample_period = "1 ms"
-{rows("calibration").replace("lag =", "# lag =")}
-{rows("position_control")}
-[run]
-until = "3 s"
-average_from = "2 s"
-relative_tolerance = "1e-10"
-"""
-
-
-def loaded(text: str) -> System:
-    return built_system(parsed_table(text, "own"), "own")
-
-
-def ran(text: str) -> Run:
-    system = loaded(text)
-    return simulate(system.model, system.case, system.stepping)
-
-
-def test_it_is_the_sampled_block():
-    """Asked a sample earlier, for its reference follows what was asked at the last one, it gives the same motion."""
-    block = ran(
-        SHIPPED[: SHIPPED.index("[run]")] + '[run]\nuntil = "3 s"\naverage_from = "2 s"\nrelative_tolerance = "1e-10"\n'
-    )
-    found = ran(drawn(PERIOD))
-    times = np.linspace(0.0, 3.0, 1000)
-    one, other = (np.interp(times, run.times, run.state.gerotor.position) for run in (block, found))
-    assert np.ptp(one) > 20e-3
-    assert other == pytest.approx(one, abs=1e-9)
-    asked = ran(drawn())
-    late = np.interp(times, asked.times, asked.state.gerotor.position)
-    assert 1e-6 < np.max(np.abs(late - one)) < 30e-6  # 20.32 mm/s times 1 ms
-
-
-KEYS = ("duty_error_rms", "spool_position_error_rms_m", "spool_estimate_error_rms_m", "spool_estimate_coverage")
-
-
-def test_the_law_reports_what_the_block_does():
-    """Asked a sample earlier the numbers are the same; the figures are those of a drive."""
-    systems = loaded(SHIPPED[: SHIPPED.index("[run]")] + drawn()[drawn().index("[run]") :]), loaded(drawn(PERIOD))
-    runs = [simulate(system.model, system.case, system.stepping) for system in systems]
-    block, found = (summary(system, run) for system, run in zip(systems, runs, strict=True))
-    assert [found[key] for key in KEYS] == pytest.approx([block[key] for key in KEYS], rel=1e-6)
-    names = [
-        [chart.name for chart, _ in system.extras.charts(record_of(run))]
-        for system, run in zip(systems, runs, strict=True)
-    ]
-    assert names[0] == names[1] != []
+@pytest.mark.parametrize(
+    ("kind", "keys"),
+    [
+        ("lumped-observer", {"bandwidth": "60 rad/s"}),
+        ("generator-observer", {"noise_period": "100 ms", "generator_drift": "3 um"}),
+    ],
+)
+def test_another_observer_by_its_type(kind, keys):
+    """The drive follows with either, and needs no keys of the shipped one; its duty error is over the same helix."""
+    text = change_table(SHIPPED, "programs.drive.observer", type=kind, **keys)
+    found = summary(*run_of(change_table(text, "run", until="3 s", average_from="1.6 s")))
+    assert 1e-5 < found["spool_position_error_rms_m"] < 3e-4
+    assert found["duty_error_rms"] == pytest.approx(found["spool_position_error_rms_m"] / 20.32e-3)
 
 
 def test_the_command_of_the_last_sample_breaks_the_loop():
-    with pytest.raises(ConfigError, match="same instant: "):
-        ran(drawn(previous="false"))
-    with pytest.raises(ConfigError, match="a list of its inputs"):
-        ran(drawn(previous='["flow"]'))
+    for previous, words in (("false", "same instant: "), ('["flow"]', "a list of its inputs")):
+        entry = f"[programs.drive.observer]\nprevious = {previous}\n\n[run]"
+        with pytest.raises(ConfigError, match=words):
+            system_of(SHIPPED.replace("[run]", entry))
 
 
 LAW = feedforward_settings(

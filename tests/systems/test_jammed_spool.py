@@ -19,6 +19,7 @@ from vvdp.runs.bench_charts import bench_charts
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.record import record_of
 from vvdp.simulation.run import Run, simulate
+from vvdp.systems.circuits import draw
 from vvdp.systems.rotary_bench import orifice_load
 from vvdp.systems.summary import Summary, summary
 from vvdp.systems.system import System, load_system
@@ -51,7 +52,7 @@ def jam_torque(torque, speed):
 def jam(at, torque, seed, until):
     """A run of the prototype in which dry friction of `torque` [N m] seizes the spool `at` a time [s]."""
     system = load_system("prototype", [*SETTINGS, f"encoder.seed={seed}"], until=until)
-    network = orifice_load(**system.tables)
+    network = draw(orifice_load, system.tables)
     friction = Connection(jam_torque, (step(0.0, torque, at), "spool.speed"))
     network.add("jam", LOAD_TORQUE, shaft="spool", torque=friction)
     system = replace(system, circuit=build(network))

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from tests.systems.axial_texts import change, run_of, without
+from tests.systems.axial_texts import change, change_table, run_of
 
 from vvdp.sensing.axial_sensor import pollution_at
 from vvdp.systems.system import shipped_systems
@@ -57,18 +57,20 @@ def constant(text: str) -> str:
 
 def lumped(text: str) -> str:
     """The lumped filter tells the position."""
-    return change(without(text, "axial_observer"), "axial_observer", sample_period="1 ms", bandwidth="60 rad/s")
+    return change_table(text, "programs.drive.observer", type="lumped-observer", bandwidth="60 rad/s")
 
 
 def in_time(text: str, frequency: float) -> str:
-    """The basis in time, of a pollution that is taken to have a frequency [Hz]."""
-    return change(text, "axial_observer", noise_speed=f"{frequency} rev/s")
+    """The angle of a clock in place of the spool's: a pollution that is taken to have a frequency [Hz]."""
+    text = change_table(text, "nodes.clock", type="driven-shaft", speed=f"{frequency} rev/s")
+    return change_table(text, "programs.drive.observer", angle="clock.angle", speed="clock.speed")
 
 
 def generator(text: str) -> str:
     """The signal generator of 20 states, 2 ms and a spool at 25 Hz."""
     values = {"noise_period": "40 ms", "sensor_deviation": "30 um", "position_drift": "3 um", "generator_drift": "3 um"}
-    text = change(without(text, "axial_observer"), "axial_observer", sample_period="2 ms", **values)
+    text = change_table(text, "programs.drive.observer", type="generator-observer", **values)
+    text = change(text, "axial_observer", sample_period="2 ms")
     text = change(text, "run", sample_period="2 ms", record_interval="2 ms")
     return change(text, "operation", spool_speed="25 rev/s")
 
@@ -77,18 +79,19 @@ def generator(text: str) -> str:
 def rows(text: str) -> Rows:
     """The samples of a run; what is shown of a sample stands in the row of the next."""
     system, run = run_of(text)
-    settings = system.circuit.network.programs["axial"].settings
-    at = np.flatnonzero(np.abs(run.times / settings.sample_period % 1.0 - 0.5) > 0.5 - 1e-6)
+    programs = system.circuit.network.programs
+    period, near = programs["drive_law"].settings.sample_period, programs["drive_sensor"].settings.near
+    at = np.flatnonzero(np.abs(run.times / period % 1.0 - 0.5) > 0.5 - 1e-6)
     at = at[run.times[at] > SETTLED]
     now, after = at[:-1], at[1:]
-    shown = run.command.axial
-    added = np.array([pollution_at(float(angle), settings.sensor.near) for angle in run.state.spool[now]])
+    seen = run.command.drive_observer
+    added = np.array([pollution_at(float(angle), near) for angle in run.state.spool[now]])
     return Rows(
-        true=run.state.gerotor.position[now],
-        reference=shown.reference[after],
-        estimate=shown.position[after],
-        command=shown.drive[after],
-        pollution_error=shown.pollution[after] - added,
+        true=run.state.drive_gerotor.position[now],
+        reference=run.command.drive_reference.value[after],
+        estimate=seen.position[after],
+        command=run.command.drive_law.command[after],
+        pollution_error=seen.pollution[after] - added,
     )
 
 
@@ -215,4 +218,5 @@ def test_command_has_a_line_at_twice_the_spool_frequency():
 
 def with_large_second(text: str) -> str:
     """The second harmonic the largest."""
-    return text.replace('["1", "0.55", "0.30", "0.15", "0.08"]', '["0.3", "1", "0.30", "0.15", "0.08"]')
+    largest = '{ value = ["0.3", "1", "0.30", "0.15", "0.08"] }'
+    return change_table(text, "programs.drive.sensor", pollution_amplitudes=largest)

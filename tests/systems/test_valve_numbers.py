@@ -7,6 +7,7 @@ from importlib import resources
 import numpy as np
 import pytest
 
+from vvdp.base.errors import ConfigError
 from vvdp.base.tables import Table
 from vvdp.simulation.run import simulate
 from vvdp.systems.quantities import quantities
@@ -14,6 +15,7 @@ from vvdp.systems.summary import summary
 from vvdp.systems.system import built_system, load_system
 from vvdp.systems.validity import bounds
 from vvdp.systems.valve_numbers import placed_valves
+from vvdp.systems.valve_unit import valve_unit
 from vvdp.valve.geometry import port_openings
 
 
@@ -89,6 +91,27 @@ def test_a_spool_may_be_turned_by_a_motor(speed, mean, fastest):
     assert "speed_max_spool_rad_s" in quantities(system) and "speed_max_shaft_rad_s" not in found
 
 
+def test_efficiency_is_what_reaches_the_load_of_what_the_shaft_takes(half):
+    """By the pressure source, which the losses inside of the unit do not know of."""
+    system, found = half
+    assert found["unit_efficiency"] == pytest.approx(-found["power_line_W"] / found["power_motor_W"], abs=1e-5)
+    assert 0.4 < found["unit_efficiency"] < 0.6
+    assert "unit_efficiency" in quantities(system)
+
+
+def test_efficiency_with_a_spool_that_a_motor_turns():
+    """What the turbine gives its motor comes off the power put in."""
+    found = numbers(driven("1500 rpm"))
+    put_in = found["power_shaft_W"] + found["power_spool_W"]
+    assert found["valve_efficiency"] == pytest.approx(-found["power_load_W"] / put_in, abs=1e-5)
+
+
+def test_two_pumps_on_one_shaft_have_no_efficiency_each():
+    """What one of them takes of the shaft is not known."""
+    system = load_system("two-cylinders", until="0.05 s")
+    assert not [key for key in numbers(system) if key.endswith("_efficiency")]
+
+
 def test_the_load_port_is_open_as_its_geometry_says(half):
     """Mean over a turn of the spool at 10 mm; over time a little else, as the spool is not evenly fast."""
     system, found = half
@@ -108,3 +131,29 @@ def test_the_laws_of_the_valve_have_their_bounds_by_the_name_of_the_part(half):
 def test_a_system_that_tells_its_own_numbers_tells_them_once():
     system = load_system("prototype-constant-load", until="0.1 s")
     assert "valve_pwm_frequency_Hz" not in numbers(system)
+
+
+def test_the_unit_is_found_in_the_network(half):
+    """Its own values, pump and relief valve: 1800 rpm, 10 of 20 mm, 70 bar at the load, as the file has them."""
+    found = valve_unit(half[0], "valve")
+    assert found.nominal_flow == pytest.approx(22.8e-6 * 30.0, rel=1e-9)
+    assert (found.duty_ratio, found.inlet_volume) == pytest.approx((0.5, 12.7e-6))
+    assert found.load_pressure == pytest.approx(70e5 + 101325.0)
+    assert found.relief_valve.cracking_pressure == pytest.approx(120e5 + 101325.0)
+    assert not found.makes_pressure and not found.is_softened
+
+
+@pytest.mark.parametrize("name", ["prototype", "prototype-constant-load", "vvdp-duty-control"])
+def test_the_network_has_what_the_tables_say(name):
+    system = load_system(name)
+    assert valve_unit(system, "valve") == system.extras.unit
+
+
+def test_of_several_one_is_asked_for():
+    system = load_system("two-cylinders")
+    assert valve_unit(system, "valve", "swing_unit").duty_ratio == pytest.approx(0.3)
+    assert valve_unit(system, "valve", "lift_unit").duty_ratio == pytest.approx(0.5)
+    with pytest.raises(ConfigError, match="give --part, one of lift_unit, swing_unit"):
+        valve_unit(system, "valve")
+    with pytest.raises(ConfigError, match="did you mean 'lift_unit'"):
+        valve_unit(system, "valve", "lift_unt")

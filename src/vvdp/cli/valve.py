@@ -9,9 +9,9 @@ from vvdp.cli.options import AsJson, Settings, SystemName
 
 if TYPE_CHECKING:
     from vvdp.base.kinds import Kind
-    from vvdp.systems.bench import RotaryBench
     from vvdp.systems.ranges import Ranges
     from vvdp.systems.system import System
+    from vvdp.systems.valve_unit import ValveUnit
     from vvdp.valve.operating_point import OperatingPoint
 
 Row = dict[str, Any]
@@ -27,6 +27,9 @@ def valve(
         list[str] | None,
         typer.Option("--temperature", metavar="TEMP", help='Oil temperature, for example "40 degC" (repeatable).'),
     ] = None,
+    part: Annotated[
+        str, typer.Option("--part", metavar="NAME", help="Rotary valve, or part with one, if there are several.")
+    ] = "",
     settings: Settings = None,
     json: AsJson = False,
 ) -> None:
@@ -37,28 +40,25 @@ def valve(
     Numbers that a value with a range moves by more than 1 % are shown with how far.
     """
     from vvdp.base.kinds import FLOW, TEMPERATURE
-    from vvdp.base.signal import signal_value
     from vvdp.cli.screen import print_json
     from vvdp.cli.valve_table import print_point, print_points
-    from vvdp.systems.bench import rotary_bench
     from vvdp.systems.system import load_system
+    from vvdp.systems.valve_unit import valve_unit
 
     loaded = load_system(system, settings or ())
-    bench = rotary_bench(loaded, "valve")
-    flows = _flows(flow, FLOW, bench.delivered_flow(bench.load_pressure))
-    temperatures = _values("--temperature", temperature, TEMPERATURE) or [
-        float(signal_value(0.0, bench.operation.oil_temperature))
-    ]
-    rows = [_row(bench, q, t) for q, t in product(flows, temperatures)]
-    ranges = _ranges(bench, rows[0], flows[0]) if len(rows) == 1 and loaded.uncertainties else None
+    unit = valve_unit(loaded, "valve", part)
+    flows = _flows(flow, FLOW, unit.delivered_flow(unit.load_pressure))
+    temperatures = _values("--temperature", temperature, TEMPERATURE) or [unit.temperature]
+    rows = [_row(loaded.name, unit, q, t) for q, t in product(flows, temperatures)]
+    ranges = _ranges(loaded, part, rows[0], flows[0]) if len(rows) == 1 and loaded.uncertainties else None
     if json:
         columns = rows[0] if len(rows) == 1 else {key: [row[key] for row in rows] for key in rows[0]}
         spans = {"ranges": ranges.flat} if ranges else {}
         print_json({"verb": "valve", "system": loaded.name, "finished": True, **columns, **spans})
     elif len(rows) == 1:
-        print_point(bench, rows[0], ranges)
+        print_point(loaded.title, unit, rows[0], ranges)
     else:
-        print_points(bench, rows)
+        print_points(loaded.title, unit, rows)
 
 
 def _values(option: str, texts: list[str] | None, kind: "Kind") -> list[float]:
@@ -94,23 +94,24 @@ def _flows(texts: list[str] | None, kind: "Kind", delivered: float) -> list[floa
     return [*flows] or [None]
 
 
-def _ranges(bench: "RotaryBench", row: Row, flow: float | None) -> "Ranges":
+def _ranges(loaded: "System", part: str, row: Row, flow: float | None) -> "Ranges":
     """The numbers of a row over the ranges of values, at the same temperature and `flow`, that of the pump if None."""
     from dataclasses import replace
 
-    from vvdp.systems.bench import rotary_bench
     from vvdp.systems.ranges import at_ends, ranges_of, spans_together
+    from vvdp.systems.valve_unit import valve_unit
 
     def numbers(system: "System") -> Row:
-        return _row(rotary_bench(system, "valve"), flow, row["temperature_K"], averaged=True)
+        unit = valve_unit(system, "valve", part)
+        return _row(system.name, unit, flow, row["temperature_K"], averaged=True)
 
-    found = [reason if each is None else numbers(each) for each, reason in at_ends(bench.system)]
+    found = [reason if each is None else numbers(each) for each, reason in at_ends(loaded)]
     keys = [key for key, value in row.items() if isinstance(value, float)]
-    alone = ranges_of(bench.system, keys, row, found)
-    return replace(alone, together=spans_together(bench.system, alone, numbers))
+    alone = ranges_of(loaded, keys, row, found)
+    return replace(alone, together=spans_together(loaded, alone, numbers))
 
 
-def _row(bench: "RotaryBench", flow: float | None, temperature: float, *, averaged: bool = False) -> Row:
+def _row(name: str, unit: "ValveUnit", flow: float | None, temperature: float, *, averaged: bool = False) -> Row:
     """Everything that docs/keys.md describes for `vvdp valve`.
 
     `averaged` is whether the quasi-steady average gives the transition loss where its closed form does not hold.
@@ -118,14 +119,14 @@ def _row(bench: "RotaryBench", flow: float | None, temperature: float, *, averag
     from vvdp.base.errors import ParameterError
     from vvdp.valve.operating_point import average_transition, operating_point
 
-    reference, load = bench.reference, bench.load_pressure
-    set_point = bench.set_point(load)._replace(temperature=temperature)
+    reference, load = unit.oil.reference_pressure, unit.load_pressure
+    set_point = unit.set_point(load)._replace(temperature=temperature)
     if flow is not None:
-        set_point = set_point.delivering(flow, bench.oil, bench.valve)
+        set_point = set_point.delivering(flow, unit.oil, unit.valve)
     try:
-        point = operating_point(set_point, bench.inlet_volume, bench.oil, bench.valve)
+        point = operating_point(set_point, unit.inlet_volume, unit.oil, unit.valve)
     except ArithmeticError as problem:
-        raise ParameterError(f"{bench.system.name}: the formulas have no value here ({problem})") from None
+        raise ParameterError(f"{name}: the formulas have no value here ({problem})") from None
     if averaged and point.warnings:
         point = average_transition(point)
     asked = {
@@ -136,7 +137,7 @@ def _row(bench: "RotaryBench", flow: float | None, temperature: float, *, averag
         "relief_pressure_Pa": set_point.relief_pressure - reference,
     }
     found = {key: float(value) for key, value in (asked | _numbers(point)).items()}
-    return found | {"warnings": [*point.warnings, *bench.average_limits()]}
+    return found | {"warnings": [*point.warnings, *unit.average_limits()]}
 
 
 def _numbers(point: "OperatingPoint") -> dict[str, float]:

@@ -6,8 +6,8 @@ from typing import Any
 from vvdp.base import kinds
 from vvdp.base.display import display_unit, number, plain, with_unit
 from vvdp.cli.screen import console, grid, tell, warn
-from vvdp.systems.bench import RotaryBench
 from vvdp.systems.ranges import Ranges
+from vvdp.systems.valve_unit import ValveUnit
 
 SHOWN = (
     ("pressure drop, nozzles", "pressure_drop_nozzle_Pa", kinds.PRESSURE_DIFFERENCE),
@@ -57,10 +57,10 @@ KEYS = 2
 """Leading columns that tell one row from another."""
 
 
-def _print_head(bench: RotaryBench, row: Mapping[str, Any]) -> None:
-    which = "the initial one; the load makes its own" if bench.makes_pressure else "prescribed"
+def _print_head(title: str, unit: ValveUnit, row: Mapping[str, Any]) -> None:
+    which = "the initial one; the load makes its own" if unit.makes_pressure else "prescribed"
     load, relief = (with_unit(row[f"{name}_pressure_Pa"], kinds.GAUGE_PRESSURE) for name in ("load", "relief"))
-    tell(bench.system.title)
+    tell(title)
     tell(f"duty ratio {plain(row['duty_ratio'], 4)}, load pressure {load} ({which}), relief valve {relief}")
 
 
@@ -68,21 +68,21 @@ def _point(row: Mapping[str, Any]) -> str:
     return f"{with_unit(row['flow_m3_s'], kinds.FLOW)}, {with_unit(row['temperature_K'], kinds.TEMPERATURE)}"
 
 
-def print_point(bench: RotaryBench, row: Mapping[str, Any], ranges: Ranges | None) -> None:
+def print_point(title: str, unit: ValveUnit, row: Mapping[str, Any], ranges: Ranges | None) -> None:
     """Prints the valve at one flow and temperature, a line for each quantity, with how far `ranges` of values move it.
 
     A number that they move by no more than 1 % stands alone.
     """
-    _print_head(bench, row)
+    _print_head(title, unit, row)
     tell(f"flow and oil: {_point(row)}")
     heads = ("value",) if ranges is None else ("value", *SPANS)
     table = grid("quantity", *heads, "unit", right=heads, ends=1)
     for label, key, kind in SHOWN:
-        unit = display_unit(kind)
+        shown = display_unit(kind)
         moved = ranges is not None and ranges.moves(key)
         spans = (*ranges.span(key), *ranges.together[key]) if ranges is not None and moved else ()
-        cells = [number(unit.from_si(value)) for value in spans] or [""] * (len(heads) - 1)
-        table.add_row(label, number(unit.from_si(row[key])), *cells, unit.symbol)
+        cells = [number(shown.from_si(value)) for value in spans] or [""] * (len(heads) - 1)
+        table.add_row(label, number(shown.from_si(row[key])), *cells, shown.symbol)
     console().print(table)
     if ranges is not None:
         tell(RANGES.format(count=len(ranges.rows)))
@@ -90,9 +90,9 @@ def print_point(bench: RotaryBench, row: Mapping[str, Any], ranges: Ranges | Non
         warn(text)
 
 
-def print_points(bench: RotaryBench, rows: Sequence[Mapping[str, Any]]) -> None:
+def print_points(title: str, unit: ValveUnit, rows: Sequence[Mapping[str, Any]]) -> None:
     """Prints the valve at several flows and temperatures, a row for each."""
-    _print_head(bench, rows[0])
+    _print_head(title, unit, rows[0])
     heads = [f"{label}{display_unit(kind).bracketed_symbol}" for label, _, kind in COLUMNS]
     table = grid(*heads, right=heads, keys=KEYS, transpose=True)
     for row in rows:

@@ -16,6 +16,7 @@ from vvdp.comparison.controllers import Controller
 from vvdp.comparison.loop_scenarios import UNTIL, LoopScenario
 from vvdp.comparison.loop_scores import LoopScore, loop_score, loop_summary
 from vvdp.network.build import Circuit
+from vvdp.programs.loop_report import rows_under_control
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.link import quiet
 from vvdp.simulation.prepare import prepare
@@ -23,7 +24,6 @@ from vvdp.simulation.run import Stepping, simulate
 from vvdp.studies.engine import HERE, Engine
 from vvdp.studies.run import silent
 from vvdp.studies.work import check_same
-from vvdp.systems.axial_numbers import rows_under_control
 from vvdp.systems.axial_tally import tally_of
 from vvdp.systems.chamber_bench import controlled_circuit, seeded_case
 

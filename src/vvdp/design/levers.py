@@ -131,7 +131,7 @@ def _points(system: System) -> tuple[Setup, ...]:
     bench, here = rotary_bench(system, "design levers"), setup(system)
     rise = here.relief_pressure - here.tank_pressure
     loads = [float(here.tank_pressure + share * rise) for share in LOAD_SHARES]
-    return tuple(here._replace(load_pressure=p, flow=bench.delivered_flow(p)) for p in loads)
+    return tuple(here._replace(load_pressure=p, flow=bench.unit.delivered_flow(p)) for p in loads)
 
 
 def _best(system: System, lever: Lever, points: Sequence[Setup]) -> Pulled:

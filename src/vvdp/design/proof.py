@@ -121,7 +121,7 @@ def doubts(problem: Problem, values: Mapping[str, float]) -> list[str]:
     found: list[str] = []
     for point in problem.points:
         system = optimum_system(problem, values, point.system)
-        at = rotary_bench(system, "design").operating_point(point.setup.load_pressure)
+        at = rotary_bench(system, "design").unit.operating_point(point.setup.load_pressure)
         if not at.averaged_pwm_frequency > 0.0 and not point.setup.coupling > 0.0:
             message = f"no equilibrium speed: over a cycle the torques balance at {at.averaged_pwm_frequency:.4g} Hz"
             raise ConfigError([Fault(system.name, 0, "valve", message)])

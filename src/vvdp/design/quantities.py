@@ -135,7 +135,7 @@ def setup(system: System) -> Setup:
     its own. Raises ConfigError where it is no bench of a rotary valve."""
     bench = rotary_bench(system, "design")
     return Setup(
-        flow=bench.delivered_flow(bench.load_pressure),
+        flow=bench.unit.delivered_flow(bench.load_pressure),
         temperature=float(signal_value(0.0, bench.operation.oil_temperature)),
         duty_ratio=float(signal_value(0.0, bench.duty_ratio)),
         load_pressure=bench.load_pressure,

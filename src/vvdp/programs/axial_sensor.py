@@ -6,7 +6,6 @@ from typing import Annotated, NamedTuple
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import ANGLE, FRACTION, POSITION, RATIO, Count, Fraction, Length, Position, Time
 from vvdp.base.params import Params
-from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
 from vvdp.programs.generic import GenericProgram
 from vvdp.sensing.axial_sensor import (
@@ -100,10 +99,3 @@ AXIAL_SENSOR = GenericProgram(
     ProgramType(sensor_step, SpoolPlace, AxialSignal(0.0, 0.0), AxialSensorTable, axial_sensor_start),
     made=axial_sensor_of,
 )
-
-
-def add_axial_sensor(net: Network, position: str, spool: str, table: AxialSensorTable) -> None:
-    """Add the sensor as a program; `position` is the path of the spool's position, `spool` the shaft that turns it."""
-    reads = {"time": "t", "position": position, "angle": f"{spool}.angle"}
-    kind = replace(AXIAL_SENSOR.type, settings=AxialSensor)
-    net.program("axial_sensor", kind, axial_sensor_of(table), reads=reads)

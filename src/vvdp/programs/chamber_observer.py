@@ -113,6 +113,11 @@ class ChamberObserverSettings(Params):
         """How often it is called [s]."""
         return self.observer.sample_period
 
+    @property
+    def helix_length(self) -> float:
+        """Length over which the duty ratio goes from 0 to 1 [m]."""
+        return self.observer.pollution.helix_length
+
 
 def chamber_observer_settings(table: ChamberObserverTable) -> ChamberObserverSettings:
     """The settings of the observer as its step takes them. Raises ParameterError."""

@@ -4,13 +4,13 @@ Source  ours, docs/models/gerotor-control.md, where a function names no other.
 """
 
 from dataclasses import fields
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from vvdp.base.kinds import Angle, Area, Count, Flow, Fraction, Length, Position, SignedFraction, Speed, Time, Velocity
 from vvdp.base.params import Params, require_positive
 from vvdp.control.feedforward_pi import FeedforwardPI, PIMemory, SquareRate, pi_start, pi_step
 from vvdp.control.reference import Rate, Reference
-from vvdp.estimation.axial_filter import AxialMemory
+from vvdp.estimation.axial_filter import AxialEstimate, AxialMemory, AxialSeen
 from vvdp.estimation.gerotor_observer import GerotorObserver, gerotor_observer_start, gerotor_observer_step
 from vvdp.hydraulics.gerotor_drive import GerotorBelief, gerotor_command, gerotor_flow
 from vvdp.network.program import ProgramType
@@ -32,9 +32,9 @@ from vvdp.programs.spool_report import SpoolReport
 from vvdp.sensing.axial_sensor import AxialReading
 
 
-class GerotorObserverTable(DriveBelief, AxialObserverTable, AxialSequence):
-    """The drive's map as it is believed, what is noise, and how long it homes and learns; the stop is at
-    `stop_position`. The flow moves `area`; the duty ratio is the position over the `helix_length`."""
+class BelievedDrive(DriveBelief, AxialSequence):
+    """The drive's map as it is believed, and how long it homes and learns; the stop is at `stop_position`. The flow
+    moves `area`; the duty ratio is the position over the `helix_length`."""
 
     area: Area
     stop_position: Position
@@ -42,29 +42,46 @@ class GerotorObserverTable(DriveBelief, AxialObserverTable, AxialSequence):
 
     def check(self) -> None:
         DriveBelief.check(self)
-        AxialObserverTable.check(self)
         require_positive(self, "area", "helix_length")
 
 
-class GerotorObserverSettings(Params):
-    """What the program of the observer works with."""
+class GerotorObserverTable(BelievedDrive, AxialObserverTable):
+    """The drive as it is believed, and what is noise."""
 
-    observer: GerotorObserver
+    def check(self) -> None:
+        BelievedDrive.check(self)
+        AxialObserverTable.check(self)
+
+
+class DriveWatch(Params):
+    """What the program of an observer works with beside the observer itself."""
+
     sequence: AxialSequence
     belief: DriveBelief
+    helix_length: Length
+    sample_period: Time
 
-    @property
-    def sample_period(self) -> float:
-        """How often it is called [s]."""
-        return self.observer.sample_period
+
+class GerotorObserverSettings(DriveWatch):
+    """What the program of the periodic Kalman filter works with."""
+
+    observer: GerotorObserver
+
+
+def drive_watch(table: BelievedDrive, sample_period: float) -> dict[str, Any]:
+    """The fields of `DriveWatch` of a table; `sample_period` [s]."""
+    return {
+        "sequence": AxialSequence(**{each.name: getattr(table, each.name) for each in fields(AxialSequence)}),
+        "belief": DriveBelief(**{each.name: getattr(table, each.name) for each in fields(DriveBelief)}),
+        "helix_length": table.helix_length,
+        "sample_period": sample_period,
+    }
 
 
 def gerotor_observer_settings(table: GerotorObserverTable) -> GerotorObserverSettings:
     """The settings of the observer as its step takes them. Raises ParameterError."""
     observer = gerotor_observer_of(table, table.area, table.stop_position, table.helix_length)
-    sequence = AxialSequence(**{each.name: getattr(table, each.name) for each in fields(AxialSequence)})
-    belief = DriveBelief(**{each.name: getattr(table, each.name) for each in fields(DriveBelief)})
-    return GerotorObserverSettings(observer=observer, sequence=sequence, belief=belief)
+    return GerotorObserverSettings(observer=observer, **drive_watch(table, table.sample_period))
 
 
 def gerotor_observer_of(table: AxialObserverTable, area: float, stop: float, helix_length: float) -> GerotorObserver:
@@ -93,46 +110,72 @@ class WatchedDrive(NamedTuple):
     speed_deviation: Speed = 0.0
 
 
-class DriveBeliefMemory(NamedTuple):
-    """What the observer carries from sample to sample; `flow` is what the pump's is taken to have come to."""
+class DriveStage(NamedTuple):
+    """Stage of a drive, and what the pump's flow is taken to have come to."""
 
-    filter: AxialMemory
     stage: Stage
     flow: Flow
 
 
+class DriveBeliefMemory(NamedTuple):
+    """What the observer carries from sample to sample."""
+
+    filter: AxialMemory
+    drive: DriveStage
+
+
+class DriveSight(NamedTuple):
+    """What is known at a sample, before an observer is asked."""
+
+    drive: DriveStage
+    seen: AxialSeen
+
+
+HOMING = DriveStage(Stage(HOME, 0.0, 1.0), 0.0)
+"""Before the first sample."""
+
+
 def gerotor_observer_program_start(settings: GerotorObserverSettings) -> DriveBeliefMemory:
     """Before the first sample: homing."""
-    start = gerotor_observer_start(settings.observer, settings.observer.stop_position)
-    return DriveBeliefMemory(start, Stage(HOME, 0.0, 1.0), 0.0)
+    return DriveBeliefMemory(gerotor_observer_start(settings.observer, settings.observer.stop_position), HOMING)
 
 
-def gerotor_observer_program_step(
-    t: float, memory: DriveBeliefMemory, reading: WatchedDrive, settings: GerotorObserverSettings
-) -> tuple[DriveBeliefMemory, SeenSpool]:
-    """Position of a spool that a gerotor pump moves, by the periodic Kalman filter, and its stages."""
+def drive_sight(before: DriveStage, reading: WatchedDrive, watch: DriveWatch) -> DriveSight:
+    """Stage, flow, and what an observer sees at a sample."""
     phase = seen_phase(reading.angle, reading.speed, reading.angle_deviation, reading.speed_deviation)
     settled = 0.0
-    if memory.stage.number == RUN:
-        settled = gerotor_flow(reading.command, settings.belief)
-    period = settings.observer.sample_period
-    flow = flow_after(settled, memory.flow, period, settings.belief.lag)
-    stage = stage_at_stop(memory.stage, reading.time, is_known(phase), period, settings.sequence)
+    if before.stage.number == RUN:
+        settled = gerotor_flow(reading.command, watch.belief)
+    flow = flow_after(settled, before.flow, watch.sample_period, watch.belief.lag)
+    stage = stage_at_stop(before.stage, reading.time, is_known(phase), watch.sample_period, watch.sequence)
     signal = AxialReading(reading.time, reading.measured, reading.light)
-    seen = sight_of(signal, phase, stage, flow, 0.0, ALWAYS_SEEN)
-    after, estimate = gerotor_observer_step(memory.filter, seen, settings.observer)
-    return DriveBeliefMemory(after, stage, flow), SeenSpool(
+    return DriveSight(DriveStage(stage, flow), sight_of(signal, phase, stage, flow, 0.0, ALWAYS_SEEN))
+
+
+def seen_spool(sight: DriveSight, estimate: AxialEstimate) -> SeenSpool:
+    """What is believed of a spool that a pump moves, after a sample."""
+    stage = sight.drive.stage.number
+    return SeenSpool(
         position=estimate.position,
         velocity=estimate.velocity,
         position_deviation=estimate.position_deviation,
         velocity_deviation=estimate.velocity_deviation,
         pollution=estimate.pollution,
         margin=ALWAYS_SEEN,
-        stage=stage.number,
-        released=1.0 if stage.number == RUN else 0.0,
-        known=1.0 if is_known(phase) else 0.0,
+        stage=stage,
+        released=1.0 if stage == RUN else 0.0,
+        known=1.0 if is_known(sight.seen.phase) else 0.0,
         frozen=estimate.frozen,
     )
+
+
+def gerotor_observer_program_step(
+    t: float, memory: DriveBeliefMemory, reading: WatchedDrive, settings: GerotorObserverSettings
+) -> tuple[DriveBeliefMemory, SeenSpool]:
+    """Position of a spool that a gerotor pump moves, by the periodic Kalman filter, and its stages."""
+    sight = drive_sight(memory.drive, reading, settings)
+    after, estimate = gerotor_observer_step(memory.filter, sight.seen, settings.observer)
+    return DriveBeliefMemory(after, sight.drive), seen_spool(sight, estimate)
 
 
 class FeedforwardTable(GerotorBelief):

@@ -1,7 +1,6 @@
 """The control of the gerotor drive: sensor, observer, reference, feedforward and PI, in a row at every sample.
 
-`gerotor_view` takes a sample in, an observer says where the spool is, `position_command` makes it the pump's command;
-the steps of the programs, one for each observer, are these three in a row.
+`gerotor_view` takes a sample in, an observer says where the spool is, `position_command` makes it the pump's command.
 
 Source  ours, docs/models/gerotor-control.md, where a function names no other.
 """
@@ -35,7 +34,6 @@ from vvdp.programs.axial_loop import (
     next_stage,
     show,
     sight_of,
-    turned_phase,
 )
 from vvdp.programs.spool_encoder import WatchMemory, WatchSettings, watch_start, watch_step
 from vvdp.sensing.axial_sensor import AxialSensor, SpoolPlace, axial_sensor_start, axial_sensor_step
@@ -73,8 +71,8 @@ class DriveBelief(GerotorBelief):
             raise ParameterError("DriveBelief.lag: 0 s; no motor follows at once, expected above 0")
 
 
-class GerotorControl(Params):
-    """What the control of a gerotor drive works with, but for its observer; `wanted` is the position [m]."""
+class GerotorLoop(Params):
+    """What the control of a gerotor drive works with; `wanted` is the position [m]."""
 
     sensor: AxialSensor
     law: FeedforwardPI
@@ -84,11 +82,6 @@ class GerotorControl(Params):
     sample_period: Time
     stop_position: Position
     wanted: PositionSignal
-
-
-class GerotorLoop(GerotorControl):
-    """The loop with the periodic Kalman filter."""
-
     observer: GerotorObserver
 
 
@@ -136,7 +129,7 @@ class GerotorView(NamedTuple):
     measured: Position
 
 
-def drive_start(settings: GerotorControl) -> DriveMemory:
+def drive_start(settings: GerotorLoop) -> DriveMemory:
     """The memory before the first sample: homing."""
     return DriveMemory(
         sensor=axial_sensor_start(settings.sensor),
@@ -166,7 +159,7 @@ def flow_after(settled: float, flow: float, period: float, lag: float) -> float:
 
 
 def gerotor_view(
-    memory: DriveMemory, place: GerotorPlace, phase: Phase, wanted: float, settings: GerotorControl
+    memory: DriveMemory, place: GerotorPlace, phase: Phase, wanted: float, settings: GerotorLoop
 ) -> GerotorView:
     """What is known after a sample: stage, reference, and what an observer sees.
 
@@ -193,7 +186,7 @@ def gerotor_view(
 
 
 def position_command(
-    view: GerotorView, estimate: AxialEstimate, settings: GerotorControl
+    view: GerotorView, estimate: AxialEstimate, settings: GerotorLoop
 ) -> tuple[DriveMemory, AxialCommand]:
     """Memory and command: backward while it homes; controlled; else none, which leaves the spool where it is.
 
@@ -226,14 +219,6 @@ def gerotor_axial_step(
     observer, estimate = gerotor_observer_step(memory.observer, view.seen, settings.observer)
     drive, command = position_command(view, estimate, settings)
     return GerotorMemory(drive, observer), command
-
-
-def gerotor_step(
-    t: float, memory: GerotorMemory, place: GerotorPlace, settings: GerotorLoop
-) -> tuple[GerotorMemory, AxialCommand]:
-    """Program: the spool's angle known."""
-    phase = turned_phase(place)
-    return gerotor_axial_step(memory, place, phase, signal_value(t, settings.wanted), settings)
 
 
 def watched_gerotor_start(settings: WatchedGerotor) -> WatchedGerotorMemory:

@@ -13,6 +13,7 @@ from vvdp.programs.estimators import FLOW_MAP, LOAD_OBSERVER, PERIOD_AVERAGE
 from vvdp.programs.filters import DERIVATIVE, LIMIT, LOW_PASS, RATE_LIMIT, REFERENCE
 from vvdp.programs.generic import GenericProgram
 from vvdp.programs.gerotor_control import FEEDFORWARD_PI, GEROTOR_OBSERVER
+from vvdp.programs.gerotor_filters import GENERATOR_OBSERVER, LUMPED_OBSERVER
 from vvdp.programs.pulses import CYCLE, PWM
 from vvdp.programs.unloading import UNLOADING
 
@@ -26,10 +27,12 @@ PROGRAMS: Mapping[str, ProgramType | GenericProgram] = {
     "event-filter": EVENT_FILTER,
     "feedforward-pi": FEEDFORWARD_PI,
     "flow-map": FLOW_MAP,
+    "generator-observer": GENERATOR_OBSERVER,
     "gerotor-observer": GEROTOR_OBSERVER,
     "limit": LIMIT,
     "load-observer": LOAD_OBSERVER,
     "low-pass": LOW_PASS,
+    "lumped-observer": LUMPED_OBSERVER,
     "passivity": PASSIVITY,
     "period-average": PERIOD_AVERAGE,
     "pi": PI,

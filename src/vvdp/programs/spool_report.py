@@ -76,7 +76,7 @@ class SpoolReport(ProgramReport):
         self.observer = watch if watch is not None and isinstance(watch.type.command, SeenSpool) else None
         self.spool = true_path(network, source, "position")
         settings: Any = None if self.observer is None else self.observer.settings
-        self.helix_length = np.nan if settings is None else settings.observer.pollution.helix_length
+        self.helix_length = np.nan if settings is None else settings.helix_length
 
     def numbers(self, run: "Run") -> dict[str, float]:
         """Errors, from a second after the start of control on; none without a true position."""

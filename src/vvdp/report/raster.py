@@ -51,7 +51,7 @@ def _leaves(node: ElementTree.Element, styles: Styles, place: "Transform") -> It
     own = {**styles, **{key: node.attrib[key] for key in INHERITED if key in node.attrib}}
     for name, numbers in TRANSFORMS.findall(node.attrib.get("transform", "")):
         place = _placement(name, _numbers(numbers), place)
-    if _tag(node) not in ("g", "svg"):
+    if _tag(node) not in ("a", "g", "svg"):
         yield node, own, place
         return
     for child in node:

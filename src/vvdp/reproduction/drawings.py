@@ -26,12 +26,14 @@ def solid_drawing(what: str, name: str, draw: Callable[[], Drawn], *more: Statem
 
 
 def circuit_drawing(what: str, name: str, *systems: str) -> Reproduction:
-    """The circuits of systems, drawn from their networks."""
+    """The circuits of systems, drawn from their networks; of one with a single part what is inside of the part."""
     pictures = []
     for number, system in enumerate(systems):
         loaded = vvdp.load(system)
         suffix = "abc"[number] if len(systems) > 1 else ""
-        svg = diagram(graph_of(loaded.circuit.network, loaded.title), {})
+        network = loaded.circuit.network
+        part = next(iter(network.circuits)) if len(network.circuits) == 1 else ""
+        svg = diagram(graph_of(network, loaded.title, part), {})
         picture = Picture(name=f"{name}{suffix}", caption=loaded.title, svg=svg, png=diagram_png(svg))
         pictures.append(picture)
     words = " and ".join(f"`{system}`" for system in systems)

@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from vvdp.base.tables import copy_tables
+from vvdp.systems.drawn_parts import other_keys
 from vvdp.systems.system import System, load_system
 
 
@@ -18,7 +19,10 @@ def variant(name: str, *, without: Sequence[str] = (), **tables: Mapping[str, An
 
 
 def drawn_variant(name: str, changes: Mapping[str, Any]) -> System:
-    """The shipped, drawn system called `name` with other entries by their paths, in its order; None leaves one out."""
+    """The shipped, drawn system called `name` with other entries by their paths, in its order; None leaves one out.
+
+    Keys that another type does not take go with the old one.
+    """
     system = load_system(name)
     content = copy_tables(system.table.content)
     for path, value in changes.items():
@@ -26,6 +30,8 @@ def drawn_variant(name: str, changes: Mapping[str, Any]) -> System:
         table: Any = content
         for word in above:
             table = table.setdefault(word, {})
+        for other in other_keys(above[0], table, {key: value}) if key == "type" else ():
+            del table[other]
         if value is None:
             table.pop(key, None)
         else:

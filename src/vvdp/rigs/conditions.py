@@ -50,7 +50,7 @@ def fluid(stand: Stand) -> str:
 
 def limit_findings(stand: Stand) -> Iterator[Finding]:
     """What of the system no quasi-steady average knows, a warning each."""
-    for limit in stand.bench.average_limits():
+    for limit in stand.bench.unit.average_limits():
         yield Finding(
             text=f"The averages do not hold: {limit}.",
             grade=Grade.WARNING,

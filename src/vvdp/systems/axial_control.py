@@ -33,6 +33,7 @@ from vvdp.programs.chamber_loop import (
     watched_step,
 )
 from vvdp.programs.chamber_observer import observer_of
+from vvdp.programs.loop_report import ChamberLoopReport
 from vvdp.programs.spool_encoder import WatchSettings
 from vvdp.systems.axial_tables import PilotSupply
 from vvdp.systems.chamber_feedback import (
@@ -187,7 +188,7 @@ def add_watched_control(
     step = laws.watched if control.feedback is None else laws.watched_raw
     if step is None or not isinstance(loop, PassiveLoop):
         raise ParameterError("a table [raw_feedback] goes with [passivity] where an encoder watches the spool")
-    kind = ProgramType(step, AxialPlace, UNKNOWN, WatchedLoop, watched_start)
+    kind = ProgramType(step, AxialPlace, UNKNOWN, WatchedLoop, watched_start, report=ChamberLoopReport)
     settings = WatchedLoop(watch=watch, loop=loop)
     net.program(PROGRAM, kind, settings, reads=_reads(spool), period=loop.observer.sample_period)
 

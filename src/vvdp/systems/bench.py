@@ -1,23 +1,24 @@
 """What a test bench of the rotary valve brings along beyond other systems, and what verbs about it ask for."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.display import with_unit
 from vvdp.base.errors import ConfigError, Fault
-from vvdp.base.kinds import PRESSURE_DIFFERENCE, TIME
 from vvdp.base.signal import Signal, constant, map_signal, signal_value
 from vvdp.fluid.oil import Oil, density
 from vvdp.hydraulics.pump import Pump, pump_friction_power
 from vvdp.hydraulics.relief_valve import ReliefValve
 from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
+from vvdp.results.chart import Chart
+from vvdp.results.result import Table
 from vvdp.simulation.model import Case
 from vvdp.simulation.outcome import Outcome
+from vvdp.simulation.record import Record
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves
 from vvdp.systems.bench_overview import ANALYTIC, OVERVIEW, OVERVIEW_NOTE, QUANTITIES
@@ -27,11 +28,12 @@ from vvdp.systems.bench_values import BenchValues
 from vvdp.systems.bound import Bound
 from vvdp.systems.extras import Extras, Summary
 from vvdp.systems.port_cavitation import lowest_cavitation_number
+from vvdp.systems.program_reports import reported_programs
 from vvdp.systems.spool_estimate import estimate_lines, estimate_numbers, estimate_quantities
+from vvdp.systems.spool_travel import spool_source
 from vvdp.systems.system import System
-from vvdp.valve.flow_map import quasi_steady_mean
+from vvdp.systems.valve_unit import ValveUnit
 from vvdp.valve.losses import full_open_loss, range_warnings
-from vvdp.valve.operating_point import OperatingPoint, SetPoint, operating_point
 from vvdp.valve.rotary import RotaryValve
 
 WATCHING = ("encoder", "spool_filter")
@@ -94,9 +96,12 @@ class RotaryBench(Extras):
         self.operation: DutyOperation | AxialOperation = given["operation"]
         self.load: OrificeLoad | PressureLoad = given["load"]
         self.load_line: Vessel | None = given.get("load_line")
+        self.programs = reported_programs(system, system.stepping.sample_period) or Extras(system)
         if self.is_watched:
             self.QUANTITIES = QUANTITIES | estimate_quantities(self.averaging_angle)
             self.OVERVIEW = (*OVERVIEW, *estimate_lines(self.averaging_angle))
+        self.QUANTITIES = {**self.QUANTITIES, **self.programs.QUANTITIES}
+        self.OVERVIEW = (*self.OVERVIEW, *self.programs.OVERVIEW)
 
     @property
     def makes_pressure(self) -> bool:
@@ -138,9 +143,22 @@ class RotaryBench(Extras):
         return self.operation.axial_position
 
     @property
-    def nominal_flow(self) -> float:
-        """What the pump displaces at the start [m^3/s]."""
-        return float(self.pump.displacement * signal_value(0.0, self.operation.pump_speed))
+    def unit(self) -> ValveUnit:
+        """Its valve with pump and relief valve, and where it works at the start, as its tables have it."""
+        return ValveUnit(
+            valve=self.valve,
+            oil=self.oil,
+            pump=self.pump,
+            relief_valve=self.relief_valve,
+            inlet_volume=self.inlet_volume,
+            pump_speed=float(signal_value(0.0, self.operation.pump_speed)),
+            temperature=float(signal_value(0.0, self.operation.oil_temperature)),
+            duty_ratio=float(signal_value(0.0, self.duty_ratio)),
+            load_pressure=self.load_pressure,
+            tank_pressure=self.tank_pressure,
+            makes_pressure=self.makes_pressure,
+            is_softened=self.is_softened,
+        )
 
     @property
     def _pump_friction(self) -> float:
@@ -166,8 +184,8 @@ class RotaryBench(Extras):
 
     @property
     def is_watched(self) -> bool:
-        """Whether an encoder watches the spool."""
-        return "encoder" in self.tables
+        """Whether an encoder of its own watches the spool, not that of a control."""
+        return "encoder" in self.system.circuit.network.programs and "encoder" in self.tables
 
     @property
     def averaging_angle(self) -> float:
@@ -228,7 +246,14 @@ class RotaryBench(Extras):
         """The same bench with all that is prescribed held at its first value, the axial position as a duty ratio.
 
         The pump does not pulsate and nothing watches the spool: only what repeats itself with the valve is left.
+        Raises ConfigError where a control holds the duty ratio.
         """
+        if isinstance(spool_source(self.system.circuit.network), str):
+            message = (
+                "its duty ratio is held by a control and cannot be prescribed at set points; take a bench without one, "
+                "such as prototype"
+            )
+            raise ConfigError([Fault(self.system.name, 0, "", message)])
         tables = {name: _hold_table(table) for name, table in self.tables.items() if name not in WATCHING}
         operation = tables["operation"]
         tables["operation"] = DutyOperation(
@@ -322,7 +347,7 @@ class RotaryBench(Extras):
     def record_numbers(self, run: Run) -> Summary:
         """How good the estimate of a watched spool was; empty for a short run, or without an encoder."""
         if not self.is_watched:
-            return {}
+            return self.programs.record_numbers(run)
         estimate, sampled = run.command.encoder._asdict(), run.memory["encoder"].encoder._asdict()
         return estimate_numbers(run.times, estimate, sampled, self.averaging_angle)
 
@@ -334,7 +359,7 @@ class RotaryBench(Extras):
         """
         if not self._is_analytic(found) or any(self.closed_form_limits(found)):
             return {}
-        point = self.operating_point(float(found["pressure_mean_load_line_Pa"]) + self.reference)
+        point = self.unit.operating_point(float(found["pressure_mean_load_line_Pa"]) + self.reference)
         pump = point.cycle.pump_loss + self._pump_friction
         values = (
             point.averaged_pwm_frequency,
@@ -352,7 +377,7 @@ class RotaryBench(Extras):
     def _is_analytic(self, found: Mapping[str, float | bool]) -> bool:
         """Whether a run is of the kind that closed forms describe: steady, spun by the flow alone, against a load."""
         loaded = found["pressure_mean_load_line_Pa"] + self.reference > self.tank_pressure
-        return self.is_steady and not self.is_driven and self.nominal_flow > 0.0 and bool(loaded)
+        return self.is_steady and not self.is_driven and self.unit.nominal_flow > 0.0 and bool(loaded)
 
     def closed_form_limits(self, found: Mapping[str, float | bool]) -> Iterator[str]:
         """Why the closed forms do not describe a run of the kind that they could, a sentence each; none where they do.
@@ -361,25 +386,14 @@ class RotaryBench(Extras):
         """
         if self._is_analytic(found):
             load_pressure = float(found["pressure_mean_load_line_Pa"]) + self.reference
-            point = self.set_point(load_pressure)._replace(flow=self.delivered_flow(load_pressure))
-            yield from self.average_limits()
+            unit = self.unit
+            point = unit.set_point(load_pressure)._replace(flow=unit.delivered_flow(load_pressure))
+            yield from unit.average_limits()
             yield from switching_limits(self.values, found)
             if point.flow > 0.0:
                 yield from range_warnings(point.duty_ratio, point.condition(self.oil), self.valve)
             else:
                 yield "the pump's leakage takes all of its flow"
-
-    def average_limits(self) -> Iterator[str]:
-        """What of the relief valve and of soft switching no quasi-steady average knows, a sentence each."""
-        relief = self.relief_valve
-        if relief.opening_time > 0.0:
-            lag = with_unit(relief.opening_time, TIME)
-            yield f"the relief valve opens with a lag of {lag}, which is in no quasi-steady average"
-        if relief.reseat_drop > 0.0:
-            drop = with_unit(relief.reseat_drop, PRESSURE_DIFFERENCE)
-            yield f"the relief valve shuts only {drop} below its setting, which is in no quasi-steady average"
-        if self.is_softened:
-            yield "a check valve past the load port, or a chamber that takes the flow, is in no closed form"
 
     @property
     def temperature(self) -> Signal:
@@ -392,35 +406,16 @@ class RotaryBench(Extras):
 
     def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
         """What is to be known before the numbers of a bench, in sentences."""
-        return bench_warnings(self.values, found, self.closed_form_limits(found))
+        yield from bench_warnings(self.values, found, self.closed_form_limits(found))
+        yield from self.programs.warnings(found)
 
-    def operating_point(self, load_pressure: float) -> OperatingPoint:
-        """The valve's analytic drops, speeds and losses at the start, against `load_pressure` [Pa, absolute]."""
-        return operating_point(self.set_point(load_pressure), self.inlet_volume, self.oil, self.valve)
+    def merits(self, found: Mapping[str, Any]) -> Iterator[str]:
+        """What the numbers of its programs show to be right."""
+        return self.programs.merits(found)
 
-    def set_point(self, load_pressure: float) -> SetPoint:
-        """Where the valve works at the start, against `load_pressure` [Pa, absolute]."""
-        return SetPoint(
-            flow=self.nominal_flow,
-            temperature=signal_value(0.0, self.operation.oil_temperature),
-            duty_ratio=signal_value(0.0, self.duty_ratio),
-            load_pressure=load_pressure,
-            relief_pressure=self.relief_valve.cracking_pressure,
-            tank_pressure=self.tank_pressure,
-            relief_override=self.relief_valve.override_pressure,
-            relief_rated_flow=self.relief_valve.rated_flow,
-            pump_leakage=self.pump.leakage_conductance,
-        )
-
-    def delivered_flow(self, load_pressure: float) -> float:
-        """What the pump delivers at the start at its mean pressure [m^3/s].
-
-        load_pressure  absolute [Pa]
-        """
-        point = self.set_point(load_pressure)
-        if point.flow <= 0.0 or point.pump_leakage == 0.0:
-            return point.flow
-        return point.flow - quasi_steady_mean(point.duty_ratio, point.condition(self.oil), self.valve).pump_leakage_flow
+    def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:
+        """The figures of its programs."""
+        return self.programs.charts(record)
 
 
 def rotary_bench(system: System, verb: str) -> RotaryBench:

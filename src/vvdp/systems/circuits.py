@@ -5,7 +5,7 @@ import inspect
 import types
 import typing
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, is_dataclass
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -104,15 +104,28 @@ def load_module(name: str, folder: Path) -> types.ModuleType:
 
 
 @cache
-def table_slots(function: NetworkFunction) -> dict[str, TableSlot]:
-    """The tables that a circuit takes, by name: the arguments of its function and their annotations.
+def tables_record(function: NetworkFunction) -> Any:
+    """The dataclass that is the only argument of a circuit, one field for each table; None if each is an argument."""
+    hints = [get_type_hints(function).get(name) for name in inspect.signature(function).parameters]
+    record = hints[0] if len(hints) == 1 else None
+    return record if isinstance(record, type) and is_dataclass(record) and not issubclass(record, Params) else None
 
-    Raises ParameterError where one is not a parameter class.
+
+def draw(function: NetworkFunction, tables: Mapping[str, Any]) -> Network:
+    """The network that a circuit makes of tables by their names."""
+    record = tables_record(function)
+    return function(**tables) if record is None else function(record(**tables))
+
+
+@cache
+def table_slots(function: NetworkFunction) -> dict[str, TableSlot]:
+    """The tables that a circuit takes, by name: the arguments of its function, or the fields of its only one.
+
+    Raises ParameterError where one is not annotated with a parameter class.
     """
-    hints = get_type_hints(function)
-    return {
-        name: _slot(function.__qualname__, name, hints.get(name)) for name in inspect.signature(function).parameters
-    }
+    holder = tables_record(function) or function
+    hints = get_type_hints(holder)
+    return {name: _slot(function.__qualname__, name, hints.get(name)) for name in inspect.signature(holder).parameters}
 
 
 def _slot(function: str, name: str, hint: Any) -> TableSlot:

@@ -5,12 +5,14 @@ from typing import Any, TypeAlias
 
 from vvdp.base.errors import Fault, ParameterError
 from vvdp.base.tables import nearest
+from vvdp.components.library import COMPONENTS
 from vvdp.programs.library import PROGRAMS
 from vvdp.systems.part_files import DRAWN, GROUPS, PARTS
-from vvdp.systems.part_keys import part_keys
+from vvdp.systems.part_keys import PartType, part_keys
 from vvdp.systems.part_scopes import Place, Scope, as_table, inner_name
 
 FAULTS = "faults"
+TYPES: Mapping[str, Mapping[str, PartType]] = {"components": COMPONENTS, "programs": PROGRAMS}
 Keys: TypeAlias = tuple[str, ...]
 SIGNAL_WORDS = frozenset(("value", "step", "ramp", "sine", "table", "from"))
 """Words of which an entry with a value has one."""
@@ -67,7 +69,7 @@ class DrawnCircuit:
         elif name not in table:
             self.tell(place, f"no such name among the {group}{nearest(name, table) if table else ''}")
         else:
-            for key in _other_keys(table[name], entry) if group == "programs" else ():
+            for key in other_keys(group, table[name], entry):
                 del table[name][key]
             for keys, value in _leaves(entry, table[name]):
                 below = ".".join(keys)
@@ -176,7 +178,7 @@ def _entry_paths(path: str, parts: Mapping[str, Mapping[str, Any]]) -> tuple[str
     return tuple(values.get(value, ())) or (group + dot + inner_name(rest, parts),)
 
 
-def _other_keys(program: Mapping[str, Any], entry: Mapping[str, Any]) -> list[str]:
-    """The keys of a program that the other type which `entry` gives it does not take: they go with the old one."""
-    found = PROGRAMS.get(str(entry.get("type")))
-    return [] if found is None else [key for key in program if key not in part_keys(found).known]
+def other_keys(group: str, part: Mapping[str, Any], entry: Mapping[str, Any]) -> list[str]:
+    """The keys of a component or program that the other type which `entry` gives it does not take: they go with it."""
+    found = TYPES.get(group, {}).get(str(entry.get("type")))
+    return [] if found is None else [key for key in part if key not in part_keys(found).known]

@@ -4,20 +4,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Length, Speed, Time
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal
 from vvdp.control.feedforward_pi import FeedforwardPI, SquareRate
 from vvdp.control.reference import Rate, ReferenceFilter
 from vvdp.estimation.gerotor_observer import GerotorObserver
-from vvdp.estimation.noise_clock import ClockedGerotor, NoiseClock
-from vvdp.estimation.signal_generator import (
-    GeneratorDesign,
-    GeneratorObserver,
-    LumpedObserver,
-    generator_observer,
-    samples_in_period,
-)
 from vvdp.hydraulics.gerotor_drive import GerotorDrive
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
@@ -26,28 +17,15 @@ from vvdp.programs.axial_sensor import AxialSensorTable, axial_sensor_of
 from vvdp.programs.gerotor_control import gerotor_observer_of
 from vvdp.programs.gerotor_loop import (
     DriveBelief,
-    GerotorControl,
     GerotorLoop,
     GerotorPlace,
     GerotorSequence,
     WatchedGerotor,
-    gerotor_loop_start,
-    gerotor_step,
     watched_gerotor_start,
     watched_gerotor_step,
 )
+from vvdp.programs.loop_report import SpoolLoopReport
 from vvdp.programs.spool_encoder import WatchSettings
-from vvdp.systems.gerotor_filters import (
-    ClockedLoop,
-    GeneratorLoop,
-    LumpedLoop,
-    clocked_loop_start,
-    clocked_step,
-    generator_loop_start,
-    generator_step,
-    lumped_loop_start,
-    lumped_step,
-)
 
 
 class PIGains(Params):
@@ -57,41 +35,12 @@ class PIGains(Params):
     integral_rate: SquareRate
 
 
-class ClockedTable(AxialObserverTable):
-    """The [axial_observer] table with a basis in time: of a pollution that comes back with `noise_speed`."""
-
-    noise_speed: Speed
-
-
-class LumpedTable(Params):
-    """The [axial_observer] table of the lumped filter, which takes the pollution for noise."""
-
-    sample_period: Time
-    bandwidth: Speed
-
-
-class GeneratorTable(Params):
-    """The [axial_observer] table of the signal generator; drifts are deviations of a sample."""
-
-    sample_period: Time
-    noise_period: Time
-    sensor_deviation: Length
-    position_drift: Length
-    generator_drift: Length
-
-    def check(self) -> None:
-        samples_in_period(self.noise_period, self.sample_period)  # here, where the line of the table is known
-
-
-ObserverTable = AxialObserverTable | ClockedTable | LumpedTable | GeneratorTable
-
-
 @dataclass(frozen=True)
 class GerotorTables:
     """The tables of the control of a gerotor drive, and the `wanted` position [m]."""
 
     sensor: AxialSensorTable
-    observer: ObserverTable
+    observer: AxialObserverTable
     gains: PIGains
     calibration: DriveBelief
     reference: ReferenceFilter
@@ -101,7 +50,7 @@ class GerotorTables:
 
 
 def control_values(tables: GerotorTables, drive: GerotorDrive) -> dict[str, Any]:
-    """The fields of `GerotorControl`. Raises ParameterError where the drive's ends do not reach what is wanted."""
+    """The fields of `GerotorLoop`. Raises ParameterError where the drive's ends do not reach what is wanted."""
     low, high = tables.wanted.extremes
     if not drive.lower_end <= low <= high <= drive.upper_end:
         raise ParameterError(
@@ -133,62 +82,20 @@ def periodic_observer(table: AxialObserverTable, drive: GerotorDrive, helix_leng
     return gerotor_observer_of(table, drive.area, drive.lower_end, helix_length)
 
 
-def generator_of(table: GeneratorTable, drive: GerotorDrive) -> GeneratorObserver:
-    """The signal generator of a table, with the gains that follow from it."""
-    design = GeneratorDesign(
-        area=drive.area,
-        sample_period=table.sample_period,
-        noise_period=table.noise_period,
-        sensor_deviation=table.sensor_deviation,
-        position_drift=table.position_drift,
-        generator_drift=table.generator_drift,
-        stop_position=drive.lower_end,
-    )
-    return generator_observer(design)
-
-
-def gerotor_loop(tables: GerotorTables, drive: GerotorDrive) -> tuple[ProgramType, GerotorControl]:
-    """The program that goes with a table of an observer, the spool's angle known, and its values."""
-    table, values = tables.observer, control_values(tables, drive)
-    if isinstance(table, LumpedTable):
-        observer = LumpedObserver(
-            area=drive.area,
-            sample_period=table.sample_period,
-            bandwidth=table.bandwidth,
-            stop_position=drive.lower_end,
-        )
-        return _program(lumped_step, lumped_loop_start, LumpedLoop(observer=observer, **values))
-    if isinstance(table, GeneratorTable):
-        loop = GeneratorLoop(observer=generator_of(table, drive), **values)
-        return _program(generator_step, generator_loop_start, loop)
-    periodic = periodic_observer(table, drive, tables.helix_length)
-    if isinstance(table, ClockedTable):
-        clocked = ClockedGerotor(observer=periodic, clock=NoiseClock(speed=table.noise_speed))
-        return _program(clocked_step, clocked_loop_start, ClockedLoop(observer=clocked, **values))
-    return _program(gerotor_step, gerotor_loop_start, GerotorLoop(observer=periodic, **values))
-
-
-def _program(step: Any, start: Any, loop: GerotorControl) -> tuple[ProgramType, GerotorControl]:
-    return ProgramType(step, GerotorPlace, UNKNOWN, type(loop), start), loop
-
-
-def add_gerotor_control(net: Network, tables: GerotorTables, drive: GerotorDrive, spool: str) -> None:
-    """Add the program that controls a gerotor drive whose spool turns with the shaft `spool`, its angle known."""
-    kind, loop = gerotor_loop(tables, drive)
-    net.program(PROGRAM, kind, loop, reads=_reads(spool), period=loop.sample_period)
-
-
 def add_watched_gerotor(
     net: Network, tables: GerotorTables, drive: GerotorDrive, spool: str, watch: WatchSettings
 ) -> None:
-    """The same with the periodic Kalman filter and the spool watched by an encoder."""
-    assert isinstance(tables.observer, AxialObserverTable)
+    """Add the program that controls a gerotor drive whose spool turns with the shaft `spool`, watched by an encoder."""
     observer = periodic_observer(tables.observer, drive, tables.helix_length)
     loop = GerotorLoop(observer=observer, **control_values(tables, drive))
-    kind = ProgramType(watched_gerotor_step, GerotorPlace, UNKNOWN, WatchedGerotor, watched_gerotor_start)
+    kind = ProgramType(
+        watched_gerotor_step,
+        GerotorPlace,
+        UNKNOWN,
+        WatchedGerotor,
+        watched_gerotor_start,
+        report=SpoolLoopReport,
+    )
     settings = WatchedGerotor(watch=watch, loop=loop)
-    net.program(PROGRAM, kind, settings, reads=_reads(spool), period=loop.sample_period)
-
-
-def _reads(spool: str) -> dict[str, str]:
-    return {"time": "t", "angle": f"{spool}.angle", "speed": f"{spool}.speed", "position": "gerotor.position"}
+    reads = {"time": "t", "angle": f"{spool}.angle", "speed": f"{spool}.speed", "position": "gerotor.position"}
+    net.program(PROGRAM, kind, settings, reads=reads, period=loop.sample_period)

@@ -1,9 +1,10 @@
 """The test benches of the rotary valve: a pump unit against a load line with an orifice, or against a pressure source.
 
-The two functions that return a `Network` are what a system file names as its circuit; their arguments are its tables.
+The two functions that return a `Network` are what a system file names as its circuit; the fields of their argument
+are its tables.
 """
 
-from typing import Any
+from dataclasses import dataclass, replace
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.params import Params
@@ -35,133 +36,138 @@ from vvdp.systems.bench_tables import (
 from vvdp.valve.rotary import RotaryValve
 
 
-def orifice_load(
-    oil: Oil,
-    pump: Pump,
-    motor: DriveMotor,
-    inlet: Chamber,
-    relief_valve: ReliefValve,
-    valve: RotaryValve,
-    spool_drive: SpoolDrive,
-    check_valve: CheckPoppet,
-    load_line: Vessel,
-    load: OrificeLoad,
-    operation: DutyOperation | AxialOperation,
-    initial: InitialBench,
-    limits: Limits,
-    encoder: EncoderTable | None = None,
-    spool_filter: EventFilterValues | None = None,
-    bypass: CheckValve | None = None,
-    chamber: SwitchChamber | None = None,
-) -> Network:
+@dataclass(frozen=True, kw_only=True)
+class PumpUnitTables:
+    """A pump unit with its motor."""
+
+    oil: Oil
+    pump: Pump
+    motor: Params
+    inlet: Chamber
+    relief_valve: ReliefValve
+    valve: RotaryValve
+    spool_drive: SpoolDrive
+    check_valve: CheckPoppet
+
+    @property
+    def unit(self) -> PumpUnit:
+        """The pump unit, which starts where the table [initial] says."""
+        return PumpUnit(
+            pump=self.pump,
+            inlet=self.inlet,
+            relief_valve=self.relief_valve,
+            valve=self.valve,
+            spool_drive=self.spool_drive,
+            check_valve=self.check_valve,
+            inlet_pressure="initial.inlet_pressure",
+            spool_angle="initial.spool_angle",
+            spool_speed="initial.spool_speed",
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class BenchTables(PumpUnitTables):
+    """A pump unit on a test bench."""
+
+    motor: DriveMotor
+    load: OrificeLoad | PressureLoad
+    operation: DutyOperation | AxialOperation
+    initial: InitialSupply
+    limits: Limits
+
+    @property
+    def joints(self) -> UnitJoints:
+        """Where the pump unit is joined, and what moves it."""
+        operation = self.operation
+        if isinstance(operation, DutyOperation):
+            position: Source = Connection(duty_position, (operation.duty_ratio, self.valve))
+        else:
+            position = operation.axial_position
+        return UnitJoints(
+            tank="tank",
+            load="load_line",
+            pump_speed=operation.pump_speed,
+            axial_position=position,
+            spool_motor_speed=operation.spool_motor_speed,
+            cavitation_pressure=Connection(cavitation_limit, (self.limits,)),
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class OrificeBench(BenchTables):
+    """A pump unit with a line and an orifice."""
+
+    load_line: Vessel
+    load: OrificeLoad
+    initial: InitialBench
+
+
+@dataclass(frozen=True, kw_only=True)
+class FittedUnit(BenchTables):
+    """A pump unit that an encoder may watch, and that may be switched softly."""
+
+    encoder: EncoderTable | None = None
+    spool_filter: EventFilterValues | None = None
+    bypass: CheckValve | None = None
+    chamber: SwitchChamber | None = None
+
+    @property
+    def unit(self) -> PumpUnit:
+        """The pump unit with what switches it softly."""
+        return replace(super().unit, bypass=self.bypass, chamber=self.chamber)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FittedOrificeBench(FittedUnit, OrificeBench):
+    """A pump unit with a line and an orifice; watched, or switched softly, if its tables say so."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FittedPressureBench(FittedUnit):
+    """A pump unit against a pressure source; watched, or switched softly, if its tables say so."""
+
+    load: PressureLoad
+
+
+def orifice_load(tables: FittedOrificeBench) -> Network:
     """A pump unit that feeds a line with or without accumulator and, from it, an orifice to the tank."""
-    unit = pump_unit(
-        pump=pump,
-        inlet=inlet,
-        relief_valve=relief_valve,
-        valve=valve,
-        spool_drive=spool_drive,
-        check_valve=check_valve,
-        bypass=bypass,
-        chamber=chamber,
-    )
-    net = new_bench(oil, unit, operation, load, initial, limits)
-    join_load(net, unit, joints(operation, valve, limits), load_line, load)
-    _watch(net, encoder, spool_filter, initial)
+    net = new_bench(tables)
+    join_load(net, tables, tables.joints)
+    _watch(net, tables)
     return net
 
 
-def constant_load(
-    oil: Oil,
-    pump: Pump,
-    motor: DriveMotor,
-    inlet: Chamber,
-    relief_valve: ReliefValve,
-    valve: RotaryValve,
-    spool_drive: SpoolDrive,
-    check_valve: CheckPoppet,
-    load: PressureLoad,
-    operation: DutyOperation | AxialOperation,
-    initial: InitialSupply,
-    limits: Limits,
-    encoder: EncoderTable | None = None,
-    spool_filter: EventFilterValues | None = None,
-    bypass: CheckValve | None = None,
-    chamber: SwitchChamber | None = None,
-) -> Network:
+def constant_load(tables: FittedPressureBench) -> Network:
     """A pump unit that works against a pressure source, which also feeds the valve's leakage."""
-    unit = pump_unit(
-        pump=pump,
-        inlet=inlet,
-        relief_valve=relief_valve,
-        valve=valve,
-        spool_drive=spool_drive,
-        check_valve=check_valve,
-        bypass=bypass,
-        chamber=chamber,
-    )
-    net = new_bench(oil, unit, operation, load, initial, limits)
-    net.pressure_source("load_line", load.pressure)
-    add_pump_unit(net, unit, joints(operation, valve, limits))
-    _watch(net, encoder, spool_filter, initial)
+    net = new_bench(tables)
+    net.pressure_source("load_line", tables.load.pressure)
+    add_pump_unit(net, tables.unit, tables.joints)
+    _watch(net, tables)
     return net
 
 
-def pump_unit(**parts: Any) -> PumpUnit:
-    """A pump unit that starts where the table [initial] says."""
-    return PumpUnit(
-        **parts,
-        inlet_pressure="initial.inlet_pressure",
-        spool_angle="initial.spool_angle",
-        spool_speed="initial.spool_speed",
-    )
-
-
-def new_bench(
-    oil: Oil,
-    unit: PumpUnit,
-    operation: DutyOperation | AxialOperation,
-    load: Params,
-    initial: InitialSupply,
-    limits: Limits,
-) -> Network:
+def new_bench(tables: BenchTables) -> Network:
     """The network of a bench with its tank, before anything else is drawn."""
     net = Network(
-        oil,
-        temperature=operation.oil_temperature,
-        operation=operation,
-        load=load,
-        initial=initial,
-        spool_drive=unit.spool_drive,
-        check_valve=unit.check_valve,
-        limits=limits,
+        tables.oil,
+        temperature=tables.operation.oil_temperature,
+        operation=tables.operation,
+        load=tables.load,
+        initial=tables.initial,
+        spool_drive=tables.spool_drive,
+        check_valve=tables.check_valve,
+        limits=tables.limits,
     )
     net.extras = RotaryBench
-    net.tank("tank", operation.tank_pressure)
+    net.tank("tank", tables.operation.tank_pressure)
     return net
 
 
-def joints(operation: DutyOperation | AxialOperation, valve: RotaryValve, limits: Limits) -> UnitJoints:
-    """Where the pump unit of a bench is joined, and what moves it."""
-    if isinstance(operation, DutyOperation):
-        position: Source = Connection(duty_position, (operation.duty_ratio, valve))
-    else:
-        position = operation.axial_position
-    return UnitJoints(
-        tank="tank",
-        load="load_line",
-        pump_speed=operation.pump_speed,
-        axial_position=position,
-        spool_motor_speed=operation.spool_motor_speed,
-        cavitation_pressure=Connection(cavitation_limit, (limits,)),
-    )
-
-
-def join_load(net: Network, unit: PumpUnit, joined: UnitJoints, load_line: Vessel, load: OrificeLoad) -> None:
+def join_load(net: Network, tables: OrificeBench, joined: UnitJoints) -> None:
     """Add the pump unit, the line it delivers into, and the orifice from there to the tank."""
-    net.volume("load_line", load_line, start="initial.load_pressure")
-    add_pump_unit(net, unit, joined)
-    net.add("load", ORIFICE, load, a="load_line", b="tank", area=load.area)
+    net.volume("load_line", tables.load_line, start="initial.load_pressure")
+    add_pump_unit(net, tables.unit, joined)
+    net.add("load", ORIFICE, tables.load, a="load_line", b="tank", area=tables.load.area)
 
 
 def cavitation_limit(limits: Limits) -> float:
@@ -169,11 +175,10 @@ def cavitation_limit(limits: Limits) -> float:
     return limits.cavitation_pressure
 
 
-def _watch(
-    net: Network, encoder: EncoderTable | None, spool_filter: EventFilterValues | None, initial: InitialSupply
-) -> None:
+def _watch(net: Network, tables: FittedUnit) -> None:
+    encoder, spool_filter = tables.encoder, tables.spool_filter
     if (encoder is None) != (spool_filter is None):
         missing = "encoder" if encoder is None else "spool_filter"
         raise ParameterError(f"table {missing!r} is missing; a watched spool needs both an encoder and a spool_filter")
     if encoder is not None and spool_filter is not None:
-        add_encoder(net, "spool", watch_settings(encoder, spool_filter, initial.spool_angle))
+        add_encoder(net, "spool", watch_settings(encoder, spool_filter, tables.initial.spool_angle))

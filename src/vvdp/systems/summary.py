@@ -74,8 +74,8 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
         **heat_numbers(run, system),
         **waiting_numbers(run, system),
     }
-    found |= valve_numbers(system, means, found)
     balances = _balances(run)
+    found |= valve_numbers(system, means, found | balances)
     if system.extras is not None:
         found |= system.extras.simulation_numbers(run, found | balances)
     found |= balances

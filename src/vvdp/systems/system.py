@@ -41,6 +41,7 @@ from vvdp.systems.circuits import (
     NetworkFunction,
     TableSlot,
     circuit_names,
+    draw,
     network_function,
     table_slots,
 )
@@ -181,7 +182,7 @@ class System:
         assert function is not None
         given = {name: table for name, table in tables.items() if name in table_slots(function)}
         network = faulty_network(
-            function(**given), given, self.faults, lambda others: function(**change_tables(given, others))
+            draw(function, given), given, self.faults, lambda others: draw(function, change_tables(given, others))
         )
         assert network is not None
         return replace(self, circuit=build_circuit(network), tables=tables, redrawn=True)
@@ -493,7 +494,7 @@ def _drawn_by(
 ) -> Network | None:
     """The network that a function draws, with a fault where it cannot."""
     try:
-        network = function(**values)
+        network = draw(function, values)
     except (NetworkError, ParameterError) as problem:
         key, _, message = str(problem).partition(": ")
         line = table.lines.get(key, 0)

@@ -11,7 +11,7 @@ from vvdp.components.rotary_valve import ROTARY_VALVE
 from vvdp.fluid.oil import density
 from vvdp.network.network import Network, Part
 from vvdp.network.nodes import DrivenShaft, HydraulicNode
-from vvdp.systems.bench_validity import ValveReading, transition_loss, valve_bounds
+from vvdp.systems.bench_validity import ValveReading, efficiency, transition_loss, valve_bounds
 from vvdp.systems.bound import Bound
 from vvdp.systems.extras import LoadedSystem, Summary
 from vvdp.valve.losses import full_open_loss
@@ -65,7 +65,27 @@ def valve_numbers(system: LoadedSystem, means: Mapping[str, float], found: Summa
             f"loss_{name}_full_open_W": open_loss,
             f"loss_{name}_transition_W": transition_loss(drops - open_loss, drops),
         }
+        if shaft := own_shaft(system.circuit.network, valve.part.nodes["inlet"]):
+            put_in = found[f"power_{shaft}_W"] + found.get(f"power_{valve.part.nodes['spool']}_W", 0.0)
+            delivered = put_in - unit_loss(system.circuit.network, valve, found)
+            numbers[f"{name}_efficiency"] = efficiency(delivered, put_in, found.get("stored_power_W", 0.0))
     return numbers
+
+
+def own_shaft(network: Network, inlet: str) -> str:
+    """The driven shaft that turns the pump at the inlet of a rotary valve and nothing else; empty if there is none."""
+    pumps = [part for part in network.parts.values() if part.nodes.get("outlet") == inlet and "shaft" in part.nodes]
+    shaft = pumps[0].nodes["shaft"] if len(pumps) == 1 else ""
+    on_it = [part for part in network.parts.values() if shaft in part.nodes.values()]
+    return shaft if len(on_it) == 1 and isinstance(network.nodes[shaft], DrivenShaft) else ""
+
+
+def unit_loss(network: Network, valve: PlacedValve, found: Mapping[str, float | bool]) -> float:
+    """Mean loss of a rotary valve, and of all that is joined to its inlet or its spool [W]."""
+    own = {valve.part.nodes["inlet"], valve.part.nodes["spool"]}
+    return sum(
+        float(found.get(f"loss_{part.name}_W", 0.0)) for part in network.parts.values() if own & {*part.nodes.values()}
+    )
 
 
 def valve_reading(system: LoadedSystem, valve: PlacedValve, found: Mapping[str, float | bool]) -> ValveReading:
@@ -98,5 +118,7 @@ def valve_quantities(system: LoadedSystem) -> Iterator[tuple[str, tuple[Kind, st
         yield f"{name}_pwm_frequency_Hz", (FREQUENCY, f"{words} PWM frequency")
         yield f"{name}_load_opening", (FRACTION, f"open fraction of the load port of {words}, mean")
         yield f"{name}_cavitation_share", (FRACTION, f"share of the time in which a port of {words} cavitates")
+        if own_shaft(system.circuit.network, valve.part.nodes["inlet"]):
+            yield f"{name}_efficiency", (FRACTION, f"{words} efficiency, pump shaft to load")
         yield f"loss_{name}_full_open_W", (MEAN_POWER, f"{words} full open loss")
         yield f"loss_{name}_transition_W", (MEAN_POWER, f"{words} transition loss")

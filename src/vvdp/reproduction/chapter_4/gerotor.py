@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.reproduction.variant import variant
+from vvdp.reproduction.variant import drawn_variant
 from vvdp.sensing.axial_sensor import pollution_at
 from vvdp.simulation.run import simulate
 
@@ -23,28 +23,40 @@ TRAPEZOID: Mapping[str, Any] = {
 KNOWN = {"largest_flow": "1.8 lpm", "forward_dead_band": "0", "backward_dead_band": "0", "backward_gain": "1"}
 """A map without dead band and asymmetry."""
 
-Tables = Mapping[str, Mapping[str, Any]]
-IDEAL: Tables = {
-    "gerotor": {"lag": "0.1 ms"},
-    "characteristic": KNOWN,
-    "calibration": {**KNOWN, "straight_flow": "0.0001 lpm"},
+Changes = Mapping[str, Any]
+"""Entries of the drawn circuit by their paths."""
+GEROTOR, OBSERVER, LAW = "components.drive_gerotor", "programs.drive_observer", "programs.drive_law"
+
+
+def belief_entries(values: Mapping[str, str]) -> Changes:
+    """Values of the pump's map, as observer and law believe in it."""
+    return {f"{program}.{key}": value for program in (OBSERVER, LAW) for key, value in values.items()}
+
+
+IDEAL: Changes = {
+    f"{GEROTOR}.lag": "0.1 ms",
+    **{f"{GEROTOR}.{key}": value for key, value in KNOWN.items()},
+    **belief_entries({**KNOWN, "straight_flow": "0.0001 lpm"}),
 }
-LUMPED: Tables = {"axial_observer": {"sample_period": "1 ms", "bandwidth": "60 rad/s"}}
-GENERATOR: Tables = {
-    "axial_observer": {
-        "sample_period": "2 ms",
-        "noise_period": "40 ms",
-        "sensor_deviation": "30 um",
-        "position_drift": "3 um",
-        "generator_drift": "3 um",
-    },
-    "run": {"sample_period": "2 ms", "record_interval": "2 ms"},
-    "operation": {"spool_speed": "25 rev/s"},
+LUMPED: Changes = {f"{OBSERVER}.type": "lumped-observer", f"{OBSERVER}.bandwidth": "60 rad/s"}
+GENERATOR: Changes = {
+    f"{OBSERVER}.type": "generator-observer",
+    f"{OBSERVER}.noise_period": "40 ms",
+    f"{OBSERVER}.generator_drift": "3 um",
+    f"{OBSERVER}.sample_period": "2 ms",
+    f"{LAW}.sample_period": "2 ms",
+    "run.sample_period": "2 ms",
+    "run.record_interval": "2 ms",
+    "nodes.spool.speed": "25 rev/s",
 }
-OFF_BY_HALF: Tables = {"axial_observer": {"noise_speed": "9.5 rev/s"}}
+OFF_BY_HALF: Changes = {
+    "nodes.clock": {"type": "driven-shaft", "speed": "9.5 rev/s"},
+    f"{OBSERVER}.angle": "clock.angle",
+    f"{OBSERVER}.speed": "clock.speed",
+}
 """A basis in time that is 0.5 Hz slower than the spool."""
-CONSTANT: Tables = {"operation": {"duty_ratio": "0.5"}}
-NOISY: Tables = {"axial_sensor": {"noise": "20 um"}}
+CONSTANT: Changes = {"programs.drive_wanted.first": "0.5"}
+NOISY: Changes = {"programs.drive_sensor.noise": "20 um"}
 
 
 class Samples(NamedTuple):
@@ -59,39 +71,39 @@ class Samples(NamedTuple):
     pollution_error: Array
 
 
-def experiment(*changes: Tables) -> Samples:
+def experiment(*changes: Changes) -> Samples:
     """The drive on the trapezoid, with changes in order; an observer of another kind replaces the shipped one."""
-    chosen: dict[str, dict[str, Any]] = {
-        "calibration": {"lag": "0.1 ms"},
-        "axial_sensor": {"noise": "0.001 um", "seed": "1"},
-        "axial_reference": {"filter_rate": "500 1/s"},
-        "operation": {"duty_ratio": TRAPEZOID},
-        "run": {"until": "16 s"},
+    chosen: dict[str, Any] = {
+        f"{OBSERVER}.lag": "0.1 ms",
+        "programs.drive_sensor.noise": "0.001 um",
+        "programs.drive_sensor.seed": "1",
+        "programs.drive_reference.filter_rate": "500 1/s",
+        "programs.drive_wanted.first": TRAPEZOID,
+        "run.until": "16 s",
     }
     for change in changes:
-        for table, values in change.items():
-            chosen[table] = {**chosen.get(table, {}), **values}
-    replaced = {"bandwidth", "noise_period"} & set(chosen.get("axial_observer", {}))
-    return _samples(json.dumps(chosen), ("axial_observer",) if replaced else ())
+        chosen |= change
+    return _samples(json.dumps(chosen))
 
 
 @cache
-def _samples(tables: str, without: tuple[str, ...]) -> Samples:
-    system = variant("axial-gerotor", without=without, **json.loads(tables))
+def _samples(changes: str) -> Samples:
+    system = drawn_variant("axial-gerotor", json.loads(changes))
     run = simulate(system.model, system.case, system.stepping)
-    settings: Any = system.circuit.network.programs["axial"].settings
-    at = np.flatnonzero(np.abs(run.times / settings.sample_period % 1.0 - 0.5) > 0.5 - 1e-6)
+    programs: Any = system.circuit.network.programs
+    period, near = programs["drive_law"].settings.sample_period, programs["drive_sensor"].settings.near
+    at = np.flatnonzero(np.abs(run.times / period % 1.0 - 0.5) > 0.5 - 1e-6)
     now, after = at[:-1], at[1:]
-    shown = run.command.axial
-    added = np.array([pollution_at(float(angle), settings.sensor.near) for angle in run.state.spool[now]])
+    seen = run.command.drive_observer
+    added = np.array([pollution_at(float(angle), near) for angle in run.state.spool[now]])
     return Samples(
         time=run.times[now],
-        true=run.state.gerotor.position[now],
-        reference=shown.reference[after],
-        estimate=shown.position[after],
-        command=shown.drive[after],
+        true=run.state.drive_gerotor.position[now],
+        reference=run.command.drive_reference.value[after],
+        estimate=seen.position[after],
+        command=run.command.drive_law.command[after],
         pollution=added,
-        pollution_error=shown.pollution[after] - added,
+        pollution_error=seen.pollution[after] - added,
     )
 
 

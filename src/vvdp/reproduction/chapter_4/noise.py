@@ -38,13 +38,13 @@ ROUNDING = "rounding"
 
 
 @cache
-def _settings() -> Any:
-    return vvdp.load(SYSTEM).circuit.network.programs["axial"].settings
+def _network() -> Any:
+    return vvdp.load(SYSTEM).circuit.network
 
 
 def pollution() -> Pollution:
     """That of the shipped sensor."""
-    found: Pollution = _settings().sensor.near
+    found: Pollution = _network().programs["drive_sensor"].settings.near
     return found
 
 
@@ -104,7 +104,7 @@ def figure_4_2() -> Reproduction:
 
 def figure_4_3() -> Reproduction:
     """Flow of the gerotor pump over its command."""
-    drive = vvdp.load(SYSTEM).tables["characteristic"]
+    _, drive = _network().parts["drive_gerotor"].values
     commands: Array = np.linspace(-1.0, 1.0, 401)
     flows = np.array([gerotor_flow(float(u), drive) for u in commands])
     still = commands[np.abs(flows) < 1e-9 * np.abs(flows).max()]
@@ -311,8 +311,8 @@ def section_4_1() -> Reproduction:
     """What the drive takes."""
     run = vvdp.load(SYSTEM).run(until="8 s")
     series = run.to_pandas()
-    drop = np.abs(series["outputs.gerotor_pressure_difference_Pa"].to_numpy())
-    power = drop * np.abs(series["states.gerotor.flow_m3_s"].to_numpy())
+    drop = np.abs(series["outputs.drive_gerotor_pressure_difference_Pa"].to_numpy())
+    power = drop * np.abs(series["states.drive_gerotor.flow_m3_s"].to_numpy())
     return Reproduction(
         statements=(
             bound_statement(

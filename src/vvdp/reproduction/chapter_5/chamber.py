@@ -71,8 +71,7 @@ def experiment(gains: Mapping[str, str] | None = None, changes: Changes = Mappin
     if gains is None:
         chosen |= {f"{LAW}.flow_gain": "4e-10 m^3/(s*Pa)", f"{LAW}.pressure_rate": "0 1/s"}
     else:
-        chosen |= {f"{LAW}.type": "backstepping", f"{LAW}.pressure_rate": None}
-        chosen |= {f"{LAW}.{key}": value for key, value in gains.items()}
+        chosen |= {f"{LAW}.type": "backstepping"} | {f"{LAW}.{key}": value for key, value in gains.items()}
     return drawn_variant("axial-chamber", chosen | dict(changes))
 
 
