@@ -27,7 +27,6 @@ from vvdp.base.params import Params
 from vvdp.base.select import maximum
 from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step
 from vvdp.estimation.axial_filter import KNOWN_ANGLE, NO_DUTY, AxialEstimate, AxialSeen, Phase, PollutionModel
-from vvdp.estimation.estimator import Estimate
 from vvdp.estimation.noise_basis import fourier_basis
 from vvdp.sensing.axial_sensor import AxialReading
 
@@ -62,6 +61,15 @@ class Turned(Protocol):
     def angle(self) -> float: ...
     @property
     def speed(self) -> float: ...
+
+
+class Watched(Turned, Protocol):
+    """The same as an estimate, with deviations; 0: known."""
+
+    @property
+    def angle_deviation(self) -> float: ...
+    @property
+    def speed_deviation(self) -> float: ...
 
 
 class AxialSequence(Params):
@@ -186,8 +194,8 @@ def pollution_model(table: AxialObserverTable, helix_length: float) -> Pollution
     )
 
 
-def known_phase(estimate: Estimate, slip: float, before: float) -> Phase:
-    """The phase of the pollution as an encoder's estimate has it; unknown while its angle is, or the spool stands.
+def known_phase(estimate: Watched, slip: float, before: float) -> Phase:
+    """The phase of the pollution as an estimate of an angle has it; unknown while its angle is, or the spool stands.
 
     slip    part of the angle's variance that no later edge can tell: jumps by sectors, each of which turns the
             pollution by a constant angle, once [rad^2]

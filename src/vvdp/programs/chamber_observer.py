@@ -8,7 +8,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.kinds import Angle, Count, Fraction, Length, Position, Pressure, Ratio, Speed, Time, Velocity
+from vvdp.base.kinds import (
+    Angle,
+    AngularVariance,
+    Count,
+    Fraction,
+    Length,
+    Position,
+    Pressure,
+    Ratio,
+    Speed,
+    Time,
+    Velocity,
+)
 from vvdp.base.params import Params
 from vvdp.estimation.axial_filter import AxialEstimate, AxialMemory, Phase
 from vvdp.estimation.chamber_observer import (
@@ -26,9 +38,9 @@ from vvdp.programs.axial_loop import (
     AxialSequence,
     Stage,
     is_known,
+    known_phase,
     next_stage,
     pollution_model,
-    seen_phase,
     sight_of,
 )
 from vvdp.programs.generic import GenericProgram
@@ -143,7 +155,8 @@ def observer_of(table: AxialObserverTable, drive: SpringDrive, stop: float, heli
 
 
 class WatchedSpool(NamedTuple):
-    """What sensors show of a spool and its chamber. Deviations are those of an event filter; 0: the angle is known."""
+    """What sensors show of a spool and its chamber. Deviations and `slip` are those of an event filter; 0: the angle is
+    known."""
 
     time: Time
     measured: Position
@@ -153,6 +166,14 @@ class WatchedSpool(NamedTuple):
     pressure: Pressure
     angle_deviation: Angle = 0.0
     speed_deviation: Speed = 0.0
+    slip: AngularVariance = 0.0
+
+
+class WatchedBelief(NamedTuple):
+    """What the program carries from sample to sample."""
+
+    chamber: ChamberBelief
+    slip: AngularVariance
 
 
 class SeenSpool(NamedTuple):
@@ -171,20 +192,20 @@ class SeenSpool(NamedTuple):
     frozen: Fraction
 
 
-def chamber_observer_program_start(settings: ChamberObserverSettings) -> ChamberBelief:
+def chamber_observer_program_start(settings: ChamberObserverSettings) -> WatchedBelief:
     """Before the first sample."""
-    return first_belief(settings.observer)
+    return WatchedBelief(first_belief(settings.observer), 0.0)
 
 
 def chamber_observer_program_step(
-    t: float, memory: ChamberBelief, reading: WatchedSpool, settings: ChamberObserverSettings
-) -> tuple[ChamberBelief, SeenSpool]:
+    t: float, memory: WatchedBelief, reading: WatchedSpool, settings: ChamberObserverSettings
+) -> tuple[WatchedBelief, SeenSpool]:
     """Position of a spool that a chamber moves against a spring, by the periodic Kalman filter, and its stages."""
-    phase = seen_phase(reading.angle, reading.speed, reading.angle_deviation, reading.speed_deviation)
+    phase = known_phase(reading, reading.slip, memory.slip)
     sight = ChamberSight(AxialReading(reading.time, reading.measured, reading.light), phase, reading.pressure)
-    found = look(memory, sight, settings.observer, settings.sequence)
+    found = look(memory.chamber, sight, settings.observer, settings.sequence)
     estimate, stage = found.estimate, found.belief.stage.number
-    return found.belief, SeenSpool(
+    return WatchedBelief(found.belief, reading.slip), SeenSpool(
         position=estimate.position,
         velocity=estimate.velocity,
         position_deviation=estimate.position_deviation,

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from vvdp.base.kinds import Angle, Count, Fraction, Ratio, SignedFraction, Speed, Time
+from vvdp.base.kinds import Angle, AngularVariance, Count, Fraction, Ratio, SignedFraction, Speed, Time
 from vvdp.base.params import Params, refuse
 from vvdp.base.signal import signal_value
 from vvdp.estimation.estimator import Estimate, to_estimate
@@ -84,6 +84,21 @@ def filter_settings(table: WheelFilter) -> EventFilter:
     return filter_of(table, equal_wheel(int(table.sectors), table.index_shift))
 
 
+class WatchedAngle(NamedTuple):
+    """What an event filter believes of a shaft, as in `Estimate`; `slip` is the part of the angle's variance that no
+    later edge can tell: jumps by whole sectors."""
+
+    angle: Angle
+    speed: Speed
+    angle_deviation: Angle
+    speed_deviation: Speed
+    innovation: Angle
+    innovation_deviation: Angle
+    missed_edges: Count
+    standstill: Fraction
+    slip: AngularVariance
+
+
 def filter_start(settings: EventFilter) -> EventFilterMemory:
     """Before the first sample: nothing is known but the wheel."""
     return event_filter_start(settings, 0.0, 0.0, 0.0)
@@ -91,9 +106,25 @@ def filter_start(settings: EventFilter) -> EventFilterMemory:
 
 def filter_step(
     t: float, memory: EventFilterMemory, reading: Reading, settings: EventFilter
-) -> tuple[EventFilterMemory, Estimate]:
+) -> tuple[EventFilterMemory, WatchedAngle]:
     """Angle and speed of a shaft from the edges of its encoder, by the event-based Kalman filter."""
-    return event_filter_step(memory, reading, settings)
+    after, estimate = event_filter_step(memory, reading, settings)
+    return after, watched_angle(estimate, after.slip)
+
+
+def watched_angle(estimate: Estimate, slip: float) -> WatchedAngle:
+    """The command of an estimate, with the variance of jumps [rad^2]."""
+    return WatchedAngle(
+        angle=estimate.angle,
+        speed=estimate.speed,
+        angle_deviation=estimate.angle_deviation,
+        speed_deviation=estimate.speed_deviation,
+        innovation=estimate.innovation,
+        innovation_deviation=estimate.innovation_deviation,
+        missed_edges=estimate.missed_edges,
+        standstill=estimate.standstill,
+        slip=slip,
+    )
 
 
 class AdaptedFilter(WheelFilter):
@@ -150,21 +181,12 @@ def threshold_program_step(
     return after, ThresholdSeen(found.estimate.angle, found.estimate.speed, found.threshold, shift)
 
 
-def _first_estimate(settings: EventFilter, reading: NamedTuple) -> Estimate:
-    return to_estimate(filter_start(settings).belief, 0.0, 0.0, 0.0, 0.0)
+def _first_estimate(settings: EventFilter, reading: NamedTuple) -> WatchedAngle:
+    return watched_angle(to_estimate(filter_start(settings).belief, 0.0, 0.0, 0.0, 0.0), 0.0)
 
 
 NO_EDGE = Reading(time=0.0, edges=0.0, edge_time=0.0, edge_interval=0.0, polarity=0.0)
-NOTHING_KNOWN = Estimate(
-    angle=0.0,
-    speed=0.0,
-    angle_deviation=0.0,
-    speed_deviation=0.0,
-    innovation=0.0,
-    innovation_deviation=0.0,
-    missed_edges=0.0,
-    standstill=0.0,
-)
+NOTHING_KNOWN = WatchedAngle(**dict.fromkeys(WatchedAngle._fields, 0.0))
 ENCODER = GenericProgram(
     ProgramType(encoder_program_step, WatchedShaft, NO_EDGE, ShaftEncoder, encoder_program_start),
     made=encoder_settings,

@@ -6,7 +6,20 @@ Source  ours, docs/models/gerotor-control.md, where a function names no other.
 from dataclasses import fields
 from typing import Any, NamedTuple
 
-from vvdp.base.kinds import Angle, Area, Count, Flow, Fraction, Length, Position, SignedFraction, Speed, Time, Velocity
+from vvdp.base.kinds import (
+    Angle,
+    AngularVariance,
+    Area,
+    Count,
+    Flow,
+    Fraction,
+    Length,
+    Position,
+    SignedFraction,
+    Speed,
+    Time,
+    Velocity,
+)
 from vvdp.base.params import Params, require_positive
 from vvdp.control.feedforward_pi import FeedforwardPI, PIMemory, SquareRate, pi_start, pi_step
 from vvdp.control.reference import Rate, Reference
@@ -21,8 +34,8 @@ from vvdp.programs.axial_loop import (
     AxialSequence,
     Stage,
     is_known,
+    known_phase,
     pollution_model,
-    seen_phase,
     sight_of,
 )
 from vvdp.programs.chamber_observer import NOTHING_SEEN, SeenSpool
@@ -97,8 +110,8 @@ def gerotor_observer_of(table: AxialObserverTable, area: float, stop: float, hel
 
 
 class WatchedDrive(NamedTuple):
-    """What sensors show of a spool, and the command of its pump, which has been in force until now. Deviations are
-    those of an event filter; 0: the angle is known."""
+    """What sensors show of a spool, and the command of its pump, which has been in force until now. Deviations and
+    `slip` are those of an event filter; 0: the angle is known."""
 
     time: Time
     measured: Position
@@ -108,13 +121,15 @@ class WatchedDrive(NamedTuple):
     command: SignedFraction
     angle_deviation: Angle = 0.0
     speed_deviation: Speed = 0.0
+    slip: AngularVariance = 0.0
 
 
 class DriveStage(NamedTuple):
-    """Stage of a drive, and what the pump's flow is taken to have come to."""
+    """Stage of a drive, what the pump's flow is taken to have come to, and how far the angle may have slipped."""
 
     stage: Stage
     flow: Flow
+    slip: AngularVariance
 
 
 class DriveBeliefMemory(NamedTuple):
@@ -131,7 +146,7 @@ class DriveSight(NamedTuple):
     seen: AxialSeen
 
 
-HOMING = DriveStage(Stage(HOME, 0.0, 1.0), 0.0)
+HOMING = DriveStage(Stage(HOME, 0.0, 1.0), 0.0, 0.0)
 """Before the first sample."""
 
 
@@ -142,14 +157,14 @@ def gerotor_observer_program_start(settings: GerotorObserverSettings) -> DriveBe
 
 def drive_sight(before: DriveStage, reading: WatchedDrive, watch: DriveWatch) -> DriveSight:
     """Stage, flow, and what an observer sees at a sample."""
-    phase = seen_phase(reading.angle, reading.speed, reading.angle_deviation, reading.speed_deviation)
+    phase = known_phase(reading, reading.slip, before.slip)
     settled = 0.0
     if before.stage.number == RUN:
         settled = gerotor_flow(reading.command, watch.belief)
     flow = flow_after(settled, before.flow, watch.sample_period, watch.belief.lag)
     stage = stage_at_stop(before.stage, reading.time, is_known(phase), watch.sample_period, watch.sequence)
     signal = AxialReading(reading.time, reading.measured, reading.light)
-    return DriveSight(DriveStage(stage, flow), sight_of(signal, phase, stage, flow, 0.0, ALWAYS_SEEN))
+    return DriveSight(DriveStage(stage, flow, reading.slip), sight_of(signal, phase, stage, flow, 0.0, ALWAYS_SEEN))
 
 
 def seen_spool(sight: DriveSight, estimate: AxialEstimate) -> SeenSpool:

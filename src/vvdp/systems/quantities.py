@@ -82,7 +82,7 @@ def _of_nodes(system: System) -> Iterator[tuple[str, tuple[Kind, str]]]:
         for which, label in EXTREMES.items():
             if isinstance(node, HydraulicNode):
                 yield f"pressure_{which}_{name}_Pa", (GAUGE_PRESSURE, f"{words} pressure, {label}")
-            elif isinstance(node, Shaft) or node in driven_spools(system.circuit.network):
+            elif isinstance(node, Shaft) or name in driven_spools(system.circuit.network):
                 yield f"speed_{which}_{name}_rad_s", (SPEED, f"{words} speed, {label}")
             elif isinstance(node, Rod):
                 yield f"velocity_{which}_{name}_m_s", (VELOCITY, f"{words} velocity, {label}")

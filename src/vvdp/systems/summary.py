@@ -153,10 +153,10 @@ def node_numbers(run: Outcome, system: System, means: Mapping[str, float]) -> Su
             if isinstance(node, Rod):
                 found[f"position_min_{name}_m"] = low[f"{name}.position"]
                 found[f"position_max_{name}_m"] = high[f"{name}.position"]
-    for spool in driven_spools(system.circuit.network):
-        name, at = spool.name, paths.index(spool.name)
+    for name, shaft in driven_spools(system.circuit.network).items():
+        at = paths.index(name)
         mean = (window.last[at] - window.first[at]) / (window.end - window.begin)
-        bounds = _driven_bounds(spool, run, system, mean)
+        bounds = _driven_bounds(shaft, run, system, mean)
         keys = (f"speed_{which}_{name}_rad_s" for which in ("mean", "min", "max"))
         found |= dict(zip(keys, (mean, *bounds), strict=True))
     for name in moving_parts(system.circuit.network):

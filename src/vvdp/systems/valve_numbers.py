@@ -40,10 +40,12 @@ def placed_valves(network: Network) -> Iterator[PlacedValve]:
         yield PlacedValve(alone[0] if alone else valve.name, valve)
 
 
-def driven_spools(network: Network) -> list[DrivenShaft]:
-    """The shafts of rotary valves whose speed is prescribed or commanded."""
-    names = dict.fromkeys(str(valve.part.nodes["spool"]) for valve in placed_valves(network))
-    return [node for node in map(network.nodes.__getitem__, names) if isinstance(node, DrivenShaft)]
+def driven_spools(network: Network) -> dict[str, DrivenShaft]:
+    """The shafts of rotary valves whose speed is prescribed or commanded, by name."""
+    spools = {
+        name: network.nodes[name] for name in (str(valve.part.nodes["spool"]) for valve in placed_valves(network))
+    }
+    return {name: node for name, node in spools.items() if isinstance(node, DrivenShaft)}
 
 
 def valve_numbers(system: LoadedSystem, means: Mapping[str, float], found: Summary) -> Summary:
