@@ -9,6 +9,7 @@ from vvdp.base.kinds import Kind
 from vvdp.base.params import default_values, field_kinds
 from vvdp.components.library import COMPONENTS
 from vvdp.network.assembly import Assembly
+from vvdp.network.component import Component
 from vvdp.programs.generic import GenericProgram
 from vvdp.programs.library import PROGRAMS
 from vvdp.programs.quantities import PLAIN, replacements, written_quantity
@@ -63,15 +64,20 @@ def _value_at(file: PartFile, path: str) -> OfferedValue:
             return _value_at(inner, ".".join((group, *keys)))
         return OfferedValue(found.kind, _text(entry, found.kind) or found.default)
     entry = as_table(as_table(file.table.content.get(group)).get(name))
-    if len(keys) == 2 and keys[0] == "start":
-        state = getattr(COMPONENTS.get(str(entry.get("type"))), "state", None)
-        kind = field_kinds(state).get(keys[1]) if state else None
-        return OfferedValue(kind, _text(as_table(entry.get("start")).get(keys[1]), kind))
+    if group == "components" and keys[0] == "start" and len(keys) == 2:
+        start = _state_kinds(str(entry.get("type"))).get(keys[1])
+        return OfferedValue(start, _text(as_table(entry.get("start")).get(keys[1]), start))
     kind, usual = _kind(group, str(entry.get("type")), keys[0])
     if group == "programs" and kind in GENERIC:
         kind = written_quantity(entry.get(keys[0]))
     text = _text(entry.get(keys[0]), kind)
     return OfferedValue(kind, text or (value_text(usual, kind) if kind and isinstance(usual, float) else ""))
+
+
+def _state_kinds(word: str) -> Mapping[str, Kind | None]:
+    """The quantities of the state from which a component of a type starts."""
+    component = COMPONENTS.get(word)
+    return field_kinds(component.state) if isinstance(component, Component) and component.state else {}
 
 
 def _kind(group: str, word: str, key: str) -> tuple[Kind | None, Any]:

@@ -42,7 +42,9 @@ def placed_valves(network: Network) -> Iterator[PlacedValve]:
 
 def driven_spools(network: Network) -> dict[str, DrivenShaft]:
     """The shafts of rotary valves whose speed is prescribed or commanded, by name."""
-    spools = {name: network.nodes[name] for name in (str(valve.part.nodes["spool"]) for valve in placed_valves(network))}
+    spools = {
+        name: network.nodes[name] for name in (str(valve.part.nodes["spool"]) for valve in placed_valves(network))
+    }
     return {name: node for name, node in spools.items() if isinstance(node, DrivenShaft)}
 
 
