@@ -93,7 +93,12 @@ def test_an_ideal_relief_valve_lets_no_higher_pressure_pass(path):
 
 @pytest.mark.thorough
 @pytest.mark.parametrize(
-    ("name", "fmi"), [*((name, 3) for name in sorted(shipped_systems())), ("two-cylinders", 2), ("long-hose", 2)]
+    ("name", "fmi"),
+    [
+        *((name, 3) for name in (*shipped_systems(), *shipped_systems("practice"))),
+        ("two-cylinders", 2),
+        ("long-hose", 2),
+    ],
 )
 def test_every_system_runs_in_both_kinds(name, fmi, path, tmp_path):
     """Over a hundred samples: by its own loop to the bit, by CVode to 1e-3 of each state's largest or nominal value.
