@@ -36,6 +36,7 @@ from vvdp.programs.axial_loop import PROGRAM as AXIAL
 from vvdp.programs.axial_loop import UNKNOWN
 from vvdp.programs.chamber_loop import PassiveLoop, WatchedLoop, watched_start
 from vvdp.programs.gerotor_loop import GerotorLoop, WatchedGerotor, watched_gerotor_start
+from vvdp.programs.loop_report import ChamberLoopReport, SpoolLoopReport
 from vvdp.programs.spool_encoder import WatchSettings
 from vvdp.sensing.instrument import Instrument, ideal_instrument
 from vvdp.systems.displacement.cycle import OwnCycle, Triangle, first_direction, points_of, refuse_fast_points
@@ -287,11 +288,13 @@ def add_led_drive(net: Network, loop: PassiveLoop | GerotorLoop, watch: WatchSet
         "energised": f"{PROGRAM}.energised",
     }
     if isinstance(loop, GerotorLoop):
-        kind = ProgramType(led_gerotor_step, LedGerotorPlace, UNKNOWN, WatchedGerotor, watched_gerotor_start)
+        kind = ProgramType(
+            led_gerotor_step, LedGerotorPlace, UNKNOWN, WatchedGerotor, watched_gerotor_start, report=SpoolLoopReport
+        )
         settings = WatchedGerotor(watch=watch, loop=loop)
         net.program(AXIAL, kind, settings, reads=reads, period=loop.sample_period)
         return
-    kind = ProgramType(led_step, LedPlace, UNKNOWN, WatchedLoop, watched_start)
+    kind = ProgramType(led_step, LedPlace, UNKNOWN, WatchedLoop, watched_start, report=ChamberLoopReport)
     net.program(
         AXIAL,
         kind,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vvdp.base.kinds import FREQUENCY, GAUGE_PRESSURE, LENGTH, NUMBER, TIME, Kind
-from vvdp.programs.axial_charts import control_charts, gerotor_charts
+from vvdp.programs.axial_loop import PROGRAM as AXIAL
 from vvdp.results.chart import Chart
 from vvdp.results.result import Table
 from vvdp.simulation.values import leaves
@@ -50,8 +50,6 @@ class MachineExtras(Extras):
     """What a machine brings along, whatever moves its spool."""
 
     STEADY = False
-    SPOOL: str
-    """Path of the spool's position among the states."""
     QUANTITIES = MappingProxyType({**MOTION, **POWERS})
     OVERVIEW = (
         *(Line(label, (key,), kind, (), GROUP) for key, (kind, label) in MOTION.items()),
@@ -95,7 +93,8 @@ class MachineExtras(Extras):
     def spool_position(self, run: "Run") -> "Array":
         """The spool's position, row by row [m]."""
         paths = [path for path, _, _ in leaves(run.case.state)]
-        found: Array = run.states[:, paths.index(self.SPOOL)]
+        source = self.system.circuit.network.programs[AXIAL].reads["position"]
+        found: Array = run.states[:, paths.index(str(source))]
         return found
 
     def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
@@ -117,35 +116,15 @@ class MachineExtras(Extras):
         under all that are drawn over time."""
         levels = phase_levels(record)
         yield from charts_with_phases(machine_charts(record, self.tables["pressure_bounds"]), levels)
-        yield from charts_with_phases(self.axial_charts(record), levels)
-
-    def axial_charts(self, record: "Record") -> "Iterable[tuple[Chart, Table]]":
-        """The axial drive's position and errors."""
-        raise NotImplementedError
+        network = self.system.circuit.network
+        axial = network.programs[AXIAL]
+        if axial.type.report is not None and axial.period is not None:
+            report = axial.type.report(network, AXIAL, axial.period)
+            yield from charts_with_phases(report.charts(record), levels)
 
 
 SATURATED = 0.2
 """From this share of the time on a return valve at an end is worth a word."""
-
-
-class SpringMachine(MachineExtras):
-    """A machine whose spool a chamber moves against a spring."""
-
-    SPOOL = "slide.position"
-
-    def axial_charts(self, record: "Record") -> "Iterable[tuple[Chart, Table]]":
-        """Position, pressure, storage and errors."""
-        return control_charts(record, self.tables["axial_observer"].sample_period)
-
-
-class GerotorMachine(MachineExtras):
-    """A machine whose spool a gerotor pump moves."""
-
-    SPOOL = "gerotor.position"
-
-    def axial_charts(self, record: "Record") -> "Iterable[tuple[Chart, Table]]":
-        """Position, command and errors."""
-        return gerotor_charts(record, self.tables["axial_observer"].sample_period)
 
 
 def spool_numbers(run: "Run", position: "Array", rows: Any) -> Summary:

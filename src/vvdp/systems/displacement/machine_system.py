@@ -51,7 +51,7 @@ from vvdp.systems.displacement.machine_control import (
     add_outer_loop,
     machine_loop,
 )
-from vvdp.systems.displacement.machine_extras import GerotorMachine, SpringMachine
+from vvdp.systems.displacement.machine_extras import MachineExtras
 from vvdp.systems.displacement.machine_loop import SpoolRange
 from vvdp.systems.displacement.machine_tally import add_machine_tally
 from vvdp.systems.displacement.stages import MachineSequence
@@ -135,7 +135,6 @@ def spring_machine(tables: SpringMachineTables) -> Network:
     paths = _paths("slide.position", "pilot_chamber.pressure")
     _add_outer(net, tables, spool, paths, tables.spool_spring)
     _add_inner(net, tables, inner, paths)
-    net.extras = SpringMachine
     return net
 
 
@@ -155,7 +154,6 @@ def gerotor_machine(tables: GerotorMachineTables) -> Network:
     paths = _paths("gerotor.position")
     _add_outer(net, tables, spool, paths, NO_SPRING)
     _add_inner(net, tables, inner, paths)
-    net.extras = GerotorMachine
     return net
 
 
@@ -168,6 +166,7 @@ def _add_inner(
     """Add the program of the axial drive, which an encoder watches, and the tally."""
     add_led_drive(net, inner, watch_settings(tables.encoder, tables.spool_filter, tables.initial.spool_angle), paths)
     add_machine_tally(net, paths, tables.operation.tank_pressure.extremes[1])
+    net.extras = MachineExtras
 
 
 def _paths(spool_position: str, chamber_pressure: str = "") -> MachinePaths:
