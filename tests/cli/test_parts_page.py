@@ -33,7 +33,7 @@ def test_the_page_does_what_it_says(vvdp, here, changed, is_shown):
         assert answer.code == 0, answer.err
         assert is_shown(shown, answer.out), (block, answer.out)
         ran += 1
-    assert ran == 4
+    assert ran == 5
     report = (here / "results" / "plant" / "report.html").read_text("utf-8")
     for part in ("fine", "coarse"):
         assert report.count(f'href="#figure-circuit-{part}"') == report.count(f'id="figure-circuit-{part}"') == 1
