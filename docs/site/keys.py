@@ -148,10 +148,12 @@ def _is_one_of(key: str, patterns: list[str]) -> bool:
 
 
 def _entry(key: str, section: Section, own: Keys, generic: Keys) -> tuple[str, str] | None:
-    """Unit and label of a row; None where no result at hand has its key."""
+    """Unit and label of a row; None where no result at hand has its key, or a longer row has it."""
     if "<" not in key:
         return own.get(key)
-    pairs = [(re.fullmatch(section.pattern(key), each), value) for each, value in generic.items()]
+    closer = [section.pattern(row) for row in section.rows if "<" in row and len(row) > len(key)]
+    others = {each: value for each, value in generic.items() if not _is_one_of(each, closer)}
+    pairs = [(re.fullmatch(section.pattern(key), each), value) for each, value in others.items()]
     found = [(match, value) for match, value in pairs if match]
     if not found:
         return None

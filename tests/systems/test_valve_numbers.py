@@ -14,6 +14,7 @@ from vvdp.systems.quantities import quantities
 from vvdp.systems.summary import summary
 from vvdp.systems.system import built_system, load_system
 from vvdp.systems.validity import bounds
+from vvdp.systems.valve_forms import unit_forms
 from vvdp.systems.valve_numbers import placed_valves
 from vvdp.systems.valve_unit import valve_unit
 from vvdp.valve.geometry import port_openings
@@ -157,3 +158,24 @@ def test_of_several_one_is_asked_for():
         valve_unit(system, "valve")
     with pytest.raises(ConfigError, match="did you mean 'lift_unit'"):
         valve_unit(system, "valve", "lift_unt")
+
+
+def test_closed_forms_stand_beside_the_run(half):
+    """Frequency within 5 %, loss an upper estimate, flow as the ports share it; no form where something changes."""
+    system, found = half
+    assert found["unit_analytic_load_flow_m3_s"] == pytest.approx(found["flow_mean_unit_valve_load_m3_s"], rel=2e-3)
+    assert found["unit_analytic_pwm_frequency_Hz"] == pytest.approx(found["unit_pwm_frequency_Hz"], rel=0.06)
+    assert 0.95 < found["unit_analytic_loss_total_W"] / found["loss_unit_W"] < 1.08
+    assert found["unit_analytic_loss_leakage_W"] == pytest.approx(found["loss_unit_valve_leakage_W"], rel=0.01)
+    assert {key for key in found if "analytic" in key} <= quantities(system).keys()
+    ramp = {"ramp": ["9 mm", "10 mm"], "from": "0 s", "to": "0.3 s"}
+    assert not [key for key in numbers(unit(axial_position=ramp)) if "analytic" in key]
+    assert not [key for key in numbers(driven("1500 rpm")) if "analytic" in key]
+
+
+def test_forms_are_those_of_the_bench():
+    """The same unit as a bench and drawn: the same numbers at the same mean load pressure."""
+    bench = load_system("prototype-constant-load", until="0.5 s")
+    own = numbers(bench)
+    alone = unit_forms(valve_unit(bench, "run"), own["pressure_mean_load_line_Pa"] + 101325.0)
+    assert alone == {key: own[key] for key in alone} and len(alone) == 9

@@ -33,6 +33,7 @@ from vvdp.systems.overview import (
     node_lines,
     power_lines,
 )
+from vvdp.systems.valve_forms import placed_form_quantities
 from vvdp.systems.valve_numbers import valve_quantities
 
 ROUNDING = 1e-9
@@ -76,8 +77,9 @@ def screen_listings(run: RecordedRun) -> tuple[Listing, ...]:
 
 def valve_listing(run: RecordedRun) -> tuple[Listing, ...]:
     """What the rotary valves of a drawn circuit do; empty where it has none."""
-    numbers = dict(valve_quantities(run.system))
-    rows = tuple(Row(label, kind, (run.number(key),)) for key, (kind, label) in numbers.items())
+    numbers, forms = dict(valve_quantities(run.system)), dict(placed_form_quantities(run.system))
+    shown = numbers | {key: forms[key] for key in forms if key in run.summary}
+    rows = tuple(Row(label, kind, (run.number(key),)) for key, (kind, label) in shown.items())
     return (Listing(title="Rotary valves", heads=("mean",), rows=rows),) if rows else ()
 
 

@@ -10,7 +10,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.signal import Signal, constant, map_signal, signal_value
 from vvdp.fluid.oil import Oil, density
-from vvdp.hydraulics.pump import Pump, pump_friction_power
+from vvdp.hydraulics.pump import Pump
 from vvdp.hydraulics.relief_valve import ReliefValve
 from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
@@ -23,7 +23,7 @@ from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves
 from vvdp.systems.bench_overview import ANALYTIC, OVERVIEW, OVERVIEW_NOTE, QUANTITIES
 from vvdp.systems.bench_tables import AxialOperation, DriveMotor, DutyOperation, Limits, OrificeLoad, PressureLoad
-from vvdp.systems.bench_validity import bench_bounds, bench_warnings, efficiency, switching_limits, transition_loss
+from vvdp.systems.bench_validity import bench_bounds, bench_warnings, efficiency, transition_loss
 from vvdp.systems.bench_values import BenchValues
 from vvdp.systems.bound import Bound
 from vvdp.systems.extras import Extras, Summary
@@ -32,8 +32,9 @@ from vvdp.systems.program_reports import reported_programs
 from vvdp.systems.spool_estimate import estimate_lines, estimate_numbers, estimate_quantities
 from vvdp.systems.spool_travel import spool_source
 from vvdp.systems.system import System
+from vvdp.systems.valve_forms import unit_forms, unit_limits
 from vvdp.systems.valve_unit import ValveUnit
-from vvdp.valve.losses import full_open_loss, range_warnings
+from vvdp.valve.losses import full_open_loss
 from vvdp.valve.rotary import RotaryValve
 
 WATCHING = ("encoder", "spool_filter")
@@ -159,11 +160,6 @@ class RotaryBench(Extras):
             makes_pressure=self.makes_pressure,
             is_softened=self.is_softened,
         )
-
-    @property
-    def _pump_friction(self) -> float:
-        """Power that the friction of the pump takes at the start [W]."""
-        return float(pump_friction_power(signal_value(0.0, self.operation.pump_speed), self.pump))
 
     @property
     def load_pressure(self) -> float:
@@ -359,20 +355,7 @@ class RotaryBench(Extras):
         """
         if not self._is_analytic(found) or any(self.closed_form_limits(found)):
             return {}
-        point = self.unit.operating_point(float(found["pressure_mean_load_line_Pa"]) + self.reference)
-        pump = point.cycle.pump_loss + self._pump_friction
-        values = (
-            point.averaged_pwm_frequency,
-            point.full_open_pwm_frequency,
-            point.full_open_loss,
-            point.transition_loss,
-            point.leakage_loss,
-            point.compressibility_loss,
-            pump,
-            point.total_loss + pump,
-            point.cycle.load_flow,
-        )
-        return {key: float(value) for key, value in zip(ANALYTIC, values, strict=True)}
+        return unit_forms(self.unit, float(found["pressure_mean_load_line_Pa"]) + self.reference)
 
     def _is_analytic(self, found: Mapping[str, float | bool]) -> bool:
         """Whether a run is of the kind that closed forms describe: steady, spun by the flow alone, against a load."""
@@ -386,14 +369,7 @@ class RotaryBench(Extras):
         """
         if self._is_analytic(found):
             load_pressure = float(found["pressure_mean_load_line_Pa"]) + self.reference
-            unit = self.unit
-            point = unit.set_point(load_pressure)._replace(flow=unit.delivered_flow(load_pressure))
-            yield from unit.average_limits()
-            yield from switching_limits(self.values, found)
-            if point.flow > 0.0:
-                yield from range_warnings(point.duty_ratio, point.condition(self.oil), self.valve)
-            else:
-                yield "the pump's leakage takes all of its flow"
+            yield from unit_limits(self.unit, load_pressure, self.values, found)
 
     @property
     def temperature(self) -> Signal:

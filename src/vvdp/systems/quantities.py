@@ -26,6 +26,7 @@ from vvdp.systems.control_stages import sequences
 from vvdp.systems.heat_numbers import heat_quantities
 from vvdp.systems.system import System
 from vvdp.systems.tank_levels import reservoirs
+from vvdp.systems.valve_forms import placed_form_quantities
 from vvdp.systems.valve_numbers import driven_spools, valve_quantities
 
 OF_ANY_RUN: Mapping[str, tuple[Kind, str]] = {
@@ -57,7 +58,7 @@ def quantities(system: System) -> dict[str, tuple[Kind, str]]:
     own = {} if system.extras is None else dict(system.extras.QUANTITIES)
     of_network = dict(_of_nodes(system)) | dict(_of_parts(system)) | dict(_of_tanks(system))
     of_network |= dict(heat_quantities(system)) | dict(_of_drives(system))
-    return dict(OF_ANY_RUN) | of_network | dict(valve_quantities(system)) | own
+    return dict(OF_ANY_RUN) | of_network | dict(valve_quantities(system)) | dict(placed_form_quantities(system)) | own
 
 
 def summary_units(system: System) -> dict[str, str]:

@@ -32,6 +32,7 @@ from vvdp.systems.pipe_waves import wave_numbers
 from vvdp.systems.system import System
 from vvdp.systems.tank_levels import level_numbers
 from vvdp.systems.validity import broken_bounds, cavitation_pressure, lowest_pressure
+from vvdp.systems.valve_forms import placed_forms
 from vvdp.systems.valve_numbers import driven_spools, valve_numbers
 
 
@@ -55,7 +56,7 @@ def run_summary(system: System, run: Run) -> Summary:
 
 def closed_forms(system: System, found: Mapping[str, float | bool]) -> Summary:
     """The analytic results to stand beside those of a run in `found`; empty where a system has none."""
-    return {} if system.extras is None else system.extras.closed_forms(found)
+    return {**placed_forms(system, found), **({} if system.extras is None else system.extras.closed_forms(found))}
 
 
 def simulated_summary(run: Outcome, system: System) -> Summary:
