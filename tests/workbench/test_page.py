@@ -337,4 +337,5 @@ def test_a_column_folds(page):
     """To its side where columns stand side by side, to its head where they lie below each other."""
     page.ask("document.querySelector('#file .fold').click()")
     assert page.ask("(b => Math.min(b.width, b.height))(document.querySelector('#file').getBoundingClientRect())") < 150
-    assert page.ask("document.querySelector('#scopes').getBoundingClientRect().width / Math.min(innerWidth, 1000)") > 0.5
+    share = "document.querySelector('#scopes').getBoundingClientRect().width / Math.min(innerWidth, 1000)"
+    assert page.ask(share) > 0.5
