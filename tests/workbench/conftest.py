@@ -94,10 +94,12 @@ def browser(chromium, tmp_path_factory):
         yield page
 
 
-@pytest.fixture
-def page(browser, server):
-    browser.call("Emulation.setDeviceMetricsOverride", width=1400, height=950, deviceScaleFactor=1, mobile=False)
-    browser.call("Emulation.setEmulatedMedia", features=[])
+@pytest.fixture(params=[(1400, "light"), pytest.param((390, "dark"), marks=pytest.mark.thorough)], ids=str)
+def page(browser, server, request):
+    """The page as it opens, on a wide light screen and on a narrow dark one."""
+    width, scheme = request.param
+    browser.call("Emulation.setDeviceMetricsOverride", width=width, height=950, deviceScaleFactor=1, mobile=False)
+    browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
     browser.visit("about:blank")
     browser.visit(server.url)
     wait_for(browser, COMPLETE)

@@ -1,7 +1,10 @@
 """The page as a person uses it: values dragged, text typed, runs compared, by mouse and by keyboard."""
 
+import contextlib
 import re
+import threading
 import time
+from http.client import HTTPException
 
 import pytest
 from tests.workbench.conftest import serving
@@ -205,6 +208,76 @@ def test_a_lost_server_is_told_and_found_again(browser, tmp_path):
     browser.visit("about:blank")
 
 
+DISK = "document.getElementById('disk')"
+
+
+def typed_before(browser, words):
+    change = f"e.value = '{words}' + e.value; e.dispatchEvent(new Event('input'));"
+    browser.ask(f"(e => {{ {change} }})(document.getElementById('text'))")
+
+
+def test_a_file_that_changes_on_disk_is_taken_over_or_told(browser, tmp_path):
+    """Loaded where nothing is unsaved; else the reader chooses, and nothing is overwritten without a word."""
+    file = tmp_path / "pump.toml"
+    text = source_text("prototype")
+    file.write_text(text)
+    with serving(file) as server:
+        browser.visit("about:blank")
+        browser.visit(server.url)
+        wait_for(browser, COMPLETE)
+        file.write_text(text.replace('duty_ratio = { value = "0.5"', 'duty_ratio = { value = "0.3"'))
+        wait_for(browser, f"{DUTY}.value === '0.3' && {COMPLETE}")
+        assert browser.ask(f"{DISK}.hidden && state.text === state.saved")
+
+        typed_before(browser, "# mine\\n")
+        file.write_text("# theirs\n" + text)
+        wait_for(browser, f"!{DISK}.hidden")
+        assert browser.ask("state.text.startsWith('# mine')")
+        browser.ask("document.getElementById('save').click()")
+        wait_for(browser, "document.getElementById('faults').textContent.includes('has changed on the disk')")
+        assert file.read_text().startswith("# theirs")
+        browser.ask("document.getElementById('disk-keep').click()")
+        browser.ask("document.getElementById('save').click()")
+        wait_for(browser, "document.getElementById('state').textContent === 'saved'")
+        assert file.read_text().startswith("# mine")
+
+        typed_before(browser, "# more\\n")
+        file.write_text("# last\n" + text)
+        wait_for(browser, f"!{DISK}.hidden")
+        browser.ask("document.getElementById('disk-load').click()")
+        wait_for(browser, COMPLETE)
+        assert browser.ask("state.text").startswith("# last") and browser.ask("state.saved === state.text")
+        browser.ask("document.getElementById('undo').click()")
+        assert browser.ask("state.text").startswith("# more")
+    assert not browser.named("Runtime.exceptionThrown")
+    browser.visit("about:blank")
+
+
+@pytest.mark.thorough
+def test_saving_is_whole_or_not_at_all(tmp_path):
+    """A server that is killed while a text is saved, again and again, leaves the old text or the new one."""
+    file = tmp_path / "pump.toml"
+    old, new = (f"# {word}\n" + source_text("prototype") for word in ("old", "new"))
+    found = set()
+    for number in range(6):
+        file.write_text(old)
+        with serving(file) as server:
+            body = {"system": "pump.toml", "text": new, "before": old}
+            asking = threading.Thread(target=suppressed, args=(server.ask, "POST", "/api/save", body), daemon=True)
+            asking.start()
+            time.sleep(0.002 * number)
+            server.process.kill()
+            server.process.wait()
+            asking.join()
+        found.add(file.read_text())
+    assert found <= {old, new}
+
+
+def suppressed(call, *arguments):
+    with contextlib.suppress(OSError, HTTPException, ValueError):
+        call(*arguments)
+
+
 TEACH = "document.getElementById('teach')"
 
 
@@ -261,6 +334,8 @@ def test_with_less_motion_nothing_moves_by_itself(page):
 
 
 def test_a_column_folds(page):
+    """To its side where columns stand side by side, to its head where they lie below each other."""
     page.ask("document.querySelector('#file .fold').click()")
-    assert page.ask("document.querySelector('#file').getBoundingClientRect().width") < 150
-    assert page.ask("document.querySelector('#scopes').getBoundingClientRect().width") > 500
+    assert page.ask("(b => Math.min(b.width, b.height))(document.querySelector('#file').getBoundingClientRect())") < 150
+    share = "document.querySelector('#scopes').getBoundingClientRect().width / Math.min(innerWidth, 1000)"
+    assert page.ask(share) > 0.5

@@ -76,6 +76,12 @@ class Offer:
         except (OSError, UnicodeDecodeError) as problem:
             raise unusable(name, f"cannot be read ({problem})") from None
 
+    def text_on_disk(self, name: str) -> str | None:
+        """The text of a file as it is now; None of a shipped system, and where it cannot be read."""
+        with suppress(ConfigError):
+            return None if self.path(name) is None else self.text(name)
+        return None
+
     def system(self, asked: Asked) -> System:
         """The system that a page asks for. Raises ConfigError naming every fault."""
         self.path(asked.system)

@@ -26,6 +26,8 @@ from vvdp.workbench.work import (
 )
 
 LONGEST_MESSAGE = 1_200_000
+LOOKS = 0.5
+"""Time between two looks at the file on disk [s]."""
 
 
 def asked_by(message: Any) -> Asked:
@@ -53,7 +55,7 @@ class Tab:
     async def serve(self, socket: WebSocket) -> None:
         """Answers one page until it is closed."""
         await socket.accept()
-        worker = asyncio.create_task(self._work(socket))
+        tasks = [asyncio.create_task(each) for each in (self._work(socket), self._watch(socket))]
         try:
             while True:
                 message = await socket.receive_json()
@@ -66,7 +68,8 @@ class Tab:
             pass
         finally:
             self._superseded.set()
-            worker.cancel()
+            for task in tasks:
+                task.cancel()
 
     async def _work(self, socket: WebSocket) -> None:
         while True:
@@ -77,6 +80,17 @@ class Tab:
             answers = self._answers(message, self._speaker(socket, message.get("n")))
             while (answer := await asyncio.to_thread(next, answers, None)) is not None:
                 await socket.send_bytes(answer)
+
+    async def _watch(self, socket: WebSocket) -> None:
+        """Tells the page the text of its file at first, and when that changes on disk; none where the file is gone."""
+        name, before = "", None
+        while True:
+            await asyncio.sleep(LOOKS)
+            asked = str(self._newest.get("system", ""))
+            text = await asyncio.to_thread(self._offer.text_on_disk, asked) if asked else None
+            if text != before if asked == name else text is not None:
+                await socket.send_bytes(packet({"kind": "disk", "system": asked, "text": text}))
+            name, before = asked, text
 
     def _speaker(self, socket: WebSocket, number: Any) -> Callable[[str], None]:
         """Sends words on the way, such as how long compiling takes, from any thread."""

@@ -2,7 +2,7 @@ const RELEASE = 150; // ms after a slider is let go, the whole run replaces draf
 const MOST_RUNS = 20;
 const $ = (id) => document.getElementById(id);
 const live = new Map();
-const state = { system: "", text: "", saved: "", saves: false, changes: new Map(), past: [], rows: [], asked: 0, answered: 0, runs: [], shown: null, wanted: null, figures: null };
+const state = { system: "", text: "", saved: "", saves: false, changes: new Map(), past: [], rows: [], asked: 0, answered: 0, runs: [], shown: null, wanted: null, figures: null, disk: "" };
 let socket = null;
 let timer = 0;
 let counting = 0;
@@ -50,6 +50,7 @@ function unpack(data) {
 }
 
 function receive(head, column) {
+  if (head.kind === "disk") { takeDisk(head); return; }
   if (head.kind === "words") { if (head.n === state.asked) sayWhile(head.words); return; }
   state.answered = head.n;
   if (head.kind !== "draft" && head.n !== state.asked) return;
@@ -315,6 +316,37 @@ async function save() {
   markChanged();
 }
 
+/** The file has changed on disk: taken over where nothing is unsaved here, else the reader chooses. */
+function takeDisk({ system, text }) {
+  if (system !== state.system || text === state.saved) return;
+  if (text === null) { tellDisk("The file is gone from the disk; what is shown stays."); return; }
+  state.disk = text;
+  if (state.text === state.saved) loadDisk();
+  else tellDisk("The file has changed on the disk, and the text here is not saved.", true);
+}
+
+function tellDisk(words, isChoice = false) {
+  $("disk").hidden = !words;
+  $("disk").querySelector("p").textContent = words;
+  for (const name of ["disk-load", "disk-keep"]) $(name).hidden = !isChoice;
+}
+
+function loadDisk() {
+  tellDisk("");
+  state.past.push(state.text);
+  state.saved = state.disk;
+  setText(state.disk);
+  markChanged();
+  ask("whole");
+}
+
+/** Saving replaces what is on the disk now, knowingly. */
+function keepText() {
+  tellDisk("");
+  state.saved = state.disk;
+  markChanged();
+}
+
 async function open(name) {
   const found = await post("/api/text", { system: name });
   if (found.faults) { showFaults(found.faults); return; }
@@ -325,6 +357,7 @@ async function open(name) {
   schematic.course = null;
   $("joints").hidden = true;
   $("filter").value = "";
+  tellDisk("");
   setText(found.text);
   $("values").dataset.form = "";
   markChanged();
@@ -370,6 +403,8 @@ function listen() {
   $("undo").addEventListener("click", undo);
   $("write").addEventListener("click", write);
   $("save").addEventListener("click", save);
+  $("disk-load").addEventListener("click", loadDisk);
+  $("disk-keep").addEventListener("click", keepText);
   $("copy").addEventListener("click", () => navigator.clipboard?.writeText($("line").textContent));
   addEventListener("keydown", (event) => {
     const act = { Enter: () => ask("whole"), s: save, z: event.target === $("text") ? null : undo }[event.key];
