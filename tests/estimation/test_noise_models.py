@@ -27,7 +27,6 @@ from vvdp.estimation.noise_basis import (
     gaussian_basis,
     write_basis,
 )
-from vvdp.estimation.noise_clock import ClockedGerotor, NoiseClock, clocked_gerotor_start, clocked_gerotor_step
 from vvdp.estimation.pressure_observer import (
     PressureObserver,
     exponential_step,
@@ -299,26 +298,6 @@ def test_period_that_is_no_whole_number_of_samples_is_refused():
         samples_in_period(1e-3, 0.0)
     with pytest.raises(ParameterError, match="its gains die"):
         replace(DESIGN, generator_drift=0.0)
-
-
-# Clock
-
-
-@pytest.mark.parametrize("bandwidth", [0.0, 3.0])
-def test_clock_finds_the_pollutions_own_frequency(bandwidth):
-    """A basis in time that is 0.5 Hz off at 10 Hz; with the clock adapted nothing of it is left."""
-    t = np.arange(6000) * PERIOD
-    rows = np.column_stack([t, pollution_at(2.0 * np.pi * 10.0 * t), 0.0 * t, 0.0 * t, 0.0 * t])
-    clock = NoiseClock(speed=2.0 * np.pi * 10.5, bandwidth=bandwidth, speed_range=2.0 * np.pi)
-    settings = ClockedGerotor(observer=GEROTOR, clock=clock)
-    found, _, memory = run(clocked_gerotor_step, clocked_gerotor_start(settings, 0.0), settings, rows)
-    left, off = np.max(np.abs(found[5000:])), abs(memory.clock.speed / (2.0 * np.pi) - 10.0)
-    if bandwidth > 0.0:
-        assert off < 1e-3
-        assert left < 2e-6
-    else:
-        assert off == pytest.approx(0.5)
-        assert left > 50e-6
 
 
 # Measured pressure
