@@ -55,7 +55,10 @@ class Tab:
     async def serve(self, socket: WebSocket) -> None:
         """Answers one page until it is closed."""
         await socket.accept()
-        tasks = [asyncio.create_task(each) for each in (self._work(socket), self._watch(socket))]
+        tasks = [
+            asyncio.create_task(each)
+            for each in (self._work(socket), watch(self._offer, lambda: str(self._newest.get("system", "")), socket))
+        ]
         try:
             while True:
                 message = await socket.receive_json()
@@ -80,17 +83,6 @@ class Tab:
             answers = self._answers(message, self._speaker(socket, message.get("n")))
             while (answer := await asyncio.to_thread(next, answers, None)) is not None:
                 await socket.send_bytes(answer)
-
-    async def _watch(self, socket: WebSocket) -> None:
-        """Tells the page the text of its file at first, and when that changes on disk; none where the file is gone."""
-        name, before = "", None
-        while True:
-            await asyncio.sleep(LOOKS)
-            asked = str(self._newest.get("system", ""))
-            text = await asyncio.to_thread(self._offer.text_on_disk, asked) if asked else None
-            if text != before if asked == name else text is not None:
-                await socket.send_bytes(packet({"kind": "disk", "system": asked, "text": text}))
-            name, before = asked, text
 
     def _speaker(self, socket: WebSocket, number: Any) -> Callable[[str], None]:
         """Sends words on the way, such as how long compiling takes, from any thread."""
@@ -137,6 +129,18 @@ class Tab:
         done, found = draft(system, before, view, number, say)
         self._last = system.circuit.digest, done
         return found
+
+
+async def watch(offer: Offer, shown: Callable[[], str], socket: WebSocket) -> None:
+    """Tells a page the text of the file that is `shown`, and again when it changes on disk; none where it is gone."""
+    name, before = "", None
+    while True:
+        await asyncio.sleep(LOOKS)
+        asked = shown()
+        text = await asyncio.to_thread(offer.text_on_disk, asked)
+        if text != before if asked == name else text is not None:
+            await socket.send_bytes(packet({"kind": "disk", "system": asked, "text": text}))
+        name, before = asked, text
 
 
 def _view(message: Mapping[str, Any]) -> View:
