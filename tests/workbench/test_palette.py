@@ -27,7 +27,7 @@ def dropped(entry):
     lines += [f'{port} = "part_{port}"' for port in entry["ports"]] + entry["lines"]
     for port, joins in entry["ports"].items():
         lines += node(f"part_{port}", NODE_OF[joins])
-    if entry["table"] == "nodes":  # a circuit has a component
+    if not entry["ports"]:  # a circuit has a component
         lines += [*ORIFICE, 'type = "orifice"', 'a = "one"', 'b = "two"', *node("one", "tank"), *node("two", "volume")]
     return "\n".join(lines)
 
