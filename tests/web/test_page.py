@@ -5,6 +5,8 @@ import json
 import pytest
 from tests.report.browser import running
 
+from vvdp import loads
+from vvdp.simulation.layout import vectors
 from vvdp.systems.system import load_system, source_text
 from vvdp.web.page import MOST_BYTES, web_page
 
@@ -46,6 +48,15 @@ def test_runs_as_the_command_line_does(browser, page):
         assert found[0][key] == pytest.approx(summary[key], rel=1e-12, abs=1e-300), key
     assert {"pressure_chamber_a_Pa", "position_rod_m", "flow_pump_m3_s"} <= set(found[1])
     assert found[2] > 1000
+
+
+def test_the_file_on_the_page_is_the_system(browser):
+    """Its text is that of the system with every value, the hostile title included, and loads to the same case."""
+    text = browser.ask("document.querySelector('details pre').textContent")
+    assert HOSTILE in text and browser.ask("window.hit === undefined")
+    shown, own = loads(text), load_system(SYSTEM, (), "0.5 s")
+    assert vectors(shown.case).params.tobytes() == vectors(own.case).params.tobytes()
+    assert shown.stepping == own.stepping
 
 
 def test_fetches_nothing(browser):

@@ -28,6 +28,7 @@ from vvdp.simulation.prepare import prepare
 from vvdp.simulation.run import simulate
 from vvdp.systems.changeable import Changeable, changeable_values
 from vvdp.systems.overview import warnings
+from vvdp.systems.resolved import resolved_text
 from vvdp.systems.system import System
 from vvdp.web.call import call
 from vvdp.web.module import EXACT, QUICK, WebModules, web_modules
@@ -175,6 +176,7 @@ def _lines(run: RecordedRun, result: Result, model: Mapping[str, Any], values: t
     yield '<h2 id="numbers">Key numbers</h2>\n<div id="key-numbers"></div>'
     yield "<h2>Circuit</h2>"
     yield f'<figure id="figure-circuit">{inline_svg(circuit_svg(run), "circuit")}</figure>'
+    yield f"<details><summary>System file</summary><pre>{text(resolved_text(run.system))}</pre></details>"
     yield live_body(live, result.tables)
     yield scripts_html(model) + "\n</body>\n</html>"
 
