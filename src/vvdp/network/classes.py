@@ -37,6 +37,7 @@ from vvdp.network.heat import TOTALS, warm_volumes
 from vvdp.network.nodes import (
     DrivenShaft,
     HydraulicNode,
+    Junction,
     OilVolume,
     PressureSource,
     Rod,
@@ -138,7 +139,7 @@ class Classes:
         """What is recorded beside the state."""
         hints: dict[str, Any] = {}
         for name, node in self.network.nodes.items():
-            if isinstance(node, Tank | PressureSource):
+            if isinstance(node, Tank | PressureSource | Junction):
                 hints[f"{name}_pressure"] = Pressure
             elif isinstance(node, DrivenShaft):
                 hints[f"{name}_speed"] = Speed

@@ -17,12 +17,14 @@ from vvdp.network.component import Role
 from vvdp.network.folding import indent, keyword_call, negative
 from vvdp.network.heat import heat_balance
 from vvdp.network.heat_text import HeatText
+from vvdp.network.junction_text import junction_lines
 from vvdp.network.network import Part
 from vvdp.network.nodes import (
     Chamber,
     Connection,
     DrivenShaft,
     HydraulicNode,
+    Junction,
     Node,
     OilVolume,
     PressureSource,
@@ -72,9 +74,15 @@ class Functions:
         for name in self.places.late:
             part = self.network.parts.get(name)
             if part is None:
-                lines += self.text.node_lines([name])
+                junction = isinstance(self.network.nodes[name], Junction)
+                lines += junction_lines(self.text, name) if junction else self.text.node_lines([name])
+                done |= {met.part.name for met in self.places.ports_at(name)} if junction else set()
                 continue
-            if takes_surplus(part):  # what those before it give: of several such valves, the first has the first choice
+            if name in done:
+                continue
+            if takes_surplus(part) and not self.places.at_junction(
+                part
+            ):  # what those before it give: of several such valves, the first has the first choice
                 node = part.nodes[part.component.hydraulic_ports[0]]
                 lines.append(f"surplus_{node} = {self.text.inflow_sum(node, only=done)}")
             lines.append(f"{name} = {self.text.call(part, part.component.law)}")
@@ -208,7 +216,7 @@ class Functions:
     def _outputs(self) -> Iterator[tuple[str, str]]:
         texts = {}
         for name, node in self.network.nodes.items():
-            if isinstance(node, PRESCRIBED):
+            if isinstance(node, (*PRESCRIBED, Junction)):
                 texts[f"{name}_pressure"] = f"{name}.pressure"
             elif isinstance(node, DrivenShaft):
                 texts[f"{name}_speed"] = f"{name}.speed"
@@ -314,10 +322,11 @@ class Functions:
     def _check_contents(self, part: Part) -> None:
         arguments = part.component.arguments_of(part.component.stored) if part.component.stored else ()
         for argument in arguments:
-            if argument.role is Role.PORT and isinstance(self.network.nodes[part.nodes[argument.name]], PRESCRIBED):
+            held = (*PRESCRIBED, Junction)
+            if argument.role is Role.PORT and isinstance(self.network.nodes[part.nodes[argument.name]], held):
                 node = part.nodes[argument.name]
                 raise NetworkError(
-                    f"{part.name}: what it stores depends on the pressure at {node}, which is prescribed; "
+                    f"{part.name}: what it stores depends on the pressure at {node}, which is no state; "
                     "put a volume between"
                 )
             if argument.role is Role.SHAFT_SPEED:

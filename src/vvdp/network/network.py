@@ -22,6 +22,7 @@ from vvdp.network.nodes import (
     Connection,
     DrivenShaft,
     HydraulicNode,
+    Junction,
     Load,
     Node,
     OilVolume,
@@ -51,7 +52,7 @@ NAME = re.compile(r"[a-z][a-z0-9_]*")
 NEARLY_VACUUM = 1e3
 """A pressure below this [Pa, absolute] was meant in another unit."""
 JOINS = {
-    Role.PORT: (OilVolume, Tank, PressureSource),
+    Role.PORT: (OilVolume, Tank, PressureSource, Junction),
     Role.SHAFT: (Shaft, DrivenShaft),
     Role.SHAFT_SPEED: (Shaft, DrivenShaft),
     Role.ROD: (Rod,),
@@ -135,6 +136,10 @@ class Network:
         if isinstance(source, Signal):
             _check_pressure(name, "pressure", *source.extremes)
         self._add_node(PressureSource(name, source, self._at_first(oil or self.oil)))
+
+    def junction(self, name: str, oil: Oil | None = None) -> None:
+        """Add a place without oil, whose pressure is the one at which as much flows in as out."""
+        self._add_node(Junction(name, self._at_first(oil or self.oil)))
 
     def shaft(self, name: str, values: Rotor | None = None, *, angle: Start = 0.0, speed: Start = 0.0) -> None:
         """Add a shaft that turns freely, at first at `angle` [rad] with `speed` [rad/s]."""

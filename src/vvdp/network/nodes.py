@@ -1,4 +1,5 @@
-"""The nodes of a network: where ports meet. Volumes, shafts and rods have a state; the others are prescribed."""
+"""The nodes of a network: where ports meet. Volumes, shafts and rods have a state, junctions follow from what meets at
+them; the others are prescribed."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -74,6 +75,14 @@ class PressureSource:
 
 
 @dataclass(frozen=True)
+class Junction:
+    """A place without oil of its own: its pressure is the one at which as much flows in as out."""
+
+    name: str
+    oil: Oil
+
+
+@dataclass(frozen=True)
 class Shaft:
     """A shaft that turns freely, with the inertia of all that it joins; `angle` [rad] and `speed` [rad/s] at first."""
 
@@ -101,7 +110,7 @@ class Rod:
     velocity: Start
 
 
-HydraulicNode: TypeAlias = OilVolume | Tank | PressureSource
+HydraulicNode: TypeAlias = OilVolume | Tank | PressureSource | Junction
 Node: TypeAlias = HydraulicNode | Shaft | DrivenShaft | Rod
 
 

@@ -1,6 +1,6 @@
 """Where the parts of a network stand in the written circuit: parameters, start values, order, what meets at a node."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any
@@ -31,6 +31,7 @@ from vvdp.network.nodes import (
     Connection,
     DrivenShaft,
     HydraulicNode,
+    Junction,
     Node,
     OilVolume,
     PressureSource,
@@ -78,7 +79,8 @@ class Places:
         """The parts, and the nodes that follow results of theirs, each behind what it needs."""
         found: list[str] = []
         for name in self._sequence:
-            if name in self.network.parts or any(needed in found for needed in self._needs(name)):
+            is_sought = isinstance(self.network.nodes.get(name), Junction)
+            if name in self.network.parts or is_sought or any(needed in found for needed in self._needs(name)):
                 found.append(name)
         return tuple(found)
 
@@ -108,15 +110,16 @@ class Places:
 
     def _needs(self, name: str) -> Iterator[str]:
         """The nodes and parts that have to be worked out before one."""
-        part = self.network.parts.get(name)
-        for source in sources_of(self.network.nodes[name]) if part is None else part.inputs.values():
-            for path in paths_of(source):
-                if (found := self.quantity(path, name)).needs:
-                    yield found.needs
+        part, nodes = self.network.parts.get(name), self.network.nodes
+        yield from self._read_by(name, sources_of(nodes[name]) if part is None else part.inputs.values())
         if part is None:
+            if isinstance(nodes[name], Junction):
+                for met in self.ports_at(name):
+                    yield from (node for node in met.part.nodes.values() if not isinstance(nodes[node], Junction))
+                    yield from self._read_by(met.part.name, met.part.inputs.values())
             return
         yield from part.nodes.values()
-        if takes_surplus(part):
+        if takes_surplus(part) and not self.at_junction(part):
             parts = list(self.network.parts)
             node = part.nodes[part.component.hydraulic_ports[0]]
             for met in self.ports_at(node):
@@ -124,9 +127,18 @@ class Places:
                 if met.part is not part and not (later and self._takes_surplus_of(met.part, node)):
                     yield met.part.name
 
+    def _read_by(self, where: str, sources: Iterable[Source]) -> Iterator[str]:
+        """What has to be worked out before what reads `sources`."""
+        found = (self.quantity(path, where).needs for source in sources for path in paths_of(source))
+        yield from filter(None, found)
+
     @staticmethod
     def _takes_surplus_of(part: Part, node: str) -> bool:
         return takes_surplus(part) and part.nodes[part.component.hydraulic_ports[0]] == node
+
+    def at_junction(self, part: Part) -> bool:
+        """Whether a part joins a junction, where nothing is left over."""
+        return any(isinstance(self.network.nodes[node], Junction) for node in part.nodes.values())
 
     def ports_at(self, node: str) -> tuple[Attachment, ...]:
         """The ports that meet at a node, in the order of the parts."""

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from vvdp.base.errors import NetworkError
 from vvdp.hydraulics.relief_valve import ReliefValve
 from vvdp.network.network import Network, Part
-from vvdp.network.nodes import Chamber, OilVolume, Rod, Shaft
+from vvdp.network.nodes import Chamber, Junction, OilVolume, Rod, Shaft
 from vvdp.network.paths import takes_surplus
 
 
@@ -16,10 +16,10 @@ def check_sense(network: Network) -> None:
 
 
 def idle_nodes(network: Network) -> Iterator[str]:
-    """Nodes with a state that nothing joins; a tank or a source may wait for a study that joins it."""
+    """Nodes that nothing joins and nothing prescribes; a tank or a source may wait for a study that joins it."""
     joined = {node for part in network.parts.values() for node in part.nodes.values()}
     for name, node in network.nodes.items():
-        if isinstance(node, OilVolume | Shaft | Rod) and name not in joined:
+        if isinstance(node, OilVolume | Junction | Shaft | Rod) and name not in joined:
             yield name
 
 
@@ -34,7 +34,10 @@ def _empty_volumes(network: Network) -> Iterator[str]:
     for name, node in network.nodes.items():
         empty = isinstance(node, OilVolume) and isinstance(node.values, Chamber) and node.values.volume == 0.0
         if empty and name not in walled:
-            yield f"{name}.volume: 0 m^3; its pressure would jump: give it the oil of its pipes, such as 10 cc"
+            yield (
+                f"{name}.volume: 0 m^3; its pressure would jump: give it the oil of its pipes, such as 10 cc, or make "
+                'it a node of type "junction"'
+            )
 
 
 def _short_circuits(network: Network) -> Iterator[str]:
@@ -47,8 +50,10 @@ def _short_circuits(network: Network) -> Iterator[str]:
 def _surplus(network: Network) -> Iterator[str]:
     """Ideal valves at a prescribed pressure, or two at one volume: each takes all that is left over in a volume."""
     first = dict[str, str]()
-    for part in filter(_is_ideal, network.parts.values()):
+    for part in filter(is_ideal, network.parts.values()):
         node = part.nodes[part.component.hydraulic_ports[0]]
+        if isinstance(network.nodes[node], Junction):
+            continue  # `junction_text` refuses it, drawn in a file or not
         if not isinstance(network.nodes[node], OilVolume):
             yield (
                 f"{part.name} is ideal (override_pressure 0): it takes what is left over in a volume, and {node!r} "
@@ -61,6 +66,7 @@ def _surplus(network: Network) -> Iterator[str]:
             )
 
 
-def _is_ideal(part: Part) -> bool:
+def is_ideal(part: Part) -> bool:
+    """Whether a part takes whatever is left over in a volume."""
     reliefs = [value for value in part.values if isinstance(value, ReliefValve)]
     return takes_surplus(part) and all(relief.override_pressure == 0.0 for relief in reliefs)

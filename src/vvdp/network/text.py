@@ -75,7 +75,7 @@ class Text:
         """Names that the text gives to what is its own. Raises NetworkError where two would be the same."""
         net = self.network
         own = {*net.nodes, *net.parts, *net.programs}
-        derived = {f"{word}_{name}" for name in net.nodes for word in ("surplus", "in", "into")}
+        derived = {f"{word}_{name}" for name in net.nodes for word in ("surplus", "in", "into", "search")}
         derived |= {text for name in net.parts for text in (f"{name}_walls", f"in_{name}")}
         if self._warm_volumes:
             derived |= {f"{word}_{name}" for name in net.nodes for word in ("warm", "temperature", "heat", "walls")}
@@ -128,6 +128,8 @@ class Text:
                 return f"h.{part.name}"
             case Role.MODE:
                 return f"u.modes.{part.name}_{argument.name}"
+            case Role.SURPLUS if self.places.at_junction(part):
+                return "0.0"
             case Role.SURPLUS:
                 node = part.nodes[part.component.hydraulic_ports[0]]
                 walls = self.walls(node, "rate")

@@ -13,6 +13,7 @@ from vvdp.network.network import Network, Part
 from vvdp.network.nodes import (
     Connection,
     DrivenShaft,
+    Junction,
     Node,
     OilVolume,
     PressureSource,
@@ -100,6 +101,8 @@ def _kind_and_labels(node: Node) -> tuple[NodeKind, Lines]:
                 return NodeKind.VOLUME, (oil,)
             charge = with_unit(node.values.precharge_pressure, PRESSURE_LEVEL)
             return NodeKind.ACCUMULATOR, (oil, f"gas {gas} at {charge}")
+        case Junction():
+            return NodeKind.VOLUME, ()
         case Tank():
             pressure = node.pressure
             is_usual = pressure.is_constant and pressure.base == node.oil.reference_pressure

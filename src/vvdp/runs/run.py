@@ -11,7 +11,7 @@ import numpy as np
 from vvdp.base.arrays import Array, Rows
 from vvdp.base.manifest import Directory, open_directory
 from vvdp.network.network import Network
-from vvdp.network.nodes import HydraulicNode, OilVolume
+from vvdp.network.nodes import HydraulicNode, Junction, OilVolume
 from vvdp.results.result import Number
 from vvdp.simulation.record import Record
 from vvdp.simulation.results import read_results
@@ -103,7 +103,7 @@ class RecordedRun:
         """Names of the nodes that make their own pressure, but for those inside of a pipe."""
         hidden = inside(self.network)
         nodes = self.network.nodes.items()
-        return tuple(name for name, node in nodes if isinstance(node, OilVolume) and name not in hidden)
+        return tuple(name for name, node in nodes if isinstance(node, OilVolume | Junction) and name not in hidden)
 
     def pressure(self, node: str) -> Array:
         """The gauge pressure of a hydraulic node over `times` [Pa]."""

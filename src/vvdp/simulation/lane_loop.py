@@ -165,7 +165,7 @@ def judge(rates, events, cases, rules, lanes, bench, y, trial, first, last, lane
     clock[STEPS] += 1.0
     step, t_new = lanes.h[lane], own[T_NEW]
     total = lanes.error[lanes.error.size - WIDTH + lane]
-    size = own[SIZE] = np.sqrt(total / active)
+    size = own[SIZE] = np.sqrt(total / max(active, 1))
     if not size <= 1.0:
         own[TRIED] = 0.0
         h = refuse(clock, step, size, total < np.inf, -0.2)

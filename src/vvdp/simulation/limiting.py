@@ -23,9 +23,14 @@ class LimitingState:
         self.case, self.ready, self.bench = case, ready, bench
         self.counts: Counter[int] = Counter()
 
-    def count(self, state: Any) -> int:
-        """Count the state that limited the last step, which ended or was refused at `state` (n,); its place."""
+    def count(self, state: Any) -> int | None:
+        """Count the state that limited the last step, which ended or was refused at `state` (n,); its place.
+
+        None in a circuit without a state, whose steps nothing limits.
+        """
         active = self.ready.pattern.group.size
+        if active == 0:
+            return None
         size = np.fmax(np.abs(state[:active]), np.abs(self.bench.trial[:active]))
         with np.errstate(all="ignore"):
             errors = np.abs(self.bench.error[:active]) / (self.ready.atol[:active] + self.ready.rtol[:active] * size)
@@ -39,8 +44,10 @@ class LimitingState:
         return state_words(self.case, self.counts.most_common(1)[0][0]) if self.counts else ""
 
 
-def state_words(case: Case, place: int) -> str:
-    """The state at this place by its path, with the volume, mass or inertia that it belongs to."""
+def state_words(case: Case, place: int | None) -> str:
+    """The state at this place by its path, with the volume, mass or inertia that it belongs to; empty for none."""
+    if place is None:
+        return ""
     path = [path for path, _, _ in leaves(case.state)][place]
     values = getattr(case.params, path.partition(".")[0], None)
     if not isinstance(values, Params):

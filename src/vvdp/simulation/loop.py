@@ -239,7 +239,7 @@ def run(
             size += e * e
             leant += l * l
             turned += d * d
-        size = np.sqrt(size / active)
+        size = np.sqrt(size / max(active, 1))
         if not finite or size > 1.0:
             tries = 0
             h = refuse(clock, step, size, finite, exponent)

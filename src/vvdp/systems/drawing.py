@@ -93,6 +93,10 @@ class StartPressure(Params):
     start: Pressure
 
 
+class JunctionTable(Params):
+    """A place without oil; nothing is to be said of it."""
+
+
 class SourceTable(Params):
     """A pressure source, or a tank that is not at the oil's reference pressure."""
 
@@ -130,6 +134,10 @@ def _add_vessel(net: Network, name: str, v: VesselTable, oil: Oil) -> None:
     net.volume(name, Vessel(**fields), start=v.start, oil=oil)
 
 
+def _add_junction(net: Network, name: str, v: JunctionTable, oil: Oil) -> None:
+    net.junction(name, oil)
+
+
 def _add_tank(net: Network, name: str, v: SourceTable | None, oil: Oil) -> None:
     net.tank(name, v.pressure if v else None, oil)
 
@@ -162,6 +170,7 @@ class NodeType:
 NODES: Mapping[str, NodeType] = {
     "volume": NodeType(VolumeTable, _add_volume),
     "vessel": NodeType(VesselTable, _add_vessel),
+    "junction": NodeType(JunctionTable, _add_junction),
     "tank": NodeType(SourceTable, _add_tank),
     "pressure-source": NodeType(SourceTable, _add_source),
     "shaft": NodeType(ShaftTable, _add_shaft, holds_oil=False),

@@ -12,7 +12,7 @@ from vvdp.hydraulics.orifice import Orifice
 from vvdp.hydraulics.pipe import LinePipe
 from vvdp.hydraulics.relief_valve import LoadReliefValve, ReliefValve
 from vvdp.network.network import Part
-from vvdp.network.nodes import HydraulicNode, OilVolume, Shaft
+from vvdp.network.nodes import HydraulicNode, Junction, OilVolume, Shaft
 from vvdp.systems.bench_tables import Limits
 from vvdp.systems.bound import Bound
 from vvdp.systems.extras import LoadedSystem
@@ -111,7 +111,7 @@ def _stays_shut(system: LoadedSystem, found: Mapping[str, Any], part: Part, reli
     if isinstance(relief, LoadReliefValve) or not {"a", "b"} <= part.nodes.keys():
         return
     before = system.circuit.network.nodes[part.nodes["a"]]
-    if isinstance(before, OilVolume) or found.get(f"flow_mean_{part.name}_m3_s") != 0.0:
+    if isinstance(before, OilVolume | Junction) or found.get(f"flow_mean_{part.name}_m3_s") != 0.0:
         return
     highest = _highest(system, found, part.nodes["b"])
     yield Bound(

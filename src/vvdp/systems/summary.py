@@ -11,6 +11,7 @@ from vvdp.network.network import Part
 from vvdp.network.nodes import (
     DrivenShaft,
     HydraulicNode,
+    Junction,
     OilVolume,
     PressureSource,
     Rod,
@@ -50,7 +51,7 @@ def run_summary(system: System, run: Run) -> Summary:
     """The part of a summary that the run itself gives: all but the closed forms, in a tenth of the time."""
     simulated = simulated_summary(outcome(run), system)
     recorded: Summary = {} if system.extras is None else system.extras.record_numbers(run)
-    seen = wave_numbers(system, run) | temperature_numbers(system, run)
+    seen = wave_numbers(system, run) | temperature_numbers(system, run) | junction_numbers(system, run)
     return simulated | recorded | seen | (validity(system, simulated | seen) if seen else {})
 
 
@@ -175,14 +176,25 @@ def _driven_bounds(node: DrivenShaft, run: Outcome, system: System, mean: float)
 
 
 def _prescribed_bounds(
-    node: Tank | PressureSource, run: Outcome, system: System, means: Mapping[str, float]
+    node: Tank | PressureSource | Junction, run: Outcome, system: System, means: Mapping[str, float]
 ) -> tuple[float, float]:
-    """Bounds of a prescribed pressure [Pa, absolute], as the case has it; its mean where it is a connection."""
-    if isinstance(node.pressure, Signal):
+    """Bounds of a pressure that is no state [Pa, absolute], as the case prescribes it; its mean where nothing does."""
+    if not isinstance(node, Junction) and isinstance(node.pressure, Signal):
         given: Signal = attrgetter(system.circuit.place(node.pressure))(run.case.params)
         return given.extremes
     mean = means[f"totals.{node.name}_pressure"]
     return mean, mean
+
+
+def junction_numbers(system: System, run: Run) -> Summary:
+    """The lowest and the highest pressure of each junction over the records of a run, by key."""
+    return {
+        f"pressure_{which}_{name}_Pa": float(extreme(getattr(run.outputs, f"{name}_pressure")))
+        - node.oil.reference_pressure
+        for name, node in system.circuit.network.nodes.items()
+        if isinstance(node, Junction)
+        for which, extreme in (("min", np.min), ("max", np.max))
+    }
 
 
 def part_numbers(system: System, means: Mapping[str, float]) -> Summary:

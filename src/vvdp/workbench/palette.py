@@ -22,6 +22,7 @@ ROLES = {Role.PORT: OIL, Role.SHAFT: SHAFT, Role.SHAFT_SPEED: SHAFT, Role.ROD: R
 NODE_KINDS: Mapping[str, tuple[NodeKind, str]] = {
     "volume": (NodeKind.VOLUME, OIL),
     "vessel": (NodeKind.ACCUMULATOR, OIL),
+    "junction": (NodeKind.VOLUME, OIL),
     "tank": (NodeKind.TANK, OIL),
     "pressure-source": (NodeKind.PRESSURE, OIL),
     "shaft": (NodeKind.SHAFT, SHAFT),

@@ -9,7 +9,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.display import key_suffix, with_unit
 from vvdp.base.kinds import AREA, FLOW, FRACTION, GAUGE_PRESSURE, POSITION, SPEED, VELOCITY, Kind
 from vvdp.network.network import Part
-from vvdp.network.nodes import HydraulicNode, OilVolume
+from vvdp.network.nodes import HydraulicNode, Junction, OilVolume
 from vvdp.report.circuit import graph_of
 from vvdp.report.diagram import diagram
 from vvdp.report.drawing import INK
@@ -42,7 +42,7 @@ def means(system: System) -> Iterator[Mean]:
     network = system.circuit.network
     hidden = inside(network)
     for name, node in network.nodes.items():
-        if isinstance(node, OilVolume) and name not in hidden:
+        if isinstance(node, OilVolume | Junction) and name not in hidden:
             yield Mean(name, f"pressure_mean_{name}_Pa", "mean", GAUGE_PRESSURE)
     for part in network.parts.values():
         for flow, port in flow_ports(part).items() if part.name not in hidden else ():
