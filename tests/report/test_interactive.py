@@ -126,6 +126,17 @@ def test_values_are_packed_as_shown(table):
     assert y == pytest.approx((table["load_Pa"] - 101325.0) / 1e5, abs=1e-4)  # bar gauge
 
 
+def test_long_columns_are_thinned_and_short_ones_kept(table):
+    page = json.loads(interactive_data([CHART], {"run": table}, 4))
+    panel = page["charts"][0]["panels"][0]
+    content = zlib.decompress(base64.b64decode(page["bytes"]))
+    x, y = (unpack(page["columns"][panel["lines"][0][key]], content) for key in "xy")
+    assert x == pytest.approx(1e3 * table["time_s"][::4], abs=1e-6)
+    assert y == pytest.approx((table["load_Pa"][::4] - 101325.0) / 1e5, abs=1e-4)
+    short = Columns(4)
+    assert short.described[short.place(np.arange(2048.0))]["count"] == 2048
+
+
 def test_same_bytes_when_made_again(table):
     assert live_body([CHART], {"run": table}) == live_body([CHART], {"run": table})
 

@@ -6,6 +6,7 @@ import pytest
 from tests.report.browser import running
 
 from vvdp import loads
+from vvdp.base.errors import ConfigError
 from vvdp.simulation.layout import vectors
 from vvdp.systems.system import load_system, source_text
 from vvdp.web.page import MOST_BYTES, web_page
@@ -121,6 +122,21 @@ def test_a_title_stays_a_text(browser, page):
     assert "<script>window.hit" not in page[0].html
     assert browser.ask("typeof window.hit") == "undefined"
     assert browser.ask("document.querySelector('h1').textContent") == HOSTILE
+
+
+@pytest.mark.thorough
+def test_a_page_that_would_be_too_large_shows_fewer_rows(page, monkeypatch):
+    """First the quick level goes, then rows of the charts; a page that is still too large is refused."""
+    system = load_system(SYSTEM, (), "0.5 s")
+    limit = len(page[0].html) - len(page[0].model["modules"]["quick"]) - 10_000
+    monkeypatch.setattr("vvdp.web.page.MOST_BYTES", limit)
+    made = web_page(system)
+    assert len(made.html) <= limit
+    assert "quick" not in made.model["modules"]
+    assert "one of 2 rows" in made.html
+    monkeypatch.setattr("vvdp.web.page.MOST_BYTES", 100_000)
+    with pytest.raises(ConfigError, match="the page has .* bytes; at most 100000"):
+        web_page(system)
 
 
 def test_is_small_and_counted(page):

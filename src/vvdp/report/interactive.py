@@ -71,16 +71,17 @@ def live_head(own: Iterable[str] = (), allowed: str = "") -> str:
     return f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n<style>\n{style}</style>'
 
 
-def live_body(charts: Iterable[Chart], tables: Mapping[str, Table]) -> str:
+def live_body(charts: Iterable[Chart], tables: Mapping[str, Table], stride: int = 1) -> str:
     """For the end of the body: data and scripts; nothing where no chart can be live.
 
-    A chart becomes live in the element `figure-NAME` of the page, in place of the SVG there.
+    A chart becomes live in the element `figure-NAME` of the page, in place of the SVG there. Of long columns every
+    `stride`-th row is shown.
     """
     drawable = [chart for chart in charts if is_live(chart)]
     if not drawable:
         return ""
     scripts = "".join(f"<script>{asset(name)}</script>\n" for name in SCRIPTS)
-    return f'<script type="application/json" id="chart-data">{interactive_data(drawable, tables)}</script>\n{scripts}'
+    return f'<script type="application/json" id="chart-data">{interactive_data(drawable, tables, stride)}</script>\n{scripts}'
 
 
 def is_live(chart: Chart) -> bool:
@@ -88,9 +89,9 @@ def is_live(chart: Chart) -> bool:
     return not chart.columns and not any(isinstance(panel, Bars | Dots) for panel in chart.panels)
 
 
-def interactive_data(charts: Iterable[Chart], tables: Mapping[str, Table]) -> str:
+def interactive_data(charts: Iterable[Chart], tables: Mapping[str, Table], stride: int = 1) -> str:
     """The data of live charts as JSON that can stand in a page; the same charts give the same text."""
-    columns = Columns()
+    columns = Columns(stride)
     return page_text([described_chart(chart, tables, columns) for chart in charts], columns)
 
 
@@ -109,9 +110,10 @@ class Placed(Protocol):
 
 
 class Columns:
-    """The packed columns of a page, each once."""
+    """The packed columns of a page, each once; of those with more than `EXACT_ROWS` every `stride`-th row."""
 
-    def __init__(self) -> None:
+    def __init__(self, stride: int = 1) -> None:
+        self.stride = stride
         self.content = bytearray()
         self.described: list[dict[str, Any]] = []
         self._known: dict[tuple[str, int], int] = {}
@@ -122,15 +124,17 @@ class Columns:
         key = (hashlib.sha256(found.tobytes()).hexdigest(), found.size)
         if key not in self._known:
             self._known[key] = len(self.described)
-            description, packed = pack_column(found)
-            self.described.append({"at": len(self.content), "count": found.size, **description})
+            is_long = found.size > EXACT_ROWS
+            shown = found[:: self.stride] if is_long else found
+            description, packed = pack_column(shown, EXACT_ROWS // self.stride if is_long else EXACT_ROWS)
+            self.described.append({"at": len(self.content), "count": shown.size, **description})
             self.content += packed + bytes(-len(packed) % 8)
         return self._known[key]
 
 
-def pack_column(values: Array) -> tuple[dict[str, Any], bytes]:
-    """How a column is packed, and its bytes."""
-    if values.size <= EXACT_ROWS:
+def pack_column(values: Array, exact_rows: int = EXACT_ROWS) -> tuple[dict[str, Any], bytes]:
+    """How a column is packed, and its bytes; one of `exact_rows` or fewer as it is."""
+    if values.size <= exact_rows:
         return {"form": "exact"}, values.astype("<f8").tobytes()
     if (runs := _even_runs(values)) is not None:
         return {"form": "runs", "parts": len(runs)}, runs.astype("<f8").tobytes()

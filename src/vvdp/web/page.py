@@ -37,6 +37,8 @@ from vvdp.web.numbers import judgement, labels, summary_sums
 from vvdp.web.series import followed_charts, recorded_columns, table_courses
 
 MOST_BYTES = 1_000_000
+STRIDES = (1, 2, 4, 8, 16)
+"""Of how many rows the first charts show one, where all would make the page too large."""
 WORKING, OWN = ("loop.js", "numbers.js", "values.js", "worker.js"), ("motion.js", "scope.js", "page.js")
 """Scripts of the worker that carries runs out, and of the page."""
 PAGES = 64
@@ -63,19 +65,25 @@ class WebPage:
 
 
 def web_page(system: System, command: str = "", say: Callable[[str], None] = quiet) -> WebPage:
-    """The page of a system, which is run once for what it shows first. It has no quick level if that made it too large.
+    """The page of a system, which is run once for what it shows first.
+
+    Where it would be too large it has no quick level, and then its charts show fewer rows until it repeats the run.
 
     command  the line that runs the system as it is, to which the page adds what is set there
-    Raises MissingExtraError without the extra `web`, RunError where the run fails or the page becomes too large.
+    Raises MissingExtraError without the extra `web`, RunError where the run fails, ConfigError where the page stays too large.
     """
     run = recorded_run(system, simulate(system.model, system.case, system.stepping, say=say))
     result = run_result(run)
     model, values, modules = shown_model(run, result, command or f"vvdp run {system.name}")
-    html = "\n".join(_lines(run, result, model, values))
-    if len(html.encode()) > MOST_BYTES:
-        del model["modules"][QUICK]
-        html = "\n".join(_lines(run, result, model, values))
-    if (size := len(html.encode())) > MOST_BYTES:
+    html = ""
+    for stride in STRIDES:
+        html = "\n".join(_lines(run, result, model, values, stride))
+        if len(html.encode()) > MOST_BYTES and QUICK in model["modules"]:
+            del model["modules"][QUICK]
+            html = "\n".join(_lines(run, result, model, values, stride))
+        if (size := len(html.encode())) <= MOST_BYTES:
+            break
+    else:
         raise unusable("export web", f"the page has {size} bytes; at most {MOST_BYTES}: record less (run.window)")
     return WebPage(html, modules, values, model)
 
@@ -161,7 +169,9 @@ def _json(value: Any) -> Any:
     return float(value) if np.isfinite(value) else None
 
 
-def _lines(run: RecordedRun, result: Result, model: Mapping[str, Any], values: tuple[Changeable, ...]) -> Iterator[str]:
+def _lines(
+    run: RecordedRun, result: Result, model: Mapping[str, Any], values: tuple[Changeable, ...], stride: int
+) -> Iterator[str]:
     yield opening(text(result.title), asset("page.css"), page_head())
     yield f"<h1>{text(result.title)}</h1>"
     yield f'<p class="facts">System <b>{text(run.system.name)}</b> &middot; {text(time.strftime("%Y-%m-%d"))}</p>'
@@ -169,6 +179,8 @@ def _lines(run: RecordedRun, result: Result, model: Mapping[str, Any], values: t
     yield from _values(values)
     live = [chart for chart in result.charts.values() if is_live(chart)]
     yield "<h2>Course of the run</h2>"
+    if stride > 1:
+        yield f"<p>To keep the page small, long charts show one of {stride} rows until the run is repeated here.</p>"
     for chart in live:
         still = f'<svg viewBox="0 0 880 {95 * chart.height:.0f}" role="img" aria-label="{text(chart.name)}"></svg>'
         caption = f"<figcaption>{text(chart.caption)}</figcaption>"
@@ -177,7 +189,7 @@ def _lines(run: RecordedRun, result: Result, model: Mapping[str, Any], values: t
     yield "<h2>Circuit</h2>"
     yield f'<figure id="figure-circuit">{inline_svg(circuit_svg(run), "circuit")}</figure>'
     yield f"<details><summary>System file</summary><pre>{text(resolved_text(run.system))}</pre></details>"
-    yield live_body(live, result.tables)
+    yield live_body(live, result.tables, stride)
     yield scripts_html(model) + "\n</body>\n</html>"
 
 

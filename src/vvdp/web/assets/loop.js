@@ -5,6 +5,7 @@ function vvdpLoop(model) {
   const PORTION = 5000, MORE = 2;
 
   function unpack(one) {
+    if (!one.bytes) return new KINDS[one.kind](one.shape.reduce((count, n) => count * n, 1));
     const text = atob(one.bytes), bytes = new Uint8Array(text.length);
     for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
     return new KINDS[one.kind](bytes.buffer);
