@@ -223,11 +223,22 @@ RUNS = {
     ],
     "axial position, error over the stroke, lumped": lumped_errors,
     "axial position, error over the stroke, basis": basis_errors,
+    "hydraulic ram": lambda: [
+        ram_power(),
+        ram_power("components.waste_valve.frequency=0.4 Hz"),
+        ram_power("components.waste_valve.frequency=1.2 Hz"),
+    ],
     "cylinder position": lambda: [
         1e3 * cylinder_error(*settings)
         for settings in ((), ("relief_valve.opening_time=5 ms",), ("relief_valve.cracking_pressure=80 bar",))
     ],
 }
+
+
+def ram_power(*settings):
+    found = found_by(*settings, name="hydraulic-ram", until="40 s")
+    assert found["trusted"] and found["settled"]
+    return -100.0 * found["power_delivery_W"] / found["power_supply_W"]
 
 
 def cylinder_error(*settings):
@@ -283,6 +294,32 @@ def test_measured_settling_of_the_filter():
         f"{most:.3f} s in 90 % of the runs",
         f"+{1000.0 * median - 100.0:.1f} % (+{1000.0 * most - 100.0:.1f} %)",
     ]
+
+
+def test_rankine_efficiency_of_the_ram():
+    """q (h - H)/(Q H): with twice the head the ratio of delivered and wasted flow."""
+    found = found_by(name="hydraulic-ram", until="40 s")
+    rankine = found["flow_mean_delivery_valve_m3_s"] / found["flow_mean_waste_valve_m3_s"]
+    assert f"{100.0 * rankine:.1f} % for them" in PAGE
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("metres", "supply"), [(1, 0.098), (6, 0.587)])
+def test_head_of_the_ram(metres, supply):
+    """rho g h: 998 x 9.81 x 1 m = 0.0979 bar."""
+    found = ram_power(f"nodes.supply.pressure={supply} bar", f"nodes.delivery.pressure={2.0 * supply} bar")
+    assert f"{metres} m gives {found:.1f} %" in " ".join(PAGE.split())
+
+
+def test_balance_of_an_ideal_ram():
+    """Without losses q h = (q + Q) H: at twice the head as much is delivered as wasted, and all power arrives."""
+    ideal = (
+        "components.drive_pipe.wall_friction=0",
+        "components.waste_valve.full_area=40000 mm^2",
+        "components.waste_valve.natural_frequency=200 Hz",
+        "components.delivery_valve.rated_drop=0.0001 bar",
+    )
+    assert ram_power(*ideal) == pytest.approx(100.0, abs=2.0)
 
 
 def test_every_measured_row_is_checked():
