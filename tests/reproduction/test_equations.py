@@ -99,6 +99,12 @@ def test_places_of_errata_by_hand(page):
     assert page.anchor("The dissertation (wang2017), chapters 1 and 2") == "the-dissertation-wang2017-chapters-1-and-2"
 
 
+def test_links_lead_to_headings_as_the_site_names_them(page):
+    toc = pytest.importorskip("markdown.extensions.toc")
+    headings = set(page.corrections((ROOT / "docs" / "errata.md").read_text("utf-8")).values())
+    assert {page.anchor(each) for each in headings} == {toc.slugify(each, "-") for each in headings}
+
+
 def test_the_page_is_that_of_the_table(page):
     assert (ROOT / "docs" / "equations.md").read_text("utf-8") == page.page_text()
 
