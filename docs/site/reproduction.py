@@ -54,8 +54,15 @@ def item_lines(item: Item, rows: Rows, pictures: Sequence[str]) -> Iterator[str]
     yield "|---|---|---|---|---|---|---|"
     for row in rows:
         tolerance = ", ".join(filter(None, (row["tolerance"], row["tolerance_source"])))
-        kind = expected_rows()[row["item"], row["what"]].evidence
-        cells = (row["what"], kind, row["source"], row["found"], tolerance, f"*{row['verdict']}*", row["remark"])
+        cells = (
+            row["what"],
+            row["evidence"],
+            row["source"],
+            row["found"],
+            tolerance,
+            f"*{row['verdict']}*",
+            row["remark"],
+        )
         yield f"| {' | '.join(map(cell, cells))} |"
     yield ""
     for picture in pictures:

@@ -37,7 +37,6 @@ RULES = {
 OTHER_PAGES = {
     "CHANGELOG.md": "what was said then",
     "docs/errata.md": "made from rows that quote the sources",
-    "docs/equations.md": "made from a table of the printed equations",
     "docs/reproduction.md": "made from the rows of the reproduction",
     "docs/gallery.md": "titles of the shipped systems",
     "docs/how-vvdp-compiles.md": "shows texts of the code",

@@ -99,3 +99,26 @@ def test_rate_of_the_storage_is_its_difference_quotient():
     t, storage, rate = motion_under(lambda t, effort: effort + 2e3 * np.cos(20.0 * t), 0.5, 2.5e-4)
     quotient = (storage[2:] - storage[:-2]) / (t[2:] - t[:-2])
     assert np.max(np.abs(quotient - rate[1:-1])) < 1e-3 * np.max(np.abs(rate))
+
+
+@pytest.mark.parametrize("error", [50.0, -3e3, 5e4])
+def test_rate_of_the_force_storage(error):
+    """(6.14), (6.16): W_F' = -e_F x' - (U - F_v')(x - x_F), x - x_F = -e_F/(beta L(alpha)), alpha between both.
+
+    F_v stands still here, so e_F' = U - beta L x'; by central difference. 50 N on 3.1325e6 N/m are 15.96 um.
+    """
+    x, speed, effort, h = 0.1, 0.04, 2e5, 1e-7
+
+    def storage(time):
+        place = x + speed * time
+        force = error + effort * time - BETA * (force_measure(place, CYLINDER) - force_measure(x, CYLINDER))
+        return force_storage(force_distance(force, place, CYLINDER), place, CYLINDER)
+
+    d = force_distance(error, x, CYLINDER)
+    rate = (storage(h) - storage(-h)) / (2.0 * h)
+    assert rate == pytest.approx(-error * speed + d * effort, rel=1e-5)
+    between = np.linspace(x, x + d, 101).tolist()
+    stiffness = [capacities(1.0, place, 1e5, CYLINDER).stiffness for place in between]
+    assert min(stiffness) <= error / d <= max(stiffness)
+    if error == 50.0:
+        assert d == pytest.approx(15.96e-6, rel=1e-3)

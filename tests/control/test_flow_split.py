@@ -101,3 +101,28 @@ def test_splits_that_divide_by_nothing_are_refused(name):
     values = {field: getattr(SPLIT, field) for field in SPLIT.__dataclass_fields__}
     with pytest.raises(ParameterError, match=name):
         FlowSplit(**{**values, name: 0.0})
+
+
+def test_estimate_costs_least():
+    """(6.29): the flow at the end of the cheapest w and u that explain the effort, by least squares in 500 steps of
+    0.4 ms; the variance at the beginning is that of the filter."""
+    steps, h, expected, effort = 500, 4e-4, 5.0 * LPM, 2.2e5
+    rate, ratio = SPLIT.flow_rate, MEANS.per_flow / MEANS.per_opening
+    nu = effort / MEANS.per_opening - SPLIT.mean_opening
+    # Unknown: the flow at the beginning, over its deviation, then w of each step, over its own
+    start = np.sqrt(split_start().variance * rate) * SPLIT.flow_deviation
+    powers = (1.0 - rate * h) ** np.arange(steps + 1)
+    spread = rate * h * SPLIT.flow_deviation / np.sqrt(h)
+    flows = np.zeros((steps + 1, steps + 1))
+    flows[:, 0] = start * powers
+    for k in range(steps):
+        flows[k + 1 :, k + 1] = spread * powers[: steps - k]
+    known = expected * (1.0 - powers)
+    weight = np.sqrt(h) / SPLIT.opening_deviation
+    matrix = np.vstack([np.eye(steps + 1), weight * ratio * flows[1:]])
+    target = np.concatenate([np.zeros(steps + 1), weight * (nu - ratio * known[1:])])
+    cheapest = np.linalg.lstsq(matrix, target, rcond=None)[0]
+    memory = split_start()
+    for _ in range(steps):
+        memory = split_step(memory, effort, expected, MEANS, h, SPLIT)
+    assert known[-1] + flows[-1] @ cheapest == pytest.approx(memory.flow, rel=2e-3)

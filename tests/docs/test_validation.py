@@ -1,6 +1,8 @@
 """docs/validation.md: what stands in its tables comes out anew, and the published numbers are met within its bands."""
 
+import itertools
 import re
+import tomllib
 from functools import cache
 from pathlib import Path
 
@@ -9,6 +11,8 @@ import pytest
 from scipy.optimize import brentq
 
 from vvdp.fluid.oil import density, dynamic_viscosity
+from vvdp.reproduction.chapter_3.experiment import step_comparison
+from vvdp.reproduction.chapter_4.gerotor import CONSTANT, LUMPED, NOISY, experiment, late, peak
 from vvdp.simulation.run import simulate
 from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system
@@ -151,3 +155,200 @@ def test_exact_limits(row, apart):
     assert rows("spool")[0][1] == f"{exact:.1f} W"
     assert watts == pytest.approx(exact, rel=apart)
     assert to_load == pytest.approx(float(rows("spool")[0][2]), abs=4e-5)
+
+
+# Measured on hardware
+
+
+def ends_of(key):
+    """The ends of the range of a value of the valve, as its file has them."""
+    path = Path(__file__).parents[2] / "src/vvdp/systems/data/prototype-constant-load.toml"
+    return tomllib.loads(path.read_text("utf-8"))["valve"][key]["range"]
+
+
+def valves(*keys):
+    """The valve as it is, then with all ends of the ranges of some of its values together."""
+    yield VALVE
+    for ends in itertools.product(*map(ends_of, keys)):
+        settings = [f"valve.{key}={end}" for key, end in zip(keys, ends, strict=True)]
+        yield load_system("prototype-constant-load", settings).tables["valve"]
+
+
+def open_drop(valve):
+    drops = full_open_drop(Q, RHO, valve)
+    return (drops.nozzle + drops.centre_section + drops.outlet_turbine) / 1e5
+
+
+def spool_power(valve):
+    omega = equilibrium_speed(Q, RHO, MU, valve)
+    return omega * (inlet_torque(Q, 1.0, RHO, valve) + outlet_torque(Q, omega, RHO, valve))
+
+
+def frequency_in_2_s(*settings):
+    return found_by(*settings, name="prototype", until="2 s")["pwm_frequency_Hz"]
+
+
+def lumped_errors():
+    """Error of the lumped filter over the stroke [%], with the periodic error as shipped, half and twice of it."""
+    return [position_error(LUMPED, {SIZE: f"{size} mm"}) for size in (0.625, 0.3125, 1.25)]
+
+
+def basis_errors():
+    return [position_error(NOISY, {SIZE: f"{size} mm"}) for size in (0.625, 0.3125, 1.25)]
+
+
+def position_error(*changes):
+    found = late(experiment(CONSTANT, *changes))
+    return 100.0 * peak(found.estimate - found.reference)
+
+
+SIZE = "programs.drive_sensor.pollution_scale"
+CLOSED_FORMS = {
+    "pressure drop of the open valve": (
+        open_drop,
+        ("nozzle_discharge_coefficient", "centre_coefficient", "outlet_discharge_coefficient"),
+    ),
+    "time of a transition": (lambda valve: 10.0 * transition_fraction(valve), ("helix_length",)),
+    "power that turns": (spool_power, ("inlet_radius", "outlet_radius", "radial_clearance")),
+    "pressure drop of rail": (
+        lambda valve: full_open_drop(Q, RHO, valve).nozzle / 1e5,
+        ("nozzle_discharge_coefficient",),
+    ),
+}
+RUNS = {
+    "PWM frequency": lambda: [
+        frequency_in_2_s(),
+        frequency_in_2_s("relief_valve.opening_time=15 ms"),
+        frequency_in_2_s("valve.radial_clearance=15.7 um"),
+    ],
+    "axial position, error over the stroke, lumped": lumped_errors,
+    "axial position, error over the stroke, basis": basis_errors,
+    "hydraulic ram": lambda: [
+        ram_power(),
+        ram_power("components.waste_valve.frequency=0.4 Hz"),
+        ram_power("components.waste_valve.frequency=1.2 Hz"),
+    ],
+    "cylinder position": lambda: [
+        1e3 * cylinder_error(*settings)
+        for settings in ((), ("relief_valve.opening_time=5 ms",), ("relief_valve.cracking_pressure=80 bar",))
+    ],
+}
+
+
+def ram_power(*settings):
+    found = found_by(*settings, name="hydraulic-ram", until="40 s")
+    assert found["trusted"] and found["settled"]
+    return -100.0 * found["power_delivery_W"] / found["power_supply_W"]
+
+
+def cylinder_error(*settings):
+    return found_by(*settings, name="displacement-control", until="12 s")["tracking_error_max_m"]
+
+
+def check_row(begin, values):
+    """A row of the table: measured value, result, range and error, from the result and those at the ends."""
+    (row,) = [each for each in rows("experiment") if each[0].startswith(begin)]
+    _, _, measured, here, over, error, _ = row
+    printed = [float(number) for number in re.findall(r"[\d.]+", measured)]
+    digits = len(here.split()[0].partition(".")[2])
+    assert float(here.split()[0]) == pytest.approx(values[0], abs=0.51 * 10.0**-digits)
+    low, high = (float(number) for number in re.findall(r"[\d.]+", over)[:2])
+    assert (low, high) == pytest.approx((min(values), max(values)), abs=0.51 * 10.0**-digits)
+    if error == "none":
+        assert measured.startswith("at most") and max(values) < printed[0]
+        return
+    shares = [100.0 * apart(value, printed) for value in (values[0], min(values), max(values))]
+    shown = [float(number) for number in re.findall(r"[-+]?[\d.]+", error)]
+    assert shown == pytest.approx(shares, abs=0.06 if "." in error else 0.6)
+
+
+def apart(value, printed):
+    """By how much a value is off, over the printed number or over the end of the printed band that is near."""
+    near = min(max(value, printed[0]), printed[-1])
+    return value / near - 1.0
+
+
+@pytest.mark.parametrize("begin", CLOSED_FORMS)
+def test_measured_on_hardware_by_closed_forms(begin):
+    function, keys = CLOSED_FORMS[begin]
+    check_row(begin, [float(function(valve)) for valve in valves(*keys)])
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("begin", RUNS)
+def test_measured_on_hardware_by_runs(begin):
+    """At the ends that the command names as those which move the result most."""
+    check_row(begin, RUNS[begin]())
+
+
+@pytest.mark.thorough
+def test_measured_settling_of_the_filter():
+    scores = step_comparison().scores["step", "event-filter"]
+    published = step_comparison().scores["step", "no-manoeuvres"]
+    assert f"one takes {published['settling_median_s'].value:.3f} s" in PAGE
+    (row,) = [each for each in rows("experiment") if each[0].startswith("speed filter")]
+    median, most = scores["settling_median_s"].value, scores["settling_90_s"].value
+    assert row[2:6] == [
+        "at most 0.1 s",
+        f"{median:.3f} s",
+        f"{most:.3f} s in 90 % of the runs",
+        f"+{1000.0 * median - 100.0:.1f} % (+{1000.0 * most - 100.0:.1f} %)",
+    ]
+
+
+def test_rankine_efficiency_of_the_ram():
+    """q (h - H)/(Q H): with twice the head the ratio of delivered and wasted flow."""
+    found = found_by(name="hydraulic-ram", until="40 s")
+    rankine = found["flow_mean_delivery_valve_m3_s"] / found["flow_mean_waste_valve_m3_s"]
+    assert f"{100.0 * rankine:.1f} % for them" in PAGE
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("metres", "supply"), [(1, 0.098), (6, 0.587)])
+def test_head_of_the_ram(metres, supply):
+    """rho g h: 998 x 9.81 x 1 m = 0.0979 bar."""
+    found = ram_power(f"nodes.supply.pressure={supply} bar", f"nodes.delivery.pressure={2.0 * supply} bar")
+    assert f"{metres} m gives {found:.1f} %" in " ".join(PAGE.split())
+
+
+def test_balance_of_an_ideal_ram():
+    """Without losses q h = (q + Q) H: at twice the head as much is delivered as wasted, and all power arrives."""
+    ideal = (
+        "components.drive_pipe.wall_friction=0",
+        "components.waste_valve.full_area=40000 mm^2",
+        "components.waste_valve.natural_frequency=200 Hz",
+        "components.delivery_valve.rated_drop=0.0001 bar",
+    )
+    assert ram_power(*ideal) == pytest.approx(100.0, abs=2.0)
+
+
+def test_every_measured_row_is_checked():
+    begun = [*CLOSED_FORMS, *RUNS, "speed filter"]
+    assert [sum(row[0].startswith(begin) for begin in begun) for row in rows("experiment")] == [1] * len(begun)
+
+
+def test_drop_without_the_spool_is_the_sum_of_two_printed_numbers():
+    """4.17 bar by CFD and 0.1 bar more when measured."""
+    assert f"{4.17 + 0.1:.2f} bar" in PAGE
+
+
+ASSUMED = {
+    "as shipped": (),
+    "relief valve opens in 1 ms": ("relief_valve.opening_time=1 ms",),
+    "relief valve opens in 15 ms": ("relief_valve.opening_time=15 ms",),
+    "lap ratio 0.5": ("valve.lap_ratio=0.5",),
+    "lap ratio 1.2": ("valve.lap_ratio=1.2",),
+    "jet exponent 0": ("valve.jet_exponent=0",),
+}
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("row", rows("assumption"), ids=lambda row: row[0])
+def test_temperatures_that_the_measured_band_asks_for(row):
+    """A tenth of a kelvin is 0.4 % of the frequency."""
+    name, *warm, efficiency = row
+    for cell, hertz in zip(warm, (70.4, 82.0), strict=True):
+        assert frequency_in_2_s(f"operation.oil_temperature={cell}", *ASSUMED[name]) == pytest.approx(hertz, rel=3e-3)
+    found = found_by(*ASSUMED[name], name="prototype", until="2 s")
+    assert found["trusted"] and found["settled"]
+    assert f"{found['efficiency']:.2f}" == efficiency

@@ -3,6 +3,7 @@
 import ast
 import csv
 import importlib
+import re
 import sys
 from pathlib import Path
 
@@ -21,11 +22,8 @@ from vvdp.reproduction.chapter_6.cylinder import nominal_settings
 
 ROOT = Path(__file__).parents[2]
 NUMBERED = {2: 10, 3: 10, 4: 25, 5: 69, 6: 41}
-FILLED = 136
-"""Equations with a place in the code and a test."""
-
-OTHER_PLACES = {"4.22": "(4.21)", "6.34": "mode 2", "6.36": "mode 3", "6.37": "mode 3.5", "6.38": "mode 4"}
-"""How the errata name the places of equations that they do not name by number."""
+UNUSED = {"4.21", "4.22", "4.23"}
+"""Equations that nothing in the code uses, each with a reason in the table."""
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +33,7 @@ def equations():
 
 @pytest.fixture(scope="module")
 def tests():
-    """The source of each test, by name."""
+    """The source of the file of each test, by name."""
     found = {}
     for path in (ROOT / "tests").rglob("test_*.py"):
         text = path.read_text("utf-8")
@@ -45,13 +43,22 @@ def tests():
     return found
 
 
+@pytest.fixture(scope="module")
+def page():
+    """The module that writes the page."""
+    sys.path.insert(0, str(ROOT / "docs" / "site"))
+    return importlib.import_module("equations")
+
+
 def test_every_numbered_equation_has_a_line(equations):
     numbers = [f"{chapter}.{place}" for chapter, count in NUMBERED.items() for place in range(1, count + 1)]
     assert [each["equation"] for each in equations] == numbers and len(numbers) == 155
 
 
-def test_lines_that_are_filled_are_counted(equations):
-    assert sum(bool(each["code"] and each["test"]) for each in equations) == FILLED
+def test_every_line_has_tests_and_a_place_or_a_reason(equations):
+    assert [each["equation"] for each in equations if not each["tests"]] == []
+    assert all(bool(each["code"]) is not bool(each["reason"]) for each in equations)
+    assert {each["equation"] for each in equations if not each["code"]} == UNUSED
 
 
 def test_the_code_that_is_named_exists(equations):
@@ -59,26 +66,47 @@ def test_the_code_that_is_named_exists(equations):
         assert callable(getattr(importlib.import_module(module), name)), f"{module}:{name}"
 
 
-def test_the_test_that_is_named_exists_once(equations, tests):
-    named = {each["test"] for each in equations if each["test"]}
+def test_the_tests_that_are_named_exist_once(equations, tests):
+    named = {test for each in equations for test in each["tests"].split()}
     assert {name: len(tests.get(name, [])) for name in named if len(tests.get(name, [])) != 1} == {}
 
 
-def test_what_is_corrected_is_an_erratum(equations):
+def test_the_code_that_is_named_stands_beside_a_test_that_is_named(equations, tests):
+    """Its name, or for an item of the reproduction the item's, occurs in the file of one of the tests."""
+
+    def names(code):
+        name = code.partition(":")[2]
+        return rf"\b{name}\b|\b{name.replace('_', '-', 1).replace('_', '.')}\b"
+
+    def is_beside(each):
+        return any(re.search(names(each["code"]), tests[test][0]) for test in each["tests"].split())
+
+    assert [each["equation"] for each in equations if each["code"] and not is_beside(each)] == []
+
+
+def test_what_is_corrected_is_an_erratum_and_what_is_an_erratum_is_corrected(equations, page):
+    """A change of either alone fails; each link leads to a heading of the errata."""
     errata = (ROOT / "docs" / "errata.md").read_text("utf-8")
-    places = [line.split("|")[1] for line in errata.splitlines() if line.startswith("| ")]
-    for each in equations:
-        assert each["form"] in {"printed", "corrected", ""}
-        if each["form"] == "corrected":
-            named = OTHER_PLACES.get(each["equation"], f"({each['equation']})")
-            assert any(named in place for place in places), each["equation"]
+    assert {each["form"] for each in equations} == {"printed", "corrected"}
+    corrected = {each["equation"] for each in equations if each["form"] == "corrected"}
+    assert page.corrections(errata).keys() == corrected
 
 
-def test_the_page_is_that_of_the_table():
-    sys.path.insert(0, str(ROOT / "docs" / "site"))
-    from equations import page_text
+def test_places_of_errata_by_hand(page):
+    assert page.equations_of("(4.21) to (4.23)") == ["4.21", "4.22", "4.23"]
+    assert page.equations_of("(5.35), (5.36), below (5.66)") == ["5.35", "5.36"]
+    assert page.equations_of("proof of (5.1), (5.25)") == page.equations_of("4.3.2") == []
+    assert page.anchor("The dissertation (wang2017), chapters 1 and 2") == "the-dissertation-wang2017-chapters-1-and-2"
 
-    assert (ROOT / "docs" / "equations.md").read_text("utf-8") == page_text()
+
+def test_links_lead_to_headings_as_the_site_names_them(page):
+    toc = pytest.importorskip("markdown.extensions.toc")
+    headings = set(page.corrections((ROOT / "docs" / "errata.md").read_text("utf-8")).values())
+    assert {page.anchor(each) for each in headings} == {toc.slugify(each, "-") for each in headings}
+
+
+def test_the_page_is_that_of_the_table(page):
+    assert (ROOT / "docs" / "equations.md").read_text("utf-8") == page.page_text()
 
 
 def test_density_exponents_add_up_and_change_sign():

@@ -12,7 +12,9 @@ FIGURES = {1: 9, 2: 20, 3: 14, 4: 16, 5: 9, 6: 8, 7: 2}
 TABLES = {2: 1, 5: 1}
 EQUATIONS = {2: 10, 3: 10}
 QUICK = ("section-1.2.4", "equation-2.10", "section-2.8", "figure-3.3", "figure-3.5", "equation-3.4", "equation-3.8")
-QUICK += ("section-3.5", "equation-4.6", "equation-5.14", "equation-6.4", "figure-7.1")
+QUICK += ("section-3.5", "equation-4.6", "equation-5.14", "equation-6.4", "figure-7.1", "equation-2.1", "equation-2.2")
+QUICK += ("equation-2.8", "equation-3.1", "equation-3.3", "equation-3.10", "equation-4.12", "equation-4.19")
+QUICK += ("equation-4.20", "equation-5.36", "equation-6.3")
 """Some that take a moment; all others are slow tests."""
 NAMES = [item.name for item in ITEMS]
 

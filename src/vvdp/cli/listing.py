@@ -115,6 +115,7 @@ def _system_lists() -> dict[str, Listed]:
         "practice": Listed(
             "Circuits from practice", ("system", "circuit", "title"), list(_shipped_systems("practice"))
         ),
+        "measured": Listed("Measured rigs", ("system", "circuit", "title"), list(_shipped_systems("measured"))),
         "circuits": Listed("Circuits", ("circuit", "tables", "title"), list(_circuits())),
         "files": Listed("Systems in this folder", ("file", "circuit", "title"), list(_own_systems(Path.cwd()))),
     }

@@ -7,12 +7,16 @@ on, and the width of its tolerance in SI units as arithmetic.
 import csv
 import io
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from importlib import resources
 from typing import NamedTuple, TypeAlias
 
+import numpy as np
+
 from vvdp.reproduction.items import CHAPTERS
-from vvdp.results.verdict import Evidence, Statement, Verdict
+from vvdp.results.result import Column, Table
+from vvdp.results.verdict import Evidence, Statement, Verdict, verdict_table
 
 FILE = "expected.csv"
 HEAD = ("item", "what", "verdict", "evidence", "width")
@@ -37,6 +41,11 @@ class Expected(NamedTuple):
         """Whether the row compares a result with a printed number, and could have failed."""
         return self.evidence in INDEPENDENT
 
+    def source(self, statement: Statement) -> str:
+        """What stands in the source's column: the number of an identity is not printed, it is what a formula gives."""
+        is_number = self.evidence == Evidence.IDENTITY and statement.source_text and not statement.source
+        return f"by its formula {statement.source_text}" if is_number else statement.source_text
+
     def reason(self, statement: Statement) -> str:
         """Why the tolerance of a row is what it is, with its arithmetic."""
         return ": ".join(filter(None, (statement.because, self.width))) or "no tolerance"
@@ -55,6 +64,24 @@ def expected_rows() -> Mapping[Key, Expected]:
         for chapter in CHAPTERS
         for row in csv.DictReader(io.StringIO(resources.files(chapter).joinpath(FILE).read_text("utf-8")))
     }
+
+
+def kind_of(item: str, statement: Statement) -> Expected:
+    """What the committed lists say of a statement; empty for one that is in no list."""
+    return expected_rows().get((item, statement.what), Expected())
+
+
+def stated_table(statements: Sequence[tuple[str, Statement]]) -> Table:
+    """The table of verdicts with the kind of each statement, and only what the source prints in its column."""
+    table = verdict_table(statements)
+    kinds = [kind_of(item, each) for item, each in statements]
+    sources = [kind.source(each) for kind, (_, each) in zip(kinds, statements, strict=True)]
+    own = {"evidence": [kind.evidence for kind in kinds], "source": sources}
+    labels = {"evidence": "kind", "source": "source"}
+    made = {name: Column(np.array(texts, str), None, labels[name]) for name, texts in own.items()}
+    order = ("item", "what", "evidence", "source", "found", "tolerance", "tolerance_source", "verdict", "remark")
+    columns = {**table.columns, **made}
+    return replace(table, columns={name: columns[name] for name in order})
 
 
 def expected_verdicts() -> Verdicts:

@@ -7,10 +7,10 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from vvdp.base.kinds import COUNT
-from vvdp.reproduction.expectation import Expected, expected_rows
+from vvdp.reproduction.expectation import kind_of, stated_table
 from vvdp.reproduction.runner import VERB, Outcome, all_statements
 from vvdp.results.result import Column, Finding, Grade, Number, Result, Table
-from vvdp.results.verdict import Evidence, Statement, Verdict, verdict_table
+from vvdp.results.verdict import Evidence, Statement, Verdict
 
 Rows: TypeAlias = Sequence[tuple[str, Statement]]
 """Statements, each under the name of its item."""
@@ -48,7 +48,7 @@ def verdict_result(
         title="The dissertation, item by item",
         system="wang2017",
         references=("wang2017",),
-        tables={"chapters": chapter_table(outcomes), "verdicts": verdict_table(statements)},
+        tables={"chapters": chapter_table(outcomes), "verdicts": stated_table(statements)},
         numbers={"item_count": Number(float(len(outcomes)), COUNT, "items"), **numbers, **evidence_counts(statements)},
         findings=(
             *stop_finding(missing),
@@ -64,14 +64,10 @@ def verdict_result(
     )
 
 
-def _kind_of(item: str, statement: Statement) -> Expected:
-    return expected_rows().get((item, statement.what), Expected())
-
-
 def evidence_counts(statements: Rows) -> dict[str, Number]:
     """How many statements of each kind there are, drawings left out; and of those that compare a result with a
     printed number, how many there are and how many are reproduced."""
-    kinds = [(_kind_of(item, each), each.verdict) for item, each in statements]
+    kinds = [(kind_of(item, each), each.verdict) for item, each in statements]
     counts = Counter(kind.evidence for kind, verdict in kinds if verdict is not Verdict.DRAWING)
     independent = [verdict for kind, verdict in kinds if kind.is_independent]
     return {
@@ -111,7 +107,7 @@ def json_rows(outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
 
 
 def _json_row(item: str, each: Statement) -> dict[str, Any]:
-    kind = _kind_of(item, each)
+    kind = kind_of(item, each)
     return {
         "item": item,
         "what": each.what,

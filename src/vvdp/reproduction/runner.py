@@ -7,11 +7,12 @@ from types import MappingProxyType
 
 from vvdp.base.files import list_all, write_whole
 from vvdp.report.chosen import write_figure
+from vvdp.reproduction.expectation import stated_table
 from vvdp.reproduction.item import Item, Reproduction
 from vvdp.reproduction.kept import write_statements
 from vvdp.results.result import Result
 from vvdp.results.store import write_result
-from vvdp.results.verdict import Statement, missing_statement, verdict_table
+from vvdp.results.verdict import Statement, missing_statement
 from vvdp.simulation.link import quiet
 
 VERB = "reproduce"
@@ -69,7 +70,7 @@ def write_item(folder: Path, outcome: Outcome) -> None:
         title=item.title,
         system=item.name,
         references=("wang2017",),
-        tables={"verdicts": verdict_table(outcome.statements), **found.tables},
+        tables={"verdicts": stated_table(outcome.statements), **found.tables},
         charts={chart.name: chart for chart in found.charts},
     )
     write_result(folder, result, "", ("vvdp", VERB, item.name))

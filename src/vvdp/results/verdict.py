@@ -131,7 +131,7 @@ SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 def _width(value: float, kind: Kind) -> str:
     """A difference of two values [SI] with the unit of their kind."""
     (zero, unit), (text, _) = (value_and_unit(each, kind) for each in (0.0, value))
-    return f"{plain(_number_of(text) - _number_of(zero), 3)} {unit}"
+    return f"{plain(_number_of(text) - _number_of(zero), 3)} {unit}".rstrip()
 
 
 def _number_of(text: str) -> float:

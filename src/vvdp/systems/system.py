@@ -199,15 +199,15 @@ def _build_network(table: Table, name: str, folder: Path, tables: Mapping[str, A
 
 @cache
 def shipped_systems(group: str = "data") -> Mapping[str, str]:
-    """Names of the shipped systems and their texts; the `group` "practice" are circuits from practice."""
+    """Names of the shipped systems and their texts; `group` "practice": circuits from practice, "measured": rigs."""
     folder = resources.files("vvdp.systems") / group
     files = sorted(folder.iterdir(), key=lambda each: each.name)
     return MappingProxyType({each.name.removesuffix(".toml"): each.read_text("utf-8") for each in files})
 
 
 def named_systems() -> dict[str, str]:
-    """All that a name stands for: the shipped systems and the circuits from practice, with their texts."""
-    return {**shipped_systems(), **shipped_systems("practice")}
+    """All that a name stands for: shipped systems, circuits from practice and measured rigs, with their texts."""
+    return {**shipped_systems(), **shipped_systems("practice"), **shipped_systems("measured")}
 
 
 def source_text(name: str) -> str:

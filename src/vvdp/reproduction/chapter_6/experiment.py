@@ -266,12 +266,11 @@ def section_6_5() -> Reproduction:
             ),
             bound_statement(
                 "flow that 21.6 cm in 4 s take on the cap side",
-                cylinder.area_a * speed,
+                2.0 * cylinder.area_a * speed,
                 FLOW,
                 high=40e-3 / 60.0,
                 source="within the pump's 40 lpm",
-                other=2.0 * cylinder.area_a * speed,
-                assumption="4 s are one way; in the second run both ways",
+                note="if 4 s are both ways; half of it if they are one way",
             ),
             bound_statement(
                 "PWM frequency of the valve in the machine",

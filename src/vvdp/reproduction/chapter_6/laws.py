@@ -211,9 +211,7 @@ def equation_6_21() -> Reproduction:
                 RATE,
                 high=settings.gains.pressure_rate,
                 source="λ₃ + K_rob > γ_F",
-                inconsistency="|r| and 1/L are missing",
-                contradiction=("(6.21): γ_F alone", "(6.20): the term with r and L"),
-                note="K_rob may be 0",
+                note="(6.21) has γ_F alone, (6.20) the term with r and L; K_rob may be 0",
             ),
             bound_statement(
                 "storage where position and speed are off and the force is right",
@@ -342,11 +340,7 @@ def equation_6_40() -> Reproduction:
                 FLOW,
                 low=0.0,
                 source="the pressure falls",
-                inconsistency="printed as an upper bound of u",
-                contradiction=(
-                    "below (6.40): an upper bound of u",
-                    "6.4, mode 5: the throttling valve reduces the pressure",
-                ),
+                note="printed as an upper bound of u, and to reduce the pressure",
             ),
             bound_statement(
                 "what it lets out while the piston goes the other way, ζ_u = 1.2",
