@@ -16,7 +16,7 @@ from vvdp.simulation.run import simulate
 from vvdp.studies.engine import ThisProcess
 from vvdp.systems.displacement.duties import known_cylinder, read_duty, shipped_duties, sized_duty
 from vvdp.systems.displacement.duty_cycle import DutyCycle
-from vvdp.systems.displacement.rival_account import refuse_unled, system_for
+from vvdp.systems.displacement.rival_account import begin_of, common_reference, refuse_unled, system_for
 from vvdp.systems.displacement.rival_circuits import (
     CIRCUITS,
     LEAKAGE,
@@ -135,6 +135,23 @@ def test_a_pump_over_centre_gives_the_force_times_the_velocity_either_way(steady
             rise = (4e3 + sign * FRICTION * 0.1 + low * B) / A - low
             expected = (sign * A * 0.1 + LEAKAGE_CONDUCTANCE * rise) * rise
             assert power(run, "pump", rows) == pytest.approx(expected, rel=2e-2)
+
+
+@pytest.mark.parametrize("name", ["vvdp", "vvdp-slow", "vvdp-following", "load-sensing", "linear-valves"])
+def test_the_meter_out_throttle_opens_by_one_law_in_every_circuit(name, steady):
+    """Back, 4 kN less 200 N of friction: P_r = (6 bar 10.77 + 3.8 kN)/20.26 cm^2 = 21.95 bar, and
+    u = 20.26 cm^2 v/(3e-7 root P_r) = 0.456 at v = 0.1 m/s, with 10 1/s times how far the rod is ahead."""
+    wide = replace(steady, return_conductance=3e-7)
+    each, begin = circuit(name), begin_of(circuit(name), wide)
+    system = system_for(each, wide, begin)
+    run = simulate(system.model, system.case, system.stepping)
+    since = run.times - begin - 2.0 * steady.period
+    rows = (since > 3.2) & (since < 3.8)
+    late = run.state.rod.position - common_reference(wide.cycle, run.times - begin)
+    asked = 0.1 + 10.0 * np.mean(late[rows])
+    opening = np.mean(getattr(run.command, each.program).opening[rows])
+    assert opening == pytest.approx(0.456 * asked / 0.1, rel=0.01)
+    assert asked == pytest.approx(0.1, rel=0.05)
 
 
 # What was measured before, by another program

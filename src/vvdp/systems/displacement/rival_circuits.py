@@ -15,6 +15,7 @@ from vvdp.systems.displacement.rival_machine import (
     size_following_machine,
     size_machine,
     size_other_valve,
+    size_published_machine,
     size_slow_machine,
 )
 from vvdp.systems.displacement.rivals import LOOP
@@ -200,6 +201,15 @@ CIRCUITS = (
         title="the whole machine with a relief valve 20 bar above the line's pressure, at 30 bar at least",
         system="displacement-control",
         size=size_following_machine,
+        sinks=MACHINE_SINKS,
+        program=PROGRAM,
+        begin=control_begin,
+    ),
+    RivalCircuit(
+        name="vvdp-chapter-6",
+        title="the whole machine as published: flow and meter-out throttle by the laws of chapter 6",
+        system="displacement-control",
+        size=size_published_machine,
         sinks=MACHINE_SINKS,
         program=PROGRAM,
         begin=control_begin,
