@@ -122,6 +122,8 @@ def compare_circuits(
     """
     if not duties or not circuits:
         raise ParameterError(f"{len(duties)} duty cycles and {len(circuits)} circuits; expected at least one of each")
+    if error is not None and not error > 0.0:
+        raise ParameterError(f"error: {1e3 * error:g} mm must be greater than 0")
     began = time.perf_counter()
     plan = _Plan({each.name: each for each in duties}, {each.name: each for each in circuits}, cache, say)
     pairs = [Pair(duty, circuit) for duty in plan.duties for circuit in plan.circuits]
