@@ -220,7 +220,7 @@ def test_the_whole_machine_is_as_measured(machines):
 
 @pytest.mark.slow
 def test_the_law_of_the_return_is_what_the_machine_of_chapter_6_draws_more(machines):
-    """Under the heavy load the loss over the throttle falls by 0.63 kW with the common law, what is drawn by as much."""
+    """Under the heavy load the loss over the throttle falls by 0.63 kW with the common law, as does what is drawn."""
     common, published = (machines.score("heavy", name) for name in ("vvdp", "vvdp-chapter-6"))
     saved = sink(published, RETURN) - sink(common, RETURN)
     assert saved == pytest.approx(630.0, rel=0.05)

@@ -235,6 +235,7 @@ def circuits(
 
     Ctrl-C stops the comparison early and keeps the completed runs.
     """
+    from vvdp.base.errors import ConfigError, Fault
     from vvdp.base.kinds import LENGTH
     from vvdp.comparison.circuit_result import circuit_result, errors_in_mm, screen_tables
     from vvdp.comparison.circuit_trials import compare_circuits
@@ -248,6 +249,8 @@ def circuits(
         _print_names(chosen, rivals, "circuit", "cycle")
         return
     wanted = None if error is None else parsed_option("--error", error, LENGTH)
+    if wanted == 0.0:
+        raise ConfigError([Fault("--error", 0, "", f"{error} must be greater than 0")])
     directory = work.directory("compare-circuits")
     contest = _Contest(
         compare=lambda **how: compare_circuits(
