@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from vvdp.comparison.contest import Titled
     from vvdp.results.result import Result, Table
     from vvdp.studies.engine import Engine
+    from vvdp.systems.displacement.duties import Duty
+    from vvdp.systems.displacement.rival_circuits import RivalCircuit
 
 INTERRUPTED = 130
 MOST_MISSING = 5
@@ -80,6 +82,59 @@ class Wheel:
     rate: Annotated[
         str, typer.Option("--rate", metavar="FREQUENCY", help='Sample rate of the encoder, for example "1 kHz".')
     ] = "1 kHz"
+
+
+@dataclass(frozen=True)
+class Circuits:
+    """Options: duty cycles and circuits, and the error at which these are compared."""
+
+    cycle: Annotated[
+        list[str] | None, typer.Option("--cycle", metavar="NAME", help="Run this duty cycle only (repeatable).")
+    ] = None
+    circuit: Annotated[
+        list[str] | None, typer.Option("--circuit", metavar="NAME", help="Run this circuit only (repeatable).")
+    ] = None
+    own: OwnCycles = None
+    valve: Annotated[
+        str | None,
+        typer.Option("--valve", metavar="SYSTEM", help="Add the machine with the rotary valve of another system."),
+    ] = None
+    error: Annotated[
+        str | None,
+        typer.Option(
+            "--error",
+            metavar="LENGTH",
+            help='Compare at this rms tracking error, for example "2 mm"; default: the largest.',
+        ),
+    ] = None
+
+    @property
+    def duties(self) -> "list[Duty]":
+        """The duty cycles that are run."""
+        from vvdp.systems.displacement.duties import known_cylinder, read_duty, shipped_duties
+
+        given = [read_duty(path, *known_cylinder()) for path in self.own or ()]
+        return [*(_choose("--cycle", self.cycle, shipped_duties()) if self.cycle or not given else ()), *given]
+
+    @property
+    def rivals(self) -> "list[RivalCircuit]":
+        """The circuits that are run."""
+        from vvdp.systems.displacement.rival_circuits import CIRCUITS, machine_with_valve
+
+        return _choose(
+            "--circuit", self.circuit, (*CIRCUITS, *([machine_with_valve(self.valve)] if self.valve else []))
+        )
+
+    @property
+    def wanted_error(self) -> float | None:
+        """The rms error at which all are compared [m]. Raises ConfigError for one of 0."""
+        from vvdp.base.errors import ConfigError, Fault
+        from vvdp.base.kinds import LENGTH
+
+        wanted = None if self.error is None else parsed_option("--error", self.error, LENGTH)
+        if wanted == 0.0:
+            raise ConfigError([Fault("--error", 0, "", f"{self.error} must be greater than 0")])
+        return wanted
 
 
 @app.callback()
@@ -202,59 +257,28 @@ def controllers(
 @flat("results/compare-circuits-DATE-TIME")
 def circuits(
     *,
-    cycle: Annotated[
-        list[str] | None, typer.Option("--cycle", metavar="NAME", help="Run this duty cycle only (repeatable).")
-    ] = None,
-    circuit: Annotated[
-        list[str] | None, typer.Option("--circuit", metavar="NAME", help="Run this circuit only (repeatable).")
-    ] = None,
-    own: OwnCycles = None,
-    valve: Annotated[
-        str | None,
-        typer.Option(
-            "--valve",
-            metavar="SYSTEM",
-            help="Add the machine with the rotary valve of another system.",
-        ),
-    ] = None,
-    error: Annotated[
-        str | None,
-        typer.Option(
-            "--error",
-            metavar="LENGTH",
-            help='The rms tracking error at which circuits are compared, for example "2 mm"; the largest of all '
-            "without.",
-        ),
-    ] = None,
+    what: Circuits,
     work: Trials,
     show: Annotated[bool, typer.Option("--list", help="List duty cycles and circuits without running any.")] = False,
 ) -> None:
     """Run circuits that move the same cylinder through the same duty cycles: where the power goes, what comes back.
 
-    All circuits follow with the same rms error: each is told its reference as late as that takes.
+    All circuits follow with the same rms error: each receives its reference as late as that takes.
 
     Ctrl-C stops the comparison early and keeps the completed runs.
     """
-    from vvdp.base.errors import ConfigError, Fault
-    from vvdp.base.kinds import LENGTH
     from vvdp.comparison.circuit_result import circuit_result, errors_in_mm, screen_tables
     from vvdp.comparison.circuit_trials import compare_circuits
-    from vvdp.systems.displacement.duties import known_cylinder, read_duty, shipped_duties
-    from vvdp.systems.displacement.rival_circuits import CIRCUITS, machine_with_valve
 
-    given = [read_duty(path, *known_cylinder()) for path in own or ()]
-    chosen = [*(_choose("--cycle", cycle, shipped_duties()) if cycle or not given else ()), *given]
-    rivals = _choose("--circuit", circuit, (*CIRCUITS, *([machine_with_valve(valve)] if valve else [])))
+    duties, rivals = what.duties, what.rivals
     if show:
-        _print_names(chosen, rivals, "circuit", "cycle")
+        _print_names(duties, rivals, "circuit", "cycle")
         return
-    wanted = None if error is None else parsed_option("--error", error, LENGTH)
-    if wanted == 0.0:
-        raise ConfigError([Fault("--error", 0, "", f"{error} must be greater than 0")])
+    wanted = what.wanted_error
     directory = work.directory("compare-circuits")
     contest = _Contest(
         compare=lambda **how: compare_circuits(
-            chosen, rivals, error=wanted, engine=work.engine(directory.parent), **how
+            duties, rivals, error=wanted, engine=work.engine(directory.parent), **how
         ),
         result=circuit_result,
         screen=screen_tables,

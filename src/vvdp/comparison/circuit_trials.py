@@ -164,7 +164,7 @@ def _carried_out(
     tunable = [run for run in found if run.score is not None]
     failed = [run for run in found if run.score is None]
     try:
-        tuned = carry_out(partial(_tuned, plan, VERSION, wanted), tunable, engine, second, batching)
+        tuned = carry_out(partial(_tune_pairs, plan, VERSION, wanted), tunable, engine, second, batching)
     except KeyboardInterrupt:
         return found, None, False
     done = {(run.duty, run.circuit) for run in tuned}
@@ -230,7 +230,7 @@ def _runs(plan: _Plan, version: str, pairs: Sequence[Pair], cores: int) -> list[
     return [run_pair(plan.circuits[pair.circuit], plan.duties[pair.duty], plan.cache) for pair in pairs]
 
 
-def _tuned(plan: _Plan, version: str, wanted: float, runs: Sequence[CircuitRun], cores: int) -> list[CircuitRun]:
+def _tune_pairs(plan: _Plan, version: str, wanted: float, runs: Sequence[CircuitRun], cores: int) -> list[CircuitRun]:
     """What comes of some runs at the wanted error, where they are run."""
     check_same(VERSION, version)
     return [tuned_pair(plan.circuits[run.circuit], plan.duties[run.duty], run, wanted, plan.cache) for run in runs]
