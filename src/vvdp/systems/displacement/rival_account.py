@@ -185,7 +185,8 @@ def common_reference(cycle: DutyCycle, times: Array) -> Array:
     times  since control began, which the reference begins at rest [s]
     """
     samples = np.clip(np.floor(times / SAMPLE + 1e-6).astype(int), 0, None)
-    return filtered_cycle(cycle, int(samples[-1]) + 1)[samples]
+    found: Array = filtered_cycle(cycle, int(samples[-1]) + 1)[samples]
+    return found
 
 
 @lru_cache(maxsize=8)
