@@ -6,6 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from circuit_sentences import NONE, flowed, load_sentences, rows_between, sentences, short
+
 from vvdp.base.display import with_unit
 from vvdp.comparison.circuit_result import FIGURES
 from vvdp.comparison.circuit_trials import CircuitComparison, CircuitRun, compare_circuits, run_pair
@@ -26,8 +28,9 @@ SPREAD_DUTIES = ("triangle", "heavy")
 """Circuits whose assumed values are spread, and on what."""
 ERROR = r"rms error of [\d.]+ mm"
 """Where the page has the error at which all are compared."""
-LEAST = 0.005
-"""A power below which nothing is lost [W]."""
+SENTENCES_BEGIN = "<!-- sentences, made by docs/site/circuits_compared.py from the tables -->\n"
+SENTENCES_END = "<!-- end of the sentences -->\n"
+SAID_BEGIN, SAID_END = "<!-- said of the loads, made from their table -->\n", "<!-- end of what is said -->\n"
 CLOSE_BEGIN, CLOSE_END = "<!-- close, made by docs/site/circuits_compared.py -->\n", "<!-- end of close -->\n"
 CLOSE, CLOSE_DUTY = 1e-3, "heavy"
 """An error below that at which all are compared [m], and the cycle on which it is asked for."""
@@ -44,18 +47,10 @@ COLUMNS = (
 PRESSURES = (("highest [bar]", "pressure_max_Pa", 1e-5), ("lowest", "pressure_min_Pa", 1e-5))
 
 
-def short(value: float) -> str:
-    """A value with three digits, none for what is less than a hundredth."""
-    if abs(value) < LEAST:
-        return "0"
-    text = f"{value:.3g}"
-    return f"{float(text):.0f}" if "e" in text or abs(value) >= 1000.0 else text
-
-
 def lost_in(found: CircuitComparison, duty: Duty) -> list[int]:
     """Places of the sinks in which any circuit loses power on a duty."""
     scores = [score for name in found.circuits if (score := found.score(duty.name, name))]
-    return [place for place in range(len(SINKS)) if any(score.sinks[place] >= LEAST for score in scores)]
+    return [place for place in range(len(SINKS)) if any(score.sinks[place] >= NONE for score in scores)]
 
 
 Powers = Mapping[tuple[str, str], float]
@@ -193,6 +188,13 @@ def put(page: str, begin: str, end: str, lines: Iterator[str]) -> str:
     return re.sub(f"{re.escape(begin)}.*?{re.escape(end)}", lambda _: f"{begin}\n{text}\n{end}", page, flags=re.DOTALL)
 
 
+def with_sentences(page: str) -> str:
+    """The page with what its tables say."""
+    page = put(page, SENTENCES_BEGIN, SENTENCES_END, sentences(page))
+    rows = rows_between(page, LOADS_BEGIN, LOADS_END)
+    return put(page, SAID_BEGIN, SAID_END, iter([*map(flowed, load_sentences(rows)), ""]))
+
+
 def main(path: Path = PAGE) -> None:
     """Writes the tables into the page."""
     found = compared(shipped_duties(), CIRCUITS)
@@ -204,7 +206,8 @@ def main(path: Path = PAGE) -> None:
     page = put(page, BEGIN, END, (line for duty in found.duties.values() for line in table(found, duty, dear)))
     page = put(page, LOADS_BEGIN, LOADS_END, drawn_table(found, LOADS))
     page = put(page, CLOSE_BEGIN, CLOSE_END, close_table(found))
-    path.write_text(put(page, SPREAD_BEGIN, SPREAD_END, drawn_table(spread, SPREAD_DUTIES)), "utf-8")
+    page = put(page, SPREAD_BEGIN, SPREAD_END, drawn_table(spread, SPREAD_DUTIES))
+    path.write_text(with_sentences(page), "utf-8")
 
 
 if __name__ == "__main__":
