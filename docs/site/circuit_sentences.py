@@ -60,27 +60,27 @@ def power_sentences(page: str) -> Iterator[str]:
         ratios = (f"{cycle[a][NET] / cycle[b][NET]:.{digits}f}" for cycle in cycles)
         return "{}, {} and {}".format(*ratios)
 
-    yield f"""- **Load sensing draws less than the VVDP on every cycle**: {net("load-sensing")} W on triangle, heavy and
-        digging compared with {net("vvdp")} W, and {net("vvdp-slow")} W with two thirds of the pump's speed. The
-        VVDP draws {over("vvdp", "load-sensing")} times as much, at the lower speed
-        {over("vvdp-slow", "load-sensing")} times. What load sensing loses grows with the flow that is used, what
-        the rotary valve loses with the flow of the pump, used or not."""
+    yield f"""- **Load sensing draws less than the VVDP on every cycle**: {net("load-sensing")} W on triangle, heavy
+        and digging compared with {net("vvdp")} W, and {net("vvdp-slow")} W with two thirds of the pump's speed.
+        The VVDP draws {over("vvdp", "load-sensing")} times as much, at the lower speed
+        {over("vvdp-slow", "load-sensing")} times. What load sensing loses grows with the flow that is used,
+        what the rotary valve loses with the flow of the pump, used or not."""
     yield f"""- **Independent metering draws less than load sensing**: {net("independent-valves")} W by proportional
         valves, {net("independent-units")} W by digital flow control units. Its margin is 10 bar instead of 20,
-        since neither a compensator nor a directional valve lies before the cylinder. One unit that meters in from a
-        fixed pump at its relief setting (`flow-control-unit`) draws {net("flow-control-unit")} W: the supply makes
-        the difference, not the unit."""
-    yield f"""- A fixed pump that is bled off draws {net("bleed-off")} W; it feeds one cylinder only. A pump that holds
-        one pressure draws {net("constant-pressure")} W, {over("constant-pressure", "load-sensing")} times what load
-        sensing draws."""
+        since neither a compensator nor a directional valve lies before the cylinder. One unit that meters in
+        from a fixed pump at its relief setting (`flow-control-unit`) draws {net("flow-control-unit")} W: the
+        supply makes the difference, not the unit."""
+    yield f"""- A fixed pump that is bled off draws {net("bleed-off")} W; it feeds one cylinder only. A pump that
+        holds one pressure draws {net("constant-pressure")} W, {over("constant-pressure", "load-sensing")} times
+        what load sensing draws."""
     yield f"""- Throttling draws {over("throttle", "vvdp")} times as much as the VVDP. An ideal pump one way draws
-        {net("ideal-pump")} W: on the triangle 40 L/min circulate through the rotary valve for the 3 to 7 L/min that
-        the cylinder takes. A relief valve that follows the line (`vvdp-following`) brings the VVDP to
+        {net("ideal-pump")} W: on the triangle 40 L/min circulate through the rotary valve for the 3 to 7 L/min
+        that the cylinder takes. A relief valve that follows the line (`vvdp-following`) brings the VVDP to
         {net("vvdp-following")} W."""
     yield f"""- **With the unfavourable pump**, a drag of 942 W and three times the leakage, load sensing draws
-        {net("load-sensing", DEAR_NET)} W, `independent-valves` {net("independent-valves", DEAR_NET)} W, the VVDP
-        {net("vvdp", DEAR_NET)} W and `ideal-pump` {net("ideal-pump", DEAR_NET)} W: every pump drags, whatever it
-        gives, so the ratios shrink, and the order of these four stays."""
+        {net("load-sensing", DEAR_NET)} W, `independent-valves` {net("independent-valves", DEAR_NET)} W, the
+        VVDP {net("vvdp", DEAR_NET)} W and `ideal-pump` {net("ideal-pump", DEAR_NET)} W: every pump drags,
+        whatever it gives, so the ratios shrink, and the order of these four stays."""
 
 
 def loss_sentences(page: str) -> Iterator[str]:
@@ -90,27 +90,27 @@ def loss_sentences(page: str) -> Iterator[str]:
         heavy[name] for name in ("vvdp-chapter-6", "vvdp", "load-sensing", "ideal-pump")
     )
     yield f"""- **The law of the meter-out throttle counts.** Under the heavy load `vvdp-chapter-6` draws
-        {short(published[NET])} W and loses {short(published[THROTTLE])} W over this throttle, `vvdp` with the law
-        of all rivals {short(common[NET])} W and {short(common[THROTTLE])} W. `ideal-pump` loses
+        {short(published[NET])} W and loses {short(published[THROTTLE])} W over this throttle, `vvdp` with the
+        law of all rivals {short(common[NET])} W and {short(common[THROTTLE])} W. `ideal-pump` loses
         {short(ideal[THROTTLE])} W there, load sensing {short(sensing[THROTTLE])} W. With one law the VVDP draws
         {common[NET] / sensing[NET]:.1f} times what load sensing draws, by its own
         {published[NET] / sensing[NET]:.1f} times."""
     pumps = [heavy[name] for name in ("shuttle", "pilot-checks", "four-valves")]
     given = [100.0 * row["returned"] / row["received"] for row in pumps]
     yield f"""- The circuits whose pump goes overcentre give back {min(given):.0f} to {max(given):.0f} % of what they
-        receive under the heavy load, and draw {listed([row[NET] for row in pumps])} W net. The charge pump of the
-        closed ones costs {short(triangle["shuttle"]["charge relief"])} W on the triangle, most of what they draw
-        there."""
+        receive under the heavy load, and draw {listed([row[NET] for row in pumps])} W net. The charge pump of
+        the closed ones costs {short(triangle["shuttle"]["charge relief"])} W on the triangle, most of what they
+        draw there."""
     errors = {name: row["largest"] for name, row in heavy.items()}
     worst = sorted(errors, key=lambda name: errors[name])[:-4:-1]
+    strays = ", ".join(f"`{name}` ({short(errors[name])} mm)" for name in worst)
     yield f"""- At one rms error the largest errors differ, under the heavy load from {short(min(errors.values()))} to
-        {short(max(errors.values()))} mm. The largest are those of {
-        ", ".join(f"`{name}` ({short(errors[name])} mm)" for name in worst)
-    }: these circuits stray where the load's pressure changes, and follow closely otherwise."""
+        {short(max(errors.values()))} mm. The largest are those of {strays}: these circuits stray where the
+        load's pressure changes, and follow closely otherwise."""
     lowest = min((row["lowest"], name) for cycle in (triangle, heavy, digging) for name, row in cycle.items())
     yield f"""- Digging, pressures in the machine's chambers go to {short(digging["vvdp"]["highest"])} bar with its
-        relief valve at 100: that valve limits the pump, not a chamber that the directional valve has closed off.
-        The lowest pressure of all is {short(lowest[0])} bar, of `{lowest[1]}`."""
+        relief valve at 100: that valve limits the pump, not a chamber that the directional valve has closed
+        off. The lowest pressure of all is {short(lowest[0])} bar, of `{lowest[1]}`."""
 
 
 def rows_between(page: str, begin: str, end: str) -> dict[str, list[float]]:
@@ -126,12 +126,28 @@ def load_sentences(rows: Mapping[str, Sequence[float]]) -> Iterator[str]:
         return "{}, {} and {}".format(*(f"{x / y:.1f}" for x, y in zip(rows[a], rows[b], strict=True)))
 
     yield f"""Input power minus recovered power. Over a pump for each, `ideal-pump`, load sensing draws
-        {over("load-sensing", "ideal-pump")} times as much for one, two and three cylinders, since every cylinder
-        takes its flow at the pressure of the highest load: that is what wang2017, section 1.2.6, says against load
-        sensing, and what displacement control saves. The VVDP does not: a machine of 40 L/min for each cylinder
-        circulates as much for a small one as for a large one, and draws {over("vvdp", "load-sensing")} times what
-        load sensing does, {over("vvdp-slow", "load-sensing")} times at the lower speed. Independent metering by
-        proportional valves draws {over("independent-valves", "load-sensing")} times what load sensing does."""
+        {over("load-sensing", "ideal-pump")} times as much for one, two and three cylinders, since every
+        cylinder takes its flow at the pressure of the highest load: that is what wang2017, section 1.2.6, says
+        against load sensing, and what displacement control saves. The VVDP does not: a machine of 40 L/min for
+        each cylinder circulates as much for a small one as for a large one, and draws
+        {over("vvdp", "load-sensing")} times what load sensing does, {over("vvdp-slow", "load-sensing")} times
+        at the lower speed. Independent metering by proportional valves draws
+        {over("independent-valves", "load-sensing")} times what load sensing does."""
+
+
+def spread_sentences(rows: Mapping[str, Sequence[float]]) -> Iterator[str]:
+    """What the table of assumed values says; `rows` are its numbers by circuit and what is changed."""
+    dear = "{}, all of these"
+    sensing, machine, slow = (rows[dear.format(name)] for name in ("load-sensing", "vvdp", "vvdp-slow"))
+    low, high = (rows[f"load-sensing, margin {margin} bar"] for margin in (10, 30))
+    yield f"""A friction torque costs every pump at 1800 rpm the same 942 W, whatever it gives, and moves no
+        difference between circuits of one pump each. A leak costs the most where the pressure is high and the
+        flow small, as in `constant-pressure`; throttling and bleeding off draw less for it, since a fixed pump
+        has less to lose over a valve. With a margin of 10 to 30 bar load sensing draws {short(low[0])} to
+        {short(high[0])} W on the triangle and {short(low[1])} to {short(high[1])} W under the heavy load. With
+        all of it at the unfavourable end of its range load sensing draws {short(sensing[0])} W on the triangle
+        and {short(sensing[1])} W under the heavy load, the VVDP with the same pump {short(machine[0])} and
+        {short(machine[1])} W, at the lower speed {short(slow[0])} and {short(slow[1])} W."""
 
 
 def sentences(page: str) -> Iterator[str]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from circuit_sentences import NONE, flowed, load_sentences, rows_between, sentences, short
+from circuit_sentences import NONE, flowed, load_sentences, rows_between, sentences, short, spread_sentences
 
 from vvdp.base.display import with_unit
 from vvdp.comparison.circuit_result import FIGURES
@@ -30,6 +30,8 @@ ERROR = r"rms error of [\d.]+ mm"
 """Where the page has the error at which all are compared."""
 SENTENCES_BEGIN = "<!-- sentences, made by docs/site/circuits_compared.py from the tables -->\n"
 SENTENCES_END = "<!-- end of the sentences -->\n"
+ASSUMED_BEGIN = "<!-- said of what is assumed, made from its table -->\n"
+ASSUMED_END = "<!-- end of what is said of it -->\n"
 SAID_BEGIN, SAID_END = "<!-- said of the loads, made from their table -->\n", "<!-- end of what is said -->\n"
 CLOSE_BEGIN, CLOSE_END = "<!-- close, made by docs/site/circuits_compared.py -->\n", "<!-- end of close -->\n"
 CLOSE, CLOSE_DUTY = 1e-3, "heavy"
@@ -191,8 +193,9 @@ def put(page: str, begin: str, end: str, lines: Iterator[str]) -> str:
 def with_sentences(page: str) -> str:
     """The page with what its tables say."""
     page = put(page, SENTENCES_BEGIN, SENTENCES_END, sentences(page))
-    rows = rows_between(page, LOADS_BEGIN, LOADS_END)
-    return put(page, SAID_BEGIN, SAID_END, iter([*map(flowed, load_sentences(rows)), ""]))
+    loads, spread = rows_between(page, LOADS_BEGIN, LOADS_END), rows_between(page, SPREAD_BEGIN, SPREAD_END)
+    page = put(page, SAID_BEGIN, SAID_END, iter([*map(flowed, load_sentences(loads)), ""]))
+    return put(page, ASSUMED_BEGIN, ASSUMED_END, iter([*map(flowed, spread_sentences(spread)), ""]))
 
 
 def main(path: Path = PAGE) -> None:
