@@ -60,16 +60,17 @@ def power_sentences(page: str) -> Iterator[str]:
         ratios = (f"{cycle[a][NET] / cycle[b][NET]:.{digits}f}" for cycle in cycles)
         return "{}, {} and {}".format(*ratios)
 
-    yield f"""- **Load sensing draws less than the VVDP on every cycle**: {net("load-sensing")} W on triangle, heavy
-        and digging compared with {net("vvdp")} W, and {net("vvdp-slow")} W with two thirds of the pump's speed.
-        The VVDP draws {over("vvdp", "load-sensing")} times as much, at the lower speed
-        {over("vvdp-slow", "load-sensing")} times. What load sensing loses grows with the flow that is used,
-        what the rotary valve loses with the flow of the pump, used or not."""
+    yield f"""- **Load sensing draws less than the VVDP on every cycle** with the favourable pump:
+        {net("load-sensing")} W on triangle, heavy and digging compared with {net("vvdp")} W, and
+        {net("vvdp-slow")} W with two thirds of the pump's speed. The VVDP draws {over("vvdp", "load-sensing")}
+        times as much, at the lower speed {over("vvdp-slow", "load-sensing")} times. What load sensing loses
+        grows with the flow that is used, what the rotary valve loses with the flow of the pump, used or not."""
     yield f"""- **Independent metering draws less than load sensing**: {net("independent-valves")} W by proportional
         valves, {net("independent-units")} W by digital flow control units. Its margin is 10 bar instead of 20,
-        since neither a compensator nor a directional valve lies before the cylinder. One unit that meters in
-        from a fixed pump at its relief setting (`flow-control-unit`) draws {net("flow-control-unit")} W: the
-        supply makes the difference, not the unit."""
+        since neither a compensator nor a directional valve lies before the cylinder; with a margin of 10 bar
+        load sensing would draw as much ([below](#what-is-assumed-and-how-much-it-matters)). One unit that
+        meters in from a fixed pump at its relief setting (`flow-control-unit`) draws {net("flow-control-unit")}
+        W: the supply makes the difference, not the unit."""
     yield f"""- A fixed pump that is bled off draws {net("bleed-off")} W; it feeds one cylinder only. A pump that
         holds one pressure draws {net("constant-pressure")} W, {over("constant-pressure", "load-sensing")} times
         what load sensing draws."""
@@ -79,8 +80,9 @@ def power_sentences(page: str) -> Iterator[str]:
         {net("vvdp-following")} W."""
     yield f"""- **With the unfavourable pump**, a drag of 942 W and three times the leakage, load sensing draws
         {net("load-sensing", DEAR_NET)} W, `independent-valves` {net("independent-valves", DEAR_NET)} W, the
-        VVDP {net("vvdp", DEAR_NET)} W and `ideal-pump` {net("ideal-pump", DEAR_NET)} W: every pump drags,
-        whatever it gives, so the ratios shrink, and the order of these four stays."""
+        VVDP {net("vvdp", DEAR_NET)} W, `vvdp-slow` {net("vvdp-slow", DEAR_NET)} W and `ideal-pump`
+        {net("ideal-pump", DEAR_NET)} W: every pump drags, whatever it gives, so the ratios shrink. The machine
+        whose pump turns slower has a smaller drag, and draws within 10 % of what load sensing draws."""
 
 
 def loss_sentences(page: str) -> Iterator[str]:
@@ -108,9 +110,10 @@ def loss_sentences(page: str) -> Iterator[str]:
         {short(max(errors.values()))} mm. The largest are those of {strays}: these circuits stray where the
         load's pressure changes, and follow closely otherwise."""
     lowest = min((row["lowest"], name) for cycle in (triangle, heavy, digging) for name, row in cycle.items())
-    yield f"""- Digging, pressures in the machine's chambers go to {short(digging["vvdp"]["highest"])} bar with its
-        relief valve at 100: that valve limits the pump, not a chamber that the directional valve has closed
-        off. The lowest pressure of all is {short(lowest[0])} bar, of `{lowest[1]}`."""
+    yield f"""- Digging, pressures in the machine's chambers go to {short(digging["vvdp-chapter-6"]["highest"])} bar
+        by its own laws with its relief valve at 100, which limits the pump and not a chamber that the
+        directional valve has closed off; by the common loop to {short(digging["vvdp"]["highest"])} bar. The
+        lowest pressure of all is {short(lowest[0])} bar, of `{lowest[1]}`."""
 
 
 def rows_between(page: str, begin: str, end: str) -> dict[str, list[float]]:
@@ -119,8 +122,13 @@ def rows_between(page: str, begin: str, end: str) -> dict[str, list[float]]:
     return {line.split("|")[1].strip().strip("`"): numbers(line) for line in lines}
 
 
-def load_sentences(rows: Mapping[str, Sequence[float]]) -> Iterator[str]:
-    """What the table of one to three cylinders says; `rows` are its numbers by circuit."""
+SHARING, OWN = ("independent-valves", "load-sensing"), ("ideal-pump", "four-valves", "vvdp-slow")
+"""Circuits whose pump feeds all cylinders, and some that have a pump for each."""
+
+
+def load_sentences(page: str, rows: Mapping[str, Sequence[float]]) -> Iterator[str]:
+    """What the tables say of one to three cylinders; `rows` are the numbers of their own table by circuit."""
+    three = columns(page, "three-loads")
 
     def over(a: str, b: str) -> str:
         return "{}, {} and {}".format(*(f"{x / y:.1f}" for x, y in zip(rows[a], rows[b], strict=True)))
@@ -133,6 +141,11 @@ def load_sentences(rows: Mapping[str, Sequence[float]]) -> Iterator[str]:
         {over("vvdp", "load-sensing")} times what load sensing does, {over("vvdp-slow", "load-sensing")} times
         at the lower speed. Independent metering by proportional valves draws
         {over("independent-valves", "load-sensing")} times what load sensing does."""
+    shared, apart = (
+        ", ".join(f"`{name}` {short(three[name][DEAR_NET])} W" for name in names) for names in (SHARING, OWN)
+    )
+    yield f"""**With pumps that drag, one pump for all is worth most.** Three cylinders by one unfavourable pump draw:
+        {shared}; by a pump for each: {apart}. Three drags of 942 W are more than what the compensators lose."""
 
 
 def spread_sentences(rows: Mapping[str, Sequence[float]]) -> Iterator[str]:
@@ -147,7 +160,9 @@ def spread_sentences(rows: Mapping[str, Sequence[float]]) -> Iterator[str]:
         {short(high[0])} W on the triangle and {short(low[1])} to {short(high[1])} W under the heavy load. With
         all of it at the unfavourable end of its range load sensing draws {short(sensing[0])} W on the triangle
         and {short(sensing[1])} W under the heavy load, the VVDP with the same pump {short(machine[0])} and
-        {short(machine[1])} W, at the lower speed {short(slow[0])} and {short(slow[1])} W."""
+        {short(machine[1])} W, at the lower speed {short(slow[0])} and {short(slow[1])} W. **So at the
+        unfavourable end of all ranges the machine with the slower pump draws less than load sensing**, and at
+        no other end."""
 
 
 def sentences(page: str) -> Iterator[str]:

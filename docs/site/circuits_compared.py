@@ -152,7 +152,7 @@ def spread_circuits() -> Iterator[RivalCircuit]:
 
 def drawn_table(found: CircuitComparison, duties: Sequence[str]) -> Iterator[str]:
     """What each circuit draws, less what it returns, on some duties."""
-    yield f"| drawn [W] | {' | '.join(duties)} |"
+    yield f"| net [W] | {' | '.join(duties)} |"
     yield "|---" * (len(duties) + 1) + "|"
     for name in found.circuits:
         scores = [found.score(duty, name) for duty in duties]
@@ -194,7 +194,7 @@ def with_sentences(page: str) -> str:
     """The page with what its tables say."""
     page = put(page, SENTENCES_BEGIN, SENTENCES_END, sentences(page))
     loads, spread = rows_between(page, LOADS_BEGIN, LOADS_END), rows_between(page, SPREAD_BEGIN, SPREAD_END)
-    page = put(page, SAID_BEGIN, SAID_END, iter([*map(flowed, load_sentences(loads)), ""]))
+    page = put(page, SAID_BEGIN, SAID_END, iter(["\n\n".join(map(flowed, load_sentences(page, loads))), ""]))
     return put(page, ASSUMED_BEGIN, ASSUMED_END, iter([*map(flowed, spread_sentences(spread)), ""]))
 
 

@@ -8,7 +8,7 @@ from tests.words import wording
 
 from vvdp.base.errors import ConfigError, ParameterError, RunError
 from vvdp.comparison.circuit_result import LOST, circuit_result, screen_tables
-from vvdp.comparison.circuit_trials import compare_circuits
+from vvdp.comparison.circuit_trials import compare_circuits, run_pair
 from vvdp.fluid.mixture import fluid_state
 from vvdp.report.plot import new_figure
 from vvdp.results.result import Grade
@@ -157,9 +157,9 @@ def test_the_meter_out_throttle_opens_by_one_law_in_every_circuit(name, steady):
 # What was measured before, by another program
 
 
-def test_throttle_control_is_as_measured_on_the_triangle(found):
+def test_throttle_control_is_as_measured_on_the_triangle():
     """Pump 4238, relief 3622, valve 296 + 221, friction 5.6, positive actuator 29.0 W."""
-    score = found.score("triangle", "throttle")
+    score = run_pair(circuit("throttle"), duty("triangle")).score
     assert score.drawn == pytest.approx(4238.0, rel=2e-3)
     assert sink(score, RELIEF) == pytest.approx(3622.0, rel=5e-3)
     assert sink(score, METERING) == pytest.approx(517.0, rel=5e-3)
@@ -167,18 +167,18 @@ def test_throttle_control_is_as_measured_on_the_triangle(found):
     assert sink(score, LEAKAGE) == pytest.approx(2e-12 * 64.4e5**2, rel=0.02)
 
 
-def test_throttle_control_is_as_measured_under_the_heavy_load(found):
+def test_throttle_control_is_as_measured_under_the_heavy_load():
     """Pump 7431, relief 4389, valve 1080 + 1622, friction 52, positive actuator 812 W."""
-    score = found.score("heavy", "throttle")
+    score = run_pair(circuit("throttle"), duty("heavy")).score
     assert score.drawn == pytest.approx(7431.0, rel=2e-3)
     assert sink(score, RELIEF) == pytest.approx(4389.0, rel=1e-2)
     assert sink(score, METERING) == pytest.approx(2702.0, rel=1e-2)
     assert (score.friction, score.delivered) == pytest.approx((52.0, 812.0), rel=1e-2)
 
 
-def test_the_ideal_pump_is_as_measured_on_the_triangle(found):
+def test_the_ideal_pump_is_as_measured_on_the_triangle():
     """93 W, of which 87 W over the return; the loop is another one, and follows the reversals less hastily."""
-    score = found.score("triangle", "ideal-pump")
+    score = run_pair(circuit("ideal-pump"), duty("triangle")).score
     assert score.drawn == pytest.approx(93.0, rel=0.08)
     assert sink(score, RETURN) == pytest.approx(87.0, rel=0.12)
 

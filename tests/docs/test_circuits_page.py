@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 
+from vvdp.comparison.circuit_trials import run_pair
 from vvdp.systems.displacement.duties import shipped_duties
 from vvdp.systems.displacement.rival_circuits import CIRCUITS, SINKS
 
@@ -112,7 +113,7 @@ def test_the_sentences_follow_from_the_tables():
 
     page = circuits_compared.PAGE.read_text("utf-8")
     assert circuits_compared.with_sentences(page) == page
-    moved = page.replace("| `load-sensing` | ", "| `load-sensing` | 9", 1)
+    moved = page.replace("| 1480 |", "| 1580 |", 1)
     assert circuits_compared.with_sentences(moved) != moved
 
 
@@ -132,6 +133,17 @@ def test_what_the_sentences_say_without_numbers_holds():
         assert net["flow-control-unit"] == pytest.approx(net["throttle"], rel=0.01)
         assert dear["vvdp"] / dear["load-sensing"] < net["vvdp"] / net["load-sensing"]
         assert net["vvdp-following"] < net["vvdp"]
+        assert dear["vvdp-slow"] == pytest.approx(dear["load-sensing"], rel=0.1)
+    spread = circuit_sentences.rows_between(page, circuits_compared.SPREAD_BEGIN, circuits_compared.SPREAD_END)
+    sensing, slow = (
+        [row for name, row in spread.items() if name.partition(",")[0] == each]
+        for each in ("load-sensing", "vvdp-slow")
+    )
+    for place, name in enumerate(circuits_compared.SPREAD_DUTIES):
+        assert spread["vvdp-slow, all of these"][place] < spread["load-sensing, all of these"][place], name
+        assert max(row[place] for row in sensing[:-1]) < min(row[place] for row in slow[2:]), name
+        near = circuit_sentences.columns(page, name)["independent-valves"][circuit_sentences.NET]
+        assert spread["load-sensing, margin 10 bar"][place] == pytest.approx(near, rel=0.06)
     triangle, heavy, _ = cycles
     assert heavy["vvdp-chapter-6"][favourable] > heavy["vvdp"][favourable]
     assert triangle["shuttle"]["charge relief"] > 0.5 * triangle["shuttle"]["drawn"]
@@ -164,6 +176,63 @@ def test_both_columns_of_the_pump_are_those_of_their_parts():
             net = row[circuit_sentences.NET]
             assert net == pytest.approx(row["drawn"] - row["returned"], abs=0.01 * row["drawn"] + 0.5), name
             assert 0.9 * net < row[circuit_sentences.DEAR_NET] - drag < 1.35 * net + 100.0, name
+
+
+def map_rows(page):
+    """The rows of the map, by use: powers of all circuits, and the last four cells."""
+    import circuits_map
+
+    text = page.partition(circuits_map.BEGIN)[2].partition(circuits_map.END)[0]
+    cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.strip().splitlines()[2:]]
+    count = len(circuits_map.NAMES)
+    return {
+        circuits_map.Use(1e3 * float(row[0]), 0.01 * float(row[1].rstrip(" %")), int(row[2])): (
+            dict(zip(circuits_map.NAMES, map(float, row[3 : 3 + count]), strict=True)),
+            row[3 + count :],
+        )
+        for row in cells
+    }
+
+
+def test_the_map_says_what_its_numbers_say():
+    """Which circuit draws least, with and without a drag of every pump; how much more the switched machine draws."""
+    import circuits_compared
+    import circuits_map
+
+    rows = map_rows(circuits_compared.PAGE.read_text("utf-8"))
+    assert [*rows] == [*circuits_map.uses()]
+    circuits = {each.name: each for each in CIRCUITS}
+    for use, (powers, said) in rows.items():
+        duty = circuits_map.duty_of(use)
+        dragged = {name: power + circuits_compared.drag(circuits[name], duty, 5.0) for name, power in powers.items()}
+        for found, (least, ratio) in zip((powers, dragged), (said[:2], said[2:]), strict=True):
+            assert found[least] <= 1.01 * min(found.values()), use
+            assert float(ratio) == pytest.approx(found[circuits_map.SWITCHED] / found[least], rel=0.02), use
+
+
+def test_a_use_is_as_long_as_its_share_of_rest_makes_it():
+    """A quarter of the time: 2.5 s of 10 s; 0.4 of 5 kN on the second consumer, which goes 10 cm."""
+    import circuits_map
+
+    duty = circuits_map.duty_of(circuits_map.Use(5e3, 0.25, 2))
+    assert duty.period == 10.0 and duty.cycle.times == (0.0, 1.25, 2.5, 10.0)
+    (second,) = duty.further
+    assert set(second.cycle.forces) == {-2e3} and max(second.cycle.positions) == pytest.approx(0.15)
+    assert second.return_conductance == duty.return_conductance
+
+
+@pytest.mark.slow
+def test_the_map_is_what_its_command_writes():
+    """Of the rivals, for one consumer in motion all the time."""
+    import circuits_compared
+    import circuits_map
+
+    rows = map_rows(circuits_compared.PAGE.read_text("utf-8"))
+    for use in (each for each in circuits_map.uses() if (each.share, each.consumers) == (1.0, 1)):
+        for each in CIRCUITS:
+            if each.name in circuits_map.NAMES and each.begin is None:
+                score = run_pair(each, circuits_map.duty_of(use)).score
+                assert rows[use][0][each.name] == pytest.approx(score.drawn - score.returned, rel=0.011, abs=0.5)
 
 
 @pytest.mark.slow
