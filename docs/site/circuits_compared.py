@@ -1,13 +1,19 @@
 """Writes the tables of the page about rival circuits. `python docs/site/circuits_compared.py`"""
 
+import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+
+from circuit_sentences import NONE, flowed, load_sentences, rows_between, sentences, short, spread_sentences
 
 from vvdp.base.display import with_unit
 from vvdp.comparison.circuit_result import FIGURES
-from vvdp.comparison.circuit_trials import CircuitComparison, compare_circuits
+from vvdp.comparison.circuit_trials import CircuitComparison, CircuitRun, compare_circuits, run_pair
+from vvdp.comparison.equal_error import is_reached
 from vvdp.systems.displacement.duties import Duty, shipped_duties
+from vvdp.systems.displacement.rival_account import system_for
 from vvdp.systems.displacement.rival_circuits import CIRCUITS, SINKS, RivalCircuit, with_value
 from vvdp.systems.system import load_system
 
@@ -20,10 +26,21 @@ SPREAD_BEGIN, SPREAD_END = "<!-- spread, made by docs/site/circuits_compared.py 
 SPREAD = ("vvdp", "vvdp-slow", "throttle", "bleed-off", "constant-pressure", "load-sensing")
 SPREAD_DUTIES = ("triangle", "heavy")
 """Circuits whose assumed values are spread, and on what."""
-LEAST = 0.005
-"""A power below which nothing is lost [W]."""
+ERROR = r"rms error of [\d.]+ mm"
+"""Where the page has the error at which all are compared."""
+SENTENCES_BEGIN = "<!-- sentences, made by docs/site/circuits_compared.py from the tables -->\n"
+SENTENCES_END = "<!-- end of the sentences -->\n"
+ASSUMED_BEGIN = "<!-- said of what is assumed, made from its table -->\n"
+ASSUMED_END = "<!-- end of what is said of it -->\n"
+SAID_BEGIN, SAID_END = "<!-- said of the loads, made from their table -->\n", "<!-- end of what is said -->\n"
+CLOSE_BEGIN, CLOSE_END = "<!-- close, made by docs/site/circuits_compared.py -->\n", "<!-- end of close -->\n"
+CLOSE, CLOSE_DUTY = 1e-3, "heavy"
+"""An error below that at which all are compared [m], and the cycle on which it is asked for."""
+FULL_SPEED = 60.0 * math.pi
+"""Of a pump without a drive of its own: 1800 rpm [rad/s]."""
 COLUMNS = (
-    ("error [mm]", "tracking_error_max_m", 1e3),
+    ("rms error [mm]", "tracking_error_rms_m", 1e3),
+    ("largest", "tracking_error_max_m", 1e3),
     ("drawn [W]", "power_drawn_W", 1.0),
     ("returned", "power_returned_W", 1.0),
     ("delivered", "power_delivered_W", 1.0),
@@ -32,43 +49,82 @@ COLUMNS = (
 PRESSURES = (("highest [bar]", "pressure_max_Pa", 1e-5), ("lowest", "pressure_min_Pa", 1e-5))
 
 
-def short(value: float) -> str:
-    """A value with three digits, none for what is less than a hundredth."""
-    if abs(value) < LEAST:
-        return "0"
-    text = f"{value:.3g}"
-    return f"{float(text):.0f}" if "e" in text or abs(value) >= 1000.0 else text
-
-
 def lost_in(found: CircuitComparison, duty: Duty) -> list[int]:
     """Places of the sinks in which any circuit loses power on a duty."""
     scores = [score for name in found.circuits if (score := found.score(duty.name, name))]
-    return [place for place in range(len(SINKS)) if any(score.sinks[place] >= LEAST for score in scores)]
+    return [place for place in range(len(SINKS)) if any(score.sinks[place] >= NONE for score in scores)]
 
 
-def rows(found: CircuitComparison, duty: Duty, sinks: Sequence[int]) -> Iterator[str]:
+Powers = Mapping[tuple[str, str], float]
+
+
+def pump_ends() -> dict[str, float]:
+    """The unfavourable end of leakage and friction torque of a pump, by its key."""
+    found = load_system("load-sensing").uncertainties
+    return {row.key: max(row.range) for row in found if row.table == "pump" and row.range}
+
+
+def drag(circuit: RivalCircuit, duty: Duty, torque: float) -> float:
+    """Power that a friction torque takes from the drives of all pumps of a circuit [W]: T omega, whatever they give."""
+    parts = (duty,) if circuit.shares else duty.alone
+    tables = system_for(circuit, parts[0]).tables
+    drive, operation = tables.get("pump_drive"), tables.get("operation")
+    speed = drive.speed if drive else operation.pump_speed if operation else None
+    return torque * (speed.extremes[0] if speed else FULL_SPEED) * len(parts)
+
+
+def unfavourable(found: CircuitComparison) -> Powers:
+    """What each circuit draws minus what it returns with the pump that loses the most, by cycle and circuit [W].
+
+    Its loop is that of the run with the favourable pump.
+    """
+    ends = pump_ends()
+
+    def power(run: CircuitRun) -> float:
+        circuit, duty = found.circuits[run.circuit], found.duties[run.duty]
+        table = "variable_pump" if "variable_pump" in load_system(circuit.system).tables else "pump"
+        leaking = with_value(circuit, circuit.name, table, "leakage_conductance", ends["leakage_conductance"])
+        rate = run.tried[run.kept].filter_rate
+        score = run_pair(leaking, duty, rate=rate, begins=run.begins).score
+        if score is None:
+            return math.nan
+        return score.drawn - score.returned + drag(circuit, duty, ends["friction_torque"])
+
+    with ThreadPoolExecutor(2) as pool:
+        powers = pool.map(power, found.found)
+        return {(run.duty, run.circuit): each for run, each in zip(found.found, powers, strict=True)}
+
+
+def rows(found: CircuitComparison, duty: Duty, sinks: Sequence[int], dear: Powers) -> Iterator[str]:
     """A row for each circuit that was run on a duty, with some of its sinks."""
     for name in found.circuits:
         score = found.score(duty.name, name)
         if score is None:
             continue
+        nets = [short(each) for each in (score.drawn - score.returned, dear[duty.name, name])]
         figures = [short(scale * FIGURES[key][2](score)) for _, key, scale in COLUMNS]
+        figures = [*figures[:2], *nets, *figures[2:]]
         losses = [short(score.sinks[place]) for place in sinks]
         pressures = [short(scale * FIGURES[key][2](score)) for _, key, scale in PRESSURES]
         yield f"| `{name}` | {' | '.join([*figures, *losses, *pressures])} |"
 
 
-def table(found: CircuitComparison, duty: Duty) -> Iterator[str]:
+NET = ("net, favourable pump [W]", "net, unfavourable pump [W]")
+"""Heads of input minus recovered power."""
+
+
+def table(found: CircuitComparison, duty: Duty, dear: Powers) -> Iterator[str]:
     """The table of a duty, with its load above."""
     sinks = lost_in(found, duty)
     lost = [SINKS[place].label for place in sinks]
-    heads = [*(head for head, _, _ in COLUMNS), *lost, *(head for head, _, _ in PRESSURES)]
+    own = [head for head, _, _ in COLUMNS]
+    heads = [*own[:2], *NET, *own[2:], *lost, *(head for head, _, _ in PRESSURES)]
     relief = 1e-5 * duty.relief_pressure
     yield f"**{duty.name}**: {duty.title}; {duty.load}; relief valves at {relief:.0f} bar"
     yield ""
     yield f"| circuit | {' | '.join(heads)} |"
     yield "|---" * (len(heads) + 1) + "|"
-    yield from rows(found, duty, sinks)
+    yield from rows(found, duty, sinks, dear)
     yield ""
 
 
@@ -96,7 +152,7 @@ def spread_circuits() -> Iterator[RivalCircuit]:
 
 def drawn_table(found: CircuitComparison, duties: Sequence[str]) -> Iterator[str]:
     """What each circuit draws, less what it returns, on some duties."""
-    yield f"| drawn [W] | {' | '.join(duties)} |"
+    yield f"| net [W] | {' | '.join(duties)} |"
     yield "|---" * (len(duties) + 1) + "|"
     for name in found.circuits:
         scores = [found.score(duty, name) for duty in duties]
@@ -105,9 +161,27 @@ def drawn_table(found: CircuitComparison, duties: Sequence[str]) -> Iterator[str
     yield ""
 
 
-def compared(duties: Sequence[Duty], circuits: Sequence[RivalCircuit]) -> CircuitComparison:
+def close_table(found: CircuitComparison) -> Iterator[str]:
+    """What each circuit draws at its own error, at the one at which all are compared, and at the closest to a small one
+    that it reaches, with its poles."""
+    duty = found.duties[CLOSE_DUTY]
+    near = compared([duty], tuple(found.circuits.values()), CLOSE)
+    wide = {run.circuit: run for run in found.found if run.duty == duty.name}
+    yield "| circuit | rms error [mm] | net [W] | poles [1/s] | rms error | net | poles | rms error | net | reached |"
+    yield "|---" * 10 + "|"
+    for run in near.found:
+        usual = wide[run.circuit]
+        points = (usual.tried[0], usual.tried[usual.kept], run.tried[run.kept])
+        cells = [short(1e3 * points[0].error), short(points[0].power)]
+        for each in points[1:]:
+            cells += [short(each.filter_rate), short(1e3 * each.error), short(each.power)]
+        yield f"| `{run.circuit}` | {' | '.join(cells)} | {'yes' if is_reached(points[2].error, CLOSE) else 'no'} |"
+    yield ""
+
+
+def compared(duties: Sequence[Duty], circuits: Sequence[RivalCircuit], error: float | None = None) -> CircuitComparison:
     """What is tabulated."""
-    return compare_circuits(duties, circuits)
+    return compare_circuits(duties, circuits, error=error)
 
 
 def put(page: str, begin: str, end: str, lines: Iterator[str]) -> str:
@@ -116,14 +190,27 @@ def put(page: str, begin: str, end: str, lines: Iterator[str]) -> str:
     return re.sub(f"{re.escape(begin)}.*?{re.escape(end)}", lambda _: f"{begin}\n{text}\n{end}", page, flags=re.DOTALL)
 
 
+def with_sentences(page: str) -> str:
+    """The page with what its tables say."""
+    page = put(page, SENTENCES_BEGIN, SENTENCES_END, sentences(page))
+    loads, spread = rows_between(page, LOADS_BEGIN, LOADS_END), rows_between(page, SPREAD_BEGIN, SPREAD_END)
+    page = put(page, SAID_BEGIN, SAID_END, iter(["\n\n".join(map(flowed, load_sentences(page, loads))), ""]))
+    return put(page, ASSUMED_BEGIN, ASSUMED_END, iter([*map(flowed, spread_sentences(spread)), ""]))
+
+
 def main(path: Path = PAGE) -> None:
     """Writes the tables into the page."""
     found = compared(shipped_duties(), CIRCUITS)
-    spread = compared([each for each in shipped_duties() if each.name in SPREAD_DUTIES], tuple(spread_circuits()))
+    assert found.error is not None
+    dear, spread_duties = unfavourable(found), [each for each in shipped_duties() if each.name in SPREAD_DUTIES]
+    spread = compared(spread_duties, tuple(spread_circuits()), found.error)
     page = path.read_text("utf-8") if path.exists() else PAGE.read_text("utf-8")
-    page = put(page, BEGIN, END, (line for duty in found.duties.values() for line in table(found, duty)))
+    page = re.sub(ERROR, f"rms error of {short(1e3 * found.error)} mm", page)
+    page = put(page, BEGIN, END, (line for duty in found.duties.values() for line in table(found, duty, dear)))
     page = put(page, LOADS_BEGIN, LOADS_END, drawn_table(found, LOADS))
-    path.write_text(put(page, SPREAD_BEGIN, SPREAD_END, drawn_table(spread, SPREAD_DUTIES)), "utf-8")
+    page = put(page, CLOSE_BEGIN, CLOSE_END, close_table(found))
+    page = put(page, SPREAD_BEGIN, SPREAD_END, drawn_table(spread, SPREAD_DUTIES))
+    path.write_text(with_sentences(page), "utf-8")
 
 
 if __name__ == "__main__":

@@ -209,6 +209,23 @@ ENTRIES: Mapping[str, Entry] = {
             Number("mean pressure behind the throttle", "pressure_mean_supply_Pa", PRESSURE_DIFFERENCE, "bar"),
         ),
     ),
+    "independent-valves": Entry(
+        "Independent metering: a variable pump 10 bar above the chamber that is fed, four proportional valves at the "
+        "cylinder. [Compared](circuits-compared.md)",
+        (
+            Number("mean power of the pump", "power_pump_shaft_W", POWER, "W"),
+            Number("mean pressure of the pump", "pressure_mean_pump_line_Pa", PRESSURE_DIFFERENCE, "bar"),
+            HIGHEST_B,
+        ),
+    ),
+    "independent-units": Entry(
+        "The same with four digital flow control units, five on/off valves each. [Compared](circuits-compared.md)",
+        (
+            Number("mean power of the pump", "power_pump_shaft_W", POWER, "W"),
+            Number("mean pressure of the pump", "pressure_mean_pump_line_Pa", PRESSURE_DIFFERENCE, "bar"),
+            HIGHEST_B,
+        ),
+    ),
     "shuttle-circuit": Entry(
         "A closed circuit: a pump over centre between both chambers, a shuttle valve joins the low side to a charge "
         "pump. [Compared](circuits-compared.md)",

@@ -31,8 +31,8 @@ def test_files_and_page(vvdp, here):
     answer = vvdp("compare", "circuits", *QUICK, "--out", "found")
     assert answer.code == 0, answer.err
     assert (
-        wording.progress.count.format(done=2, all=2, what="runs") in answer.err
-        and wording.compare.delivered.format(duty="Heavy", force="10 kN", power="809 W") in answer.out
+        wording.progress.count.format(done=4, all=4, what="runs") in answer.err
+        and wording.compare.delivered.format(duty="Heavy", force="10 kN", power="808 W") in answer.out
     )
     names = {path.name for path in (here / "found").rglob("*.*")}
     assert {"comparison.csv", "circuits.csv", "report.html", "powers-heavy.svg", "shares-heavy.svg"} <= names
@@ -51,6 +51,10 @@ def test_json_alone_on_stdout(vvdp, here, keys_as_described):
     keys_as_described("compare circuits", found)
     assert (found["runs"], found["finished"]) == (2, True)
     assert found["comparison_power_drawn_W"] == pytest.approx([7431.0, 839.0], rel=2e-3)
+    errors = found["error_rms_mm"]
+    assert len(errors) == 2 and max(errors) <= 1.05 * min(errors)
+    assert errors == pytest.approx([1e3 * each for each in found["comparison_tracking_error_rms_m"]])
+    assert errors == pytest.approx([1e3 * found["compared_error_rms_m"]] * 2, rel=0.02)
     assert found["comparison_power_returned_W"] == pytest.approx([0.0, 698.5], abs=2.0)
 
 
@@ -74,6 +78,7 @@ def test_a_cycle_of_ones_own(vvdp, here):
         (("--cycle", "triangel"), wording.files.did_you_mean.format(name="triangle")),
         (("--circuit", "hydraulic"), "hydraulic"),
         (("--valve", "throttle-control"), "throttle-control: valve: " + wording.compare.no_such_table),
+        (("--circuit", "throttle", "--error", "0 mm"), "0 mm must be greater than 0"),
         (("--own-cycle", "none.csv"), "none.csv: " + wording.files.cannot_read),
     ],
 )

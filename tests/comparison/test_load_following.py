@@ -127,6 +127,36 @@ def test_a_pressure_compensated_pump_gives_the_flow_at_one_pressure():
         assert found.valve_loss(0, way[0]) == pytest.approx((60e5 - found.line(0, way)) * found.flow(0, way), rel=1e-2)
 
 
+EDGE_MARGIN = 10e5
+"""Of a pump that is told the pressure of the chamber that is fed [Pa]."""
+
+
+@pytest.mark.parametrize("loads", [ONE, THREE])
+def test_independent_valves_take_the_flow_at_a_margin_above_the_load(loads):
+    """(Q + G P) P with P = P_s + 10 bar, P_s A_s = F + b v + P_r A_r and P_r = (A_r v/(K_r u))^2: no valve but one."""
+    found = Course("independent-valves", loads)
+    for way in found.ways:
+        rows, sign, into, out = way
+        lines = []
+        for (force, far), suffix in zip(loads, ("", "_2", "_3"), strict=False):
+            speed, command = (far - 0.05) / 2.0, getattr(found.run.command, f"loop{suffix}")
+            u = np.mean((command.return_b if sign > 0.0 else command.return_a)[rows])
+            lines.append((sign * force + FRICTION * speed + (out * speed / (RETURN * u)) ** 2 * out) / into)
+        level, flow = max(lines) + EDGE_MARGIN, sum(found.flow(k, way) for k in range(len(loads)))
+        assert found.drawn(rows) == pytest.approx((flow + LEAKAGE * level) * level, rel=1e-2)
+
+
+def test_independent_units_take_the_flow_at_a_margin_above_the_chamber_that_is_fed():
+    """(A v + G P) P with P = P_s + 10 bar; P_s is that of the codes, which come and go, 6 bar at most when driven."""
+    found = Course("independent-units", ONE)
+    for way in found.ways:
+        state = found.run.state
+        fed = np.mean((state.chamber_a if way[1] > 0.0 else state.chamber_b)[way[0]]) - 101325.0
+        level = fed + EDGE_MARGIN
+        assert found.drawn(way[0]) == pytest.approx((found.flow(0, way) + LEAKAGE * level) * level, rel=2e-2)
+        assert way[1] > 0.0 or 0.0 < fed < 7e5
+
+
 def test_a_pump_that_is_bled_off_gives_all_its_flow_at_the_pressure_of_the_load():
     """Q_p h(P), of which what the cylinder does not take, Q_p - (A v + G P)/nu in tank volumes, over the throttle."""
     found = Course("bleed-off", ONE)

@@ -112,6 +112,7 @@ FACADE = "one value with what it can be asked, each answer a few lines"
 CHOICE = "one branch for each case of a closed list"
 ALLOWED = {
     "base.units._to_si": CHOICE,
+    "comparison.circuit_trials.compare_circuits": ONE_CALL,
     "comparison.loop_trials.compare_controllers": ONE_CALL,
     "comparison.trials.compare": ONE_CALL,
     "components.rotary_valve.rotary_valve": RECORD,

@@ -81,3 +81,14 @@ def test_all_is_what_the_script_writes(pays, tmp_path):
         part = path.read_text("utf-8").partition(f"<!-- {name}: made by")[2].partition("<!-- to here -->")[0]
         made = [line for line in part.splitlines() if line.startswith("|")]
         assert are_same(made, kept(pays, name), rel=0.02)
+
+
+def test_the_power_of_solenoids_counts_two_strokes_a_period(pays):
+    """9 J a stroke, two valves, 75 Hz: 2 2 75 9 = 2700 W; with springs half of it."""
+    from vvdp.rigs.linear_valves import STROKE_ENERGY, actuation_power
+
+    text = " ".join(pays.PAGE.read_text("utf-8").split())
+    both, one = actuation_power(2.0, 75.0), actuation_power(2.0, 75.0, 1.0)
+    assert (both, one) == (2700.0, 1350.0)
+    assert f"at most {STROKE_ENERGY:g} J a stroke" in text
+    assert f"for two valves at 75 Hz at most {1e-3 * both:g} kW" in text and f"({1e-3 * one:g} kW if springs" in text

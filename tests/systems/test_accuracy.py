@@ -43,6 +43,8 @@ UNTIL = {
     "bleed-off-control": "5 s",
     "flow-control-unit": "5 s",
     "ideal-pump-control": "5 s",
+    "independent-units": "5 s",
+    "independent-valves": "5 s",
     "linear-valves": "5 s",
     "load-sensing": "5 s",
 }

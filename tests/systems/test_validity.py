@@ -32,6 +32,8 @@ SETTLING = {
     "flow-control-unit",
     "four-valve-circuit",
     "ideal-pump-control",
+    "independent-units",
+    "independent-valves",
     "load-sensing",
     "linear-valves",
     "pilot-check-circuit",

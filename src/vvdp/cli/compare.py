@@ -26,12 +26,14 @@ if TYPE_CHECKING:
     from vvdp.comparison.contest import Titled
     from vvdp.results.result import Result, Table
     from vvdp.studies.engine import Engine
+    from vvdp.systems.displacement.duties import Duty
+    from vvdp.systems.displacement.rival_circuits import RivalCircuit
 
 INTERRUPTED = 130
 MOST_MISSING = 5
 """Missing runs that are named after an interrupt."""
 SECONDS_OF_A_CIRCUIT = 0.9
-"""Processor time of a circuit on a cycle, mean over all 65 pairs, compiling included [s]."""
+"""Processor time of a circuit on a cycle, with the common reference or at one error, mean over all pairs [s]."""
 
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
 
@@ -80,6 +82,59 @@ class Wheel:
     rate: Annotated[
         str, typer.Option("--rate", metavar="FREQUENCY", help='Sample rate of the encoder, for example "1 kHz".')
     ] = "1 kHz"
+
+
+@dataclass(frozen=True)
+class Circuits:
+    """Options: duty cycles and circuits, and the error at which these are compared."""
+
+    cycle: Annotated[
+        list[str] | None, typer.Option("--cycle", metavar="NAME", help="Run this duty cycle only (repeatable).")
+    ] = None
+    circuit: Annotated[
+        list[str] | None, typer.Option("--circuit", metavar="NAME", help="Run this circuit only (repeatable).")
+    ] = None
+    own: OwnCycles = None
+    valve: Annotated[
+        str | None,
+        typer.Option("--valve", metavar="SYSTEM", help="Add the machine with the rotary valve of another system."),
+    ] = None
+    error: Annotated[
+        str | None,
+        typer.Option(
+            "--error",
+            metavar="LENGTH",
+            help='Compare at this rms tracking error, for example "2 mm"; default: the largest.',
+        ),
+    ] = None
+
+    @property
+    def duties(self) -> "list[Duty]":
+        """The duty cycles that are run."""
+        from vvdp.systems.displacement.duties import known_cylinder, read_duty, shipped_duties
+
+        given = [read_duty(path, *known_cylinder()) for path in self.own or ()]
+        return [*(_choose("--cycle", self.cycle, shipped_duties()) if self.cycle or not given else ()), *given]
+
+    @property
+    def rivals(self) -> "list[RivalCircuit]":
+        """The circuits that are run."""
+        from vvdp.systems.displacement.rival_circuits import CIRCUITS, machine_with_valve
+
+        return _choose(
+            "--circuit", self.circuit, (*CIRCUITS, *([machine_with_valve(self.valve)] if self.valve else []))
+        )
+
+    @property
+    def wanted_error(self) -> float | None:
+        """The rms error at which all are compared [m]. Raises ConfigError for one of 0."""
+        from vvdp.base.errors import ConfigError, Fault
+        from vvdp.base.kinds import LENGTH
+
+        wanted = None if self.error is None else parsed_option("--error", self.error, LENGTH)
+        if wanted == 0.0:
+            raise ConfigError([Fault("--error", 0, "", f"{self.error} must be greater than 0")])
+        return wanted
 
 
 @app.callback()
@@ -202,47 +257,36 @@ def controllers(
 @flat("results/compare-circuits-DATE-TIME")
 def circuits(
     *,
-    cycle: Annotated[
-        list[str] | None, typer.Option("--cycle", metavar="NAME", help="Run this duty cycle only (repeatable).")
-    ] = None,
-    circuit: Annotated[
-        list[str] | None, typer.Option("--circuit", metavar="NAME", help="Run this circuit only (repeatable).")
-    ] = None,
-    own: OwnCycles = None,
-    valve: Annotated[
-        str | None,
-        typer.Option(
-            "--valve",
-            metavar="SYSTEM",
-            help="Add the machine with the rotary valve of another system.",
-        ),
-    ] = None,
+    what: Circuits,
     work: Trials,
     show: Annotated[bool, typer.Option("--list", help="List duty cycles and circuits without running any.")] = False,
 ) -> None:
     """Run circuits that move the same cylinder through the same duty cycles: where the power goes, what comes back.
 
+    All circuits follow with the same rms error: each receives its reference as late as that takes.
+
     Ctrl-C stops the comparison early and keeps the completed runs.
     """
-    from vvdp.comparison.circuit_result import circuit_result, screen_tables
+    from vvdp.comparison.circuit_result import circuit_result, errors_in_mm, screen_tables
     from vvdp.comparison.circuit_trials import compare_circuits
-    from vvdp.systems.displacement.duties import known_cylinder, read_duty, shipped_duties
-    from vvdp.systems.displacement.rival_circuits import CIRCUITS, machine_with_valve
 
-    given = [read_duty(path, *known_cylinder()) for path in own or ()]
-    chosen = [*(_choose("--cycle", cycle, shipped_duties()) if cycle or not given else ()), *given]
-    rivals = _choose("--circuit", circuit, (*CIRCUITS, *([machine_with_valve(valve)] if valve else [])))
+    duties, rivals = what.duties, what.rivals
     if show:
-        _print_names(chosen, rivals, "circuit", "cycle")
+        _print_names(duties, rivals, "circuit", "cycle")
         return
+    wanted = what.wanted_error
     directory = work.directory("compare-circuits")
     contest = _Contest(
-        compare=lambda **how: compare_circuits(chosen, rivals, engine=work.engine(directory.parent), **how),
+        compare=lambda **how: compare_circuits(
+            duties, rivals, error=wanted, engine=work.engine(directory.parent), **how
+        ),
         result=circuit_result,
         screen=screen_tables,
         contenders="circuits",
         note="powers are means over a round; delivered while the rod is pushed, received while the load overruns\n",
         seconds_each=SECONDS_OF_A_CIRCUIT,
+        further=("front",),
+        more=errors_in_mm,
     )
     _carry_out(contest, directory, work)
 
@@ -252,6 +296,8 @@ class _Contest:
     """A comparison of contenders: how it is run, its result, its tables on the screen, and a note below these.
 
     seconds_each  usual processor time of a run [s], where it is long enough to be announced
+    further       tables that stand in the JSON object beside those of scores and contenders
+    more          what stands there beside the tables
     """
 
     compare: Callable[..., Any]
@@ -260,6 +306,8 @@ class _Contest:
     contenders: str
     note: str
     seconds_each: float = 0.0
+    further: tuple[str, ...] = ()
+    more: "Callable[[Result], Mapping[str, Any]]" = lambda result: {}
 
 
 def _carry_out(contest: _Contest, directory: Path, work: Trials) -> None:
@@ -274,12 +322,13 @@ def _carry_out(contest: _Contest, directory: Path, work: Trials) -> None:
         result = contest.result(found)
         reported = write_with_report(folder, result, "", no_report=work.no_report)
     if work.json:
-        kept = {name: result.tables[name] for name in ("comparison", contest.contenders)}
+        kept = {name: result.tables[name] for name in ("comparison", contest.contenders, *contest.further)}
         shown = replace(result, charts={}, tables=kept)
     else:
         _print_scenarios(contest.screen(found, result), contest.note)
         shown = result
-    show_result(shown, directory, json=work.json, reported=reported, names=(contest.contenders,))
+    more = contest.more(result) if work.json else {}
+    show_result(shown, directory, json=work.json, reported=reported, names=(contest.contenders,), more=more)
     if not found.finished:
         say(f"interrupted after {found.runs} of {found.all_runs} runs; these were written")
         say(f"missing: {_few(found.missing)}")

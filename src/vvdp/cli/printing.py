@@ -1,7 +1,8 @@
 """A result on the screen: title, conditions, listings, tables, findings."""
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
 
 from vvdp.cli.screen import console, grid, print_json, tell, typed_command, warn
 
@@ -48,14 +49,20 @@ def write_with_report(folder: "Path", result: "Result", system: str, *, no_repor
 
 
 def show_result(
-    result: "Result", directory: "Path", *, json: bool, reported: bool, names: Sequence[str] | None = None
+    result: "Result",
+    directory: "Path",
+    *,
+    json: bool,
+    reported: bool,
+    names: Sequence[str] | None = None,
+    more: Mapping[str, Any] = MappingProxyType({}),
 ) -> None:
     """Prints a result that stands in `directory`: as one JSON object, or `names` and findings for a person.
 
-    `names` are the listings and tables to print, all listings by default.
+    `names` are the listings and tables to print, all listings by default; `more` stands in the JSON object only.
     """
     if json:
-        print_json({**result.flat, "out": str(directory)})
+        print_json({**result.flat, **more, "out": str(directory)})
         return
     print_result(result, tuple(result.listings) if names is None else names)
     tell(f"results: {directory}")

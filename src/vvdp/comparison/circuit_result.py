@@ -15,9 +15,11 @@ from vvdp.base.kinds import (
     MEAN_POWER,
     NUMBER,
     POSITION,
+    RATE,
     Kind,
 )
-from vvdp.comparison.circuit_trials import CircuitComparison
+from vvdp.comparison.circuit_trials import CircuitComparison, CircuitRun
+from vvdp.comparison.equal_error import is_reached
 from vvdp.results.chart import Bars, Chart, Colour, Line, Lines
 from vvdp.results.result import Column, Finding, Grade, Number, Result, Section, Table
 from vvdp.simulation.balance import LIMIT
@@ -32,15 +34,21 @@ LOST = 5e-3
 MANNER = (
     "Every circuit moves the same cylinder, mass, friction and load through the same duty cycle, behind the same "
     "reference filter, with a position loop of one form: velocity fed forward, a gain on the error that keeps the same "
-    "margin by a rule, flows and openings from measured pressures. Pumps turn without friction, so that power is "
-    "hydraulic; motors are not counted."
+    "margin by a rule, flows and openings from measured pressures; one law opens every meter-out throttle. All are "
+    "brought to the same rms error by how late they are told the reference. Pumps turn without friction, so that power "
+    "is hydraulic; motors are not counted."
 )
 DEFINITIONS = (
     "Powers are means over the last of three rounds. Drawn: taken from the drives of all pumps; returned: given back "
     "to them. Delivered: what the oil gives to the rod while it pushes, friction of the rod included; received: what "
     "the rod gives to the oil while the load overruns. Drawn and received together are what is delivered, returned, "
-    "lost and stored. Errors are position less filtered reference, from the first second on. The low side is "
+    "lost and stored. Errors are position minus filtered reference, from the first second on. The low side is "
     "the lowest pressure of both chambers over every step."
+)
+FRONT = (
+    "Each circuit is run with the common reference, whose four poles are at 25 1/s, then with other poles before its "
+    "loop until its rms error is the one at which all are compared. Every run is a row: what a circuit draws, minus "
+    "what it returns, at the error that it has."
 )
 FIGURES: Mapping[str, tuple[Kind, str, Callable[[CircuitScore], float]]] = {
     "tracking_error_max_m": (LENGTH, "largest error", lambda s: s.tracking_max),
@@ -62,6 +70,7 @@ FIGURES: Mapping[str, tuple[Kind, str, Callable[[CircuitScore], float]]] = {
 """Kind, label and value of each figure of a score."""
 SHOWN = (
     "circuit",
+    "tracking_error_rms_m",
     "tracking_error_max_m",
     "power_drawn_W",
     "power_returned_W",
@@ -91,7 +100,8 @@ TRACES = (Colour.LOAD, Colour.INLET, Colour.GREEN, Colour.PURPLE, Colour.RED, Co
 def circuit_result(found: CircuitComparison) -> Result:
     """The result of a comparison of circuits."""
     scores = _score_table(found)
-    tables = {"comparison": scores, "circuits": _circuit_table(found), "shares": _share_table(scores)}
+    tables = {"comparison": scores, "circuits": _circuit_table(found), "front": _front_table(found)}
+    tables["shares"] = _share_table(scores)
     tables |= dict(_trace_tables(found))
     charts = {chart.name: chart for chart in _charts(found, scores)}
     return Result(
@@ -100,18 +110,32 @@ def circuit_result(found: CircuitComparison) -> Result:
         system="",
         manner=MANNER,
         conditions={name: _condition(duty) for name, duty in found.duties.items()},
-        numbers={"runs": Number(float(found.runs), COUNT, "runs that were made")},
+        numbers=_numbers(found),
         tables=tables,
         charts=charts,
         findings=tuple(_findings(found)),
         sections=(
             Section(title="Where the power goes", words=(MANNER,), shows=("conditions", *charts)),
             Section(title="Cycle by cycle", words=(DEFINITIONS,), shows=("comparison",), starts_page=True),
+            Section(title="Error versus power", words=(FRONT,), shows=("front",)),
             Section(title="The circuits", shows=("circuits",)),
         ),
         seconds=found.seconds,
         finished=found.finished,
     )
+
+
+def errors_in_mm(result: Result) -> dict[str, list[float]]:
+    """The rms error of each run [mm], to be compared at a glance."""
+    return {"error_rms_mm": [1e3 * float(each) for each in result.tables["comparison"]["tracking_error_rms_m"]]}
+
+
+def _numbers(found: CircuitComparison) -> dict[str, Number]:
+    """How many runs were made, and at which error circuits are compared."""
+    numbers = {"runs": Number(float(found.runs), COUNT, "runs that were made")}
+    if found.error is not None:
+        numbers["compared_error_rms_m"] = Number(found.error, LENGTH, "rms error at which all are compared")
+    return numbers
 
 
 def screen_tables(found: CircuitComparison, result: Result) -> dict[str, Table]:
@@ -146,11 +170,26 @@ def _score_table(found: CircuitComparison) -> Table:
     }
     for key, (kind, label, value) in FIGURES.items():
         columns[key] = Column(np.array([np.nan if s is None else value(s) for _, s in runs]), kind, label)
+    rates = [run.tried[run.kept].filter_rate if run.tried else np.nan for run, _ in runs]
+    columns["filter_rate_1_s"] = Column(np.array(rates), RATE, "poles before the loop")
     for place, sink in enumerate(SINKS):
         losses = np.array([np.nan if s is None else s.sinks[place] for _, s in runs])
         columns[sink.key] = Column(losses, MEAN_POWER, sink.label)
     columns["account"] = Column(np.array(["" if s is None else _account(s) for _, s in runs]), None, "in")
     return Table(title="Cycle by cycle", columns=columns, shown=("cycle", *SHOWN))
+
+
+def _front_table(found: CircuitComparison) -> Table:
+    """A row for each try of each run."""
+    tried = [(run, attempt) for run in found.found for attempt in run.tried]
+    columns = {
+        "cycle": Column(np.array([run.duty for run, _ in tried]), None, "cycle"),
+        "circuit": Column(np.array([run.circuit for run, _ in tried]), None, "circuit"),
+        "filter_rate_1_s": Column(np.array([each.filter_rate for _, each in tried]), RATE, "poles before the loop"),
+        "error_rms_m": Column(np.array([each.error for _, each in tried]), LENGTH, "error, rms"),
+        "power_net_W": Column(np.array([each.power for _, each in tried]), MEAN_POWER, "drawn minus returned"),
+    }
+    return Table(title="Error versus power", columns=columns)
 
 
 def _account(score: CircuitScore) -> str:
@@ -179,7 +218,7 @@ def _trace_tables(found: CircuitComparison) -> Iterator[tuple[str, Table]]:
             "time_s": Column(trace.time, DURATION, "time", "t"),
             "reference_m": Column(trace.reference, POSITION, "reference"),
             "position_m": Column(trace.position, POSITION, "position"),
-            "error_m": Column(trace.position - trace.reference, POSITION, "position less reference"),
+            "error_m": Column(trace.position - trace.reference, POSITION, "position minus reference"),
             "pressure_a_Pa": Column(trace.pressure_a, GAUGE_PRESSURE, "pressure of chamber A"),
             "pressure_b_Pa": Column(trace.pressure_b, GAUGE_PRESSURE, "pressure of chamber B"),
         }
@@ -248,7 +287,7 @@ def _error_chart(name: str, duty: Duty, circuits: list[str]) -> Chart:
     path = Line(x="time_s", y="reference_m", label="reference", colour=Colour.INK)
     panels = (
         Lines(lines=(path,), label="reference", height=0.7),
-        Lines(lines=errors, label="position less reference", height=1.3),
+        Lines(lines=errors, label="position minus reference", height=1.3),
         *(
             Lines(
                 lines=tuple(
@@ -269,10 +308,20 @@ def _findings(found: CircuitComparison) -> Iterator[Finding]:
         yield Finding(text=text, grade=Grade.WARNING, title="Not all runs were made")
     for run in found.found:
         yield from _warnings(f"{run.circuit} on {run.duty}", run.score, run.failure)
+        yield from _other_error(run, found.error)
     for name, duty in found.duties.items():
         scores = {run.circuit: run.score for run in found.found if run.duty == name and run.score is not None}
         if scores:
             yield Finding(text=_summary(name, duty, scores))
+
+
+def _other_error(run: CircuitRun, wanted: float | None) -> Iterator[Finding]:
+    """That a circuit cannot be brought to the error at which all are compared, and the closest that it comes."""
+    if wanted is not None and run.tried and not is_reached(run.tried[run.kept].error, wanted):
+        reached, asked = (number(1e3 * each, 3) for each in (run.tried[run.kept].error, wanted))
+        what = f"{run.circuit} on {run.duty}"
+        text = f"{what} comes to an rms error of {reached} mm, not to the {asked} mm of the others."
+        yield Finding(text=text, grade=Grade.WARNING, title="The error is another one")
 
 
 def _warnings(what: str, score: CircuitScore | None, failure: str) -> Iterator[Finding]:

@@ -1,4 +1,5 @@
-"""Rival circuits on the same duty cycles: every pair of both is run, and what became of the power is read."""
+"""Rival circuits on the same duty cycles: every pair of both is run, brought to one tracking error, and what became of
+the power is read."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -10,6 +11,7 @@ from typing import NamedTuple
 from vvdp.base.errors import ParameterError, RunError
 from vvdp.base.version import VERSION
 from vvdp.comparison.contest import carry_out
+from vvdp.comparison.equal_error import Attempt, attempts, closest, rms_speed
 from vvdp.simulation.link import quiet
 from vvdp.simulation.run import compiled_loop, simulate
 from vvdp.studies.engine import HERE, Engine
@@ -17,6 +19,7 @@ from vvdp.studies.run import silent
 from vvdp.studies.work import Batching, check_same
 from vvdp.systems.displacement.duties import Duty
 from vvdp.systems.displacement.rival_account import (
+    COMMON_RATE,
     CircuitScore,
     CircuitTrace,
     begin_of,
@@ -37,22 +40,33 @@ class Pair(NamedTuple):
 
 
 class CircuitRun(NamedTuple):
-    """A pair that was run; `failure` says why it broke off, and its score is None then."""
+    """A pair that was run; `failure` says why it broke off, and its score is None then.
+
+    `tried` is what the poles of the filter before its loop come to; the score is that of `tried[kept]`. `begins` are
+    the times at which control of each cylinder begins [s].
+    """
 
     duty: str
     circuit: str
     score: CircuitScore | None
     trace: CircuitTrace | None
     failure: str = ""
+    tried: tuple[Attempt, ...] = ()
+    kept: int = 0
+    begins: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
 class CircuitComparison:
-    """What every circuit came to on every duty, in the order in which they were asked for."""
+    """What every circuit came to on every duty, in the order in which they were asked for.
+
+    `error` is the rms error to which all were brought [m]; None where none was.
+    """
 
     duties: Mapping[str, Duty]
     circuits: Mapping[str, RivalCircuit]
     found: tuple[CircuitRun, ...]
+    error: float | None
     seconds: float
     finished: bool
 
@@ -91,12 +105,16 @@ def compare_circuits(
     duties: Sequence[Duty],
     circuits: Sequence[RivalCircuit],
     *,
+    error: float | None = None,
     engine: Engine = HERE,
     progress: Callable[[int, int], None] = silent,
     say: Callable[[str], None] = quiet,
     cache: Path | None = None,
 ) -> CircuitComparison:
-    """What every circuit comes to on every duty.
+    """What every circuit comes to on every duty, all at one tracking error.
+
+    All are run with the common reference first. Then each is run with other poles before its loop until its rms error
+    is `error` [m], without it the largest that any had at first.
 
     `engine` says where the runs are made, `progress` hears how many are done, of all. Ctrl-C ends the comparison after
     the current runs, at once the second time, and keeps what is done. Raises ParameterError where there is nothing to
@@ -104,6 +122,8 @@ def compare_circuits(
     """
     if not duties or not circuits:
         raise ParameterError(f"{len(duties)} duty cycles and {len(circuits)} circuits; expected at least one of each")
+    if error is not None and not error > 0.0:
+        raise ParameterError(f"error: {1e3 * error:g} mm must be greater than 0")
     began = time.perf_counter()
     plan = _Plan({each.name: each for each in duties}, {each.name: each for each in circuits}, cache, say)
     pairs = [Pair(duty, circuit) for duty in plan.duties for circuit in plan.circuits]
@@ -112,48 +132,105 @@ def compare_circuits(
         for each in (duty,) if circuit.shares else duty.alone:
             system_for(circuit, each)
     compiled_loop(say)
-    task = partial(_runs, replace(plan, say=quiet), VERSION)
-    done = carry_out(task, pairs, engine, progress, Batching(least=1, seconds=2.0))
+    done, wanted, finished = _carried_out(replace(plan, say=quiet), pairs, error, engine, progress)
     order = {pair: place for place, pair in enumerate(pairs)}
-    found = tuple(sorted(done, key=lambda run: order[Pair(run.duty, run.circuit)]))
     return CircuitComparison(
         duties=plan.duties,
         circuits=plan.circuits,
-        found=found,
+        found=tuple(sorted(done, key=lambda run: order[Pair(run.duty, run.circuit)])),
+        error=wanted,
         seconds=time.perf_counter() - began,
-        finished=len(found) == len(pairs),
+        finished=finished,
     )
 
 
-def run_pair(circuit: RivalCircuit, duty: Duty, cache: Path | None = None) -> CircuitRun:
+def _carried_out(
+    plan: _Plan, pairs: Sequence[Pair], error: float | None, engine: Engine, progress: Callable[[int, int], None]
+) -> tuple[list[CircuitRun], float | None, bool]:
+    """All pairs at the common reference, then at one error; the error, and whether all came to their end."""
+    both, batching = 2 * len(pairs), Batching(least=1, seconds=2.0)
+
+    def first(done: int, total: int) -> None:
+        progress(done, both)
+
+    def second(done: int, total: int) -> None:
+        progress(both - total + done, both)
+
+    found = carry_out(partial(_runs, plan, VERSION), pairs, engine, first, batching)
+    scores = [run.score for run in found if run.score is not None]
+    if len(found) < len(pairs) or not scores:
+        return found, None, len(found) == len(pairs)
+    wanted = max(score.tracking_rms for score in scores) if error is None else error
+    tunable = [run for run in found if run.score is not None]
+    failed = [run for run in found if run.score is None]
+    try:
+        tuned = carry_out(partial(_tune_pairs, plan, VERSION, wanted), tunable, engine, second, batching)
+    except KeyboardInterrupt:
+        return found, None, False
+    done = {(run.duty, run.circuit) for run in tuned}
+    left = [run for run in tunable if (run.duty, run.circuit) not in done]
+    return failed + left + tuned, wanted if not left else None, not left
+
+
+def run_pair(
+    circuit: RivalCircuit,
+    duty: Duty,
+    cache: Path | None = None,
+    rate: float = COMMON_RATE,
+    begins: Sequence[float] = (),
+) -> CircuitRun:
     """The run of a circuit on a duty, with its score; one that breaks off says why.
 
     Where a duty has several cylinders and the circuit moves one, each has a circuit of its own, and the trace is that
     of the first.
+
+    rate    of the poles of the filter before its loop [1/s]
+    begins  when control of each begins, where that is known [s]
     """
-    if circuit.shares:
-        return _run_circuit(circuit, duty, cache)
-    runs = [_run_circuit(circuit, each, cache) for each in duty.alone]
-    scores = [run.score for run in runs if run.score is not None]
-    if len(scores) < len(runs):
-        return CircuitRun(duty.name, circuit.name, None, None, next(run.failure for run in runs if run.failure))
-    return CircuitRun(duty.name, circuit.name, joint_score(scores), runs[0].trace)
-
-
-def _run_circuit(circuit: RivalCircuit, duty: Duty, cache: Path | None) -> CircuitRun:
-    """The run of one circuit on a duty."""
+    parts = (duty,) if circuit.shares else duty.alone
     try:
-        begin = begin_of(circuit, duty, cache)
-        system = system_for(circuit, duty, begin)
-        run = simulate(system.model, system.case, system.stepping, cache=cache)
-        refuse_unled(circuit, system, duty, run)
+        starts = tuple(begins) or tuple(begin_of(circuit, each, cache) for each in parts)
+        runs = [_run_circuit(circuit, each, begin, rate, cache) for each, begin in zip(parts, starts, strict=True)]
     except RunError as problem:
         return CircuitRun(duty.name, circuit.name, None, None, str(problem))
-    score = circuit_score(circuit, system, run, begin)
-    return CircuitRun(duty.name, circuit.name, score, circuit_trace(circuit, system, run))
+    score = joint_score([score for score, _ in runs]) if len(runs) > 1 else runs[0][0]
+    attempt = Attempt(rate, score.tracking_rms, score.drawn - score.returned)
+    return CircuitRun(duty.name, circuit.name, score, runs[0][1], tried=(attempt,), begins=starts)
+
+
+def _run_circuit(
+    circuit: RivalCircuit, duty: Duty, begin: float, rate: float, cache: Path | None
+) -> tuple[CircuitScore, CircuitTrace]:
+    """The score of a circuit on a duty that begins at `begin` [s], and its last round."""
+    system = system_for(circuit, duty, begin, rate)
+    run = simulate(system.model, system.case, system.stepping, cache=cache)
+    refuse_unled(circuit, system, duty, run)
+    return circuit_score(circuit, system, run, duty, begin), circuit_trace(system, run, duty, begin)
+
+
+def tuned_pair(circuit: RivalCircuit, duty: Duty, run: CircuitRun, wanted: float, cache: Path | None) -> CircuitRun:
+    """A run brought to the `wanted` rms error [m], or as close as its poles bring it."""
+    runs = [run]
+
+    def attempt(rate: float) -> Attempt | None:
+        found = run_pair(circuit, duty, cache, rate, run.begins)
+        if found.score is None:
+            return None
+        runs.append(found)
+        return found.tried[0]
+
+    tried = attempts(attempt, run.tried[0], wanted, rms_speed(duty.cycle))
+    kept = closest(tried, wanted)
+    return runs[kept]._replace(tried=tuple(tried), kept=kept)
 
 
 def _runs(plan: _Plan, version: str, pairs: Sequence[Pair], cores: int) -> list[CircuitRun]:
     """What comes of some pairs, where they are run."""
     check_same(VERSION, version)
     return [run_pair(plan.circuits[pair.circuit], plan.duties[pair.duty], plan.cache) for pair in pairs]
+
+
+def _tune_pairs(plan: _Plan, version: str, wanted: float, runs: Sequence[CircuitRun], cores: int) -> list[CircuitRun]:
+    """What comes of some runs at the wanted error, where they are run."""
+    check_same(VERSION, version)
+    return [tuned_pair(plan.circuits[run.circuit], plan.duties[run.duty], run, wanted, plan.cache) for run in runs]

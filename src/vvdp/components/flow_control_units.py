@@ -39,8 +39,8 @@ UNIT_VALVE = Component(unit_valve, symbol="switching_valve_2_2")
 
 
 def add_flow_control_unit(
-    net: Network, name: str, valves: tuple[UnitValve, ...], nodes: tuple[str, str], code: Source
+    net: Network, name: str, valves: tuple[UnitValve, ...], nodes: tuple[str, str], code: Source, suffix: str = ""
 ) -> None:
-    """Add the valves of a unit between two nodes: `name_1` and so on, all hearing its `code`."""
+    """Add the valves of a unit between two nodes: `name_1` and so on, a `suffix` behind, all hearing its `code`."""
     for number, valve in enumerate(valves, 1):
-        net.add(f"{name}_{number}", UNIT_VALVE, valve, a=nodes[0], b=nodes[1], code=code)
+        net.add(f"{name}_{number}{suffix}", UNIT_VALVE, valve, a=nodes[0], b=nodes[1], code=code)

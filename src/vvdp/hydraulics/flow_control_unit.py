@@ -34,6 +34,11 @@ class OnOffValve(Params):
         if not NEAR <= self.dead_travel < 0.5:
             refuse(self, "dead_travel", f"must be at least {NEAR:g} and less than 0.5")
 
+    @property
+    def conductance(self) -> float:
+        """K = Q/root(P) of the open valve [m^3/(s Pa^0.5)]."""
+        return self.rated_flow / float(np.sqrt(self.rated_drop))
+
 
 class UnitValve(OnOffValve):
     """An on/off valve of a unit: open while the unit's code, counted modulo `modulus`, is `weight` or more."""

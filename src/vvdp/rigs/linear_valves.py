@@ -27,6 +27,10 @@ from vvdp.valve.losses import full_open_drop
 DAMPING, STROKE = 0.7, 1e-3
 """Assumed of all; of the stroke only shares count [1, m]."""
 EDGE = Orifice(discharge_coefficient=0.61, transition_pressure=5e4)
+STROKE_ENERGY = 300.0 * 30.0 * 1e-3
+"""At most, of a stroke of Kajima's valve [J]: 300 V and up to 30 A for up to 1 ms."""
+STROKES = 2.0
+"""Driven strokes of a four-way spool in a period: there and back."""
 SETTLING, AVERAGED = 6, 6
 """Periods before and while means are taken."""
 
@@ -74,6 +78,19 @@ def valves_for(valve: LinearValve, flow: float, drop: float) -> float:
     2.0
     """
     return flow / valve.flow * float(np.sqrt(valve.drop / drop))
+
+
+def actuation_power(valves: float, frequency: float, strokes: float = STROKES) -> float:
+    """Electrical power of valves of Kajima's kind at most [W]: N s f E.
+
+    valves     N, side by side
+    frequency  f, of the pulses [Hz]
+    strokes    s, that are driven in a period; 1 where a spring returns the spool
+
+    >>> actuation_power(2.0, 75.0), actuation_power(2.0, 75.0, 1.0)
+    (2700.0, 1350.0)
+    """
+    return valves * strokes * frequency * STROKE_ENERGY
 
 
 def rotary_drop(stand: Stand) -> float:

@@ -78,7 +78,7 @@ def load_sensing(
         opening = Connection(flow_opening, (flow_valve, f"{LOOP}{suffix}.flow"))
         net.add("flow_valve" + suffix, COMPENSATED_THROTTLE, flow_valve, a="pump_line", b=supply, command=opening)
         add_throttled_valve(net, directional_valve, suffix)
-    _add_pump(net, pump, pump_control, relief_valve, [f"supply{suffix}.pressure" for suffix in rivals])
+    add_following_pump(net, pump, pump_control, relief_valve, [f"supply{suffix}.pressure" for suffix in rivals])
     return net
 
 
@@ -117,7 +117,9 @@ def bleed_off_control(
     return net
 
 
-def _add_pump(net: Network, pump: Pump, control: PumpControl, relief_valve: ReliefValve, loads: list[str]) -> None:
+def add_following_pump(
+    net: Network, pump: Pump, control: PumpControl, relief_valve: ReliefValve, loads: list[str]
+) -> None:
     """A controlled pump that feels the pressures at the paths `loads`, and the relief valve of its line."""
     felt = (loads * len(SUFFIXES))[: len(SUFFIXES)]
     level = Connection(held_level, (control, *felt))

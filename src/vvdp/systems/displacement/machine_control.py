@@ -39,6 +39,7 @@ from vvdp.programs.gerotor_loop import GerotorLoop, WatchedGerotor, watched_gero
 from vvdp.programs.loop_report import ChamberLoopReport, SpoolLoopReport
 from vvdp.programs.spool_encoder import WatchSettings
 from vvdp.sensing.instrument import Instrument, ideal_instrument
+from vvdp.systems.displacement.common_loop import COMMON_LOOP, CommonLoop, common_law
 from vvdp.systems.displacement.cycle import OwnCycle, Triangle, first_direction, points_of, refuse_fast_points
 from vvdp.systems.displacement.inner_loop import LedGerotorPlace, LedPlace, led_gerotor_step, led_step
 from vvdp.systems.displacement.machine_loop import (
@@ -53,6 +54,7 @@ from vvdp.systems.displacement.machine_loop import (
     machine_step,
 )
 from vvdp.systems.displacement.machine_tables import MachineOperation
+from vvdp.systems.displacement.rival_loop import LoopTable
 from vvdp.systems.displacement.stages import MachineSequence
 from vvdp.systems.displacement.supervision import SpoolSpring, Supervised, Supervision
 
@@ -244,9 +246,13 @@ def instruments(table: CylinderSensors) -> dict[str, Instrument]:
     return found
 
 
-def add_outer_loop(net: Network, loop: MachineLoop, sensors: CylinderSensors, paths: MachinePaths) -> None:
-    """Add the program that controls the cylinder. It comes before the axial one, which thus follows it at once; it is
-    told itself what that one said a sample before."""
+def add_outer_loop(
+    net: Network, loop: MachineLoop, sensors: CylinderSensors, paths: MachinePaths, table: LoopTable | None = None
+) -> None:
+    """Add the program that controls the cylinder, by the position loop of a `table` in place of its laws if any.
+
+    It comes before the axial one, which thus follows it at once; it is told itself what that one said a sample before.
+    """
     reads = {
         "time": "t",
         "position": paths.position,
@@ -267,8 +273,8 @@ def add_outer_loop(net: Network, loop: MachineLoop, sensors: CylinderSensors, pa
         reads["chamber_pressure"] = paths.chamber_pressure
     net.program(
         PROGRAM,
-        kind,
-        loop,
+        kind if table is None else COMMON_LOOP,
+        loop if table is None else CommonLoop(machine=loop, law=common_law(loop, table)),
         reads=reads,
         sensors=instruments(sensors),
         period=loop.law.sample_period,

@@ -411,6 +411,17 @@ def machine_step(
     """Program: one sample of the whole machine's outer loop."""
     view = machine_view(memory, place, settings)
     law, demand = controlled_demand(memory, view, settings)
+    return carried_out(memory, view, law, demand, settings)
+
+
+def carried_out(
+    memory: MachineMemory,
+    view: MachineView,
+    law: DisplacementMemory,
+    demand: DisplacementDemand,
+    settings: MachineLoop,
+) -> tuple[MachineMemory, MachineCommand]:
+    """Memory and command after a sample in which a position loop has asked for a `demand`; `law` is its memory."""
     gain = learned_gain(memory, view, demand.direction, settings)
     spool = spool_demand(demand.flow, view, gain.gain, settings)
     after = MachineMemory(

@@ -54,6 +54,7 @@ from vvdp.systems.displacement.machine_control import (
 from vvdp.systems.displacement.machine_extras import MachineExtras
 from vvdp.systems.displacement.machine_loop import SpoolRange
 from vvdp.systems.displacement.machine_tally import add_machine_tally
+from vvdp.systems.displacement.rival_loop import LoopTable
 from vvdp.systems.displacement.stages import MachineSequence
 from vvdp.systems.displacement.supervision import NO_SPRING, SpoolSpring, Supervision
 from vvdp.systems.gerotor_control import control_values, periodic_observer
@@ -89,9 +90,13 @@ class ControlledMachine(OuterTables, MachineHydraulics):
 
 @dataclass(frozen=True, kw_only=True)
 class SpringMachineTables(ControlledMachine, SpoolControlTables, SpringPlant):
-    """The machine under displacement control, its spool moved by a chamber against a spring."""
+    """The machine under displacement control, its spool moved by a chamber against a spring.
+
+    With a `loop` the position loop of the rival circuits leads it in place of the laws of chapter 6.
+    """
 
     passivity: PassivityGains
+    loop: LoopTable | None = None
 
     @property
     def spool_spring(self) -> SpoolSpring:
@@ -133,7 +138,7 @@ def spring_machine(tables: SpringMachineTables) -> Network:
     inner = chamber_loop(control, tables.drive, tables.pilot)
     assert isinstance(inner, PassiveLoop)
     paths = _paths("slide.position", "pilot_chamber.pressure")
-    _add_outer(net, tables, spool, paths, tables.spool_spring)
+    _add_outer(net, tables, spool, paths, tables.spool_spring, tables.loop)
     _add_inner(net, tables, inner, paths)
     return net
 
@@ -182,7 +187,12 @@ def _paths(spool_position: str, chamber_pressure: str = "") -> MachinePaths:
 
 
 def _add_outer(
-    net: Network, tables: ControlledMachine, spool: SpoolRange, paths: MachinePaths, spring: SpoolSpring
+    net: Network,
+    tables: ControlledMachine,
+    spool: SpoolRange,
+    paths: MachinePaths,
+    spring: SpoolSpring,
+    table: LoopTable | None = None,
 ) -> None:
     """Add the program of the outer loop, with what its tables say and believe."""
     own: dict[str, Any] = {field.name: getattr(tables, field.name, None) for field in fields(MachineTables)}
@@ -192,7 +202,7 @@ def _add_outer(
     tank = tables.operation.tank_pressure.extremes[1]
     check_demands(tables, tank)
     loop = machine_loop(outer, geometry, spool, believed_map(tables), tank)
-    add_outer_loop(net, loop, tables.cylinder_sensors, paths)
+    add_outer_loop(net, loop, tables.cylinder_sensors, paths, table)
 
 
 def check_demands(tables: ControlledMachine, tank_pressure: float) -> None:

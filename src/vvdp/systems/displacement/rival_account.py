@@ -5,6 +5,7 @@ Source  ours, docs/circuits-compared.md
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,12 +13,14 @@ import numpy as np
 
 from vvdp.base.arrays import Array, Rows
 from vvdp.base.errors import ParameterError, RunError
+from vvdp.control.reference import ReferenceFilter, reference_at_rest, reference_step
 from vvdp.simulation.balance import balance_between
 from vvdp.simulation.outcome import outcome
 from vvdp.simulation.record import record_of
 from vvdp.simulation.run import Run, simulate
 from vvdp.systems.displacement.cylinder_load import CHAMBERS
 from vvdp.systems.displacement.duties import Duty
+from vvdp.systems.displacement.duty_cycle import DutyCycle, cycle_point
 from vvdp.systems.displacement.rival_circuits import SINKS, RivalCircuit
 from vvdp.systems.displacement.rivals import SUFFIXES
 from vvdp.systems.summary import simulated_summary
@@ -31,6 +34,8 @@ LEAST_STROKE = 0.5
 """Share of a cycle's stroke that a filtered reference goes through at least."""
 LONGEST_START = 8.0
 """Within which control has begun [s]."""
+COMMON_RATE, SAMPLE = 25.0, 1e-3
+"""Poles of the filter behind which errors count [1/s], as shipped in every circuit, and its sample period [s]."""
 RECORD = 1e-3
 """Between two recorded rows [s]."""
 OUTSIDE = (*(f"supplied.load_force{suffix}" for suffix in SUFFIXES), "supplied.tank", "supplied.pilot_tank")
@@ -79,14 +84,17 @@ class CircuitTrace(NamedTuple):
     pressure_b: Array
 
 
-def system_for(circuit: RivalCircuit, duty: Duty, begin: float = 0.0) -> System:
+def system_for(circuit: RivalCircuit, duty: Duty, begin: float = 0.0, rate: float = COMMON_RATE) -> System:
     """A circuit sized for a duty that begins at `begin` [s], to be run for a few rounds, the rod at rest at first.
+
+    rate  of the poles of the filter before its loop [1/s]
 
     Raises ParameterError where it cannot follow.
     """
     system = load_system(circuit.system)
     try:
-        system = system.with_tables({**system.tables, **circuit.size(system.tables, duty, begin, ROUNDS)})
+        own = {**system.tables, "reference": ReferenceFilter(filter_rate=rate)}
+        system = system.with_tables({**own, **circuit.size(own, duty, begin, ROUNDS)})
     except ParameterError as problem:
         raise ParameterError(f"{circuit.name} on {duty.name}: {problem}") from None
     until = begin + ROUNDS * duty.period
@@ -114,11 +122,11 @@ def refuse_unled(circuit: RivalCircuit, system: System, duty: Duty, run: Run) ->
             raise RunError(f"the reference went through {travel} in the last round: control was left")
 
 
-def circuit_score(circuit: RivalCircuit, system: System, run: Run, begin: float = 0.0) -> CircuitScore:
-    """The score of a run that came to its end, controlled from `begin` [s] on."""
+def circuit_score(circuit: RivalCircuit, system: System, run: Run, duty: Duty, begin: float = 0.0) -> CircuitScore:
+    """The score of a run on a duty that came to its end, controlled from `begin` [s] on."""
     found = simulated_summary(outcome(run), system)
     since = run.times - begin
-    error = np.max([_error(circuit, run, suffix) for suffix in _suffixes(run)], axis=0)
+    errors = [_error(run, suffix, each, since) for suffix, each in zip(SUFFIXES, duty.alone, strict=False)]
     early, late = (since >= 0.0) & (since < SETTLED), since >= SETTLED
     last = np.flatnonzero(run.times >= system.average_from - 0.5 * RECORD)
     books = _books(run)
@@ -129,9 +137,9 @@ def circuit_score(circuit: RivalCircuit, system: System, run: Run, begin: float 
     lines = ["line", "pump_line", *("supply" + suffix for suffix in SUFFIXES)]
     highest = [float(found[key]) for name in (*chambers, *lines) if (key := f"pressure_max_{name}_Pa") in found]
     return CircuitScore(
-        tracking_max=float(np.max(error[late])),
-        tracking_rms=float(np.sqrt(np.mean(error[late] ** 2))),
-        tracking_first=float(np.max(error[early])),
+        tracking_max=max(float(np.max(each[late])) for each in errors),
+        tracking_rms=max(float(np.sqrt(np.mean(each[late] ** 2))) for each in errors),
+        tracking_first=max(float(np.max(each[early])) for each in errors),
         drawn=drawn,
         returned=returned,
         delivered=float(delivered),
@@ -165,11 +173,31 @@ def _suffixes(run: Run) -> tuple[str, ...]:
     return tuple(suffix for suffix in SUFFIXES if hasattr(run.state, f"rod{suffix}"))
 
 
-def _error(circuit: RivalCircuit, run: Run, suffix: str) -> Array:
-    """How far a rod is from its reference [m]."""
-    position = getattr(run.state, f"rod{suffix}").position
-    error: Array = np.abs(position - getattr(run.command, circuit.program + suffix).reference)
+def _error(run: Run, suffix: str, duty: Duty, since: Array) -> Array:
+    """How far a rod is from the common reference [m], at times `since` control began [s]."""
+    error: Array = np.abs(getattr(run.state, f"rod{suffix}").position - common_reference(duty.cycle, since))
     return error
+
+
+def common_reference(cycle: DutyCycle, times: Array) -> Array:
+    """What all circuits are to follow on a cycle, shape (n,) [m]: its points behind the common filter.
+
+    times  since control began, which the reference begins at rest [s]
+    """
+    samples = np.clip(np.floor(times / SAMPLE + 1e-6).astype(int), 0, None)
+    found: Array = filtered_cycle(cycle, int(samples[-1]) + 1)[samples]
+    return found
+
+
+@lru_cache(maxsize=8)
+def filtered_cycle(cycle: DutyCycle, count: int) -> Array:
+    """The first `count` samples of a cycle behind the common filter [m]."""
+    poles, reference = ReferenceFilter(filter_rate=COMMON_RATE), reference_at_rest(cycle.positions[0])
+    found = [reference.position]
+    for sample in range(1, count):
+        reference = reference_step(reference, cycle_point(sample * SAMPLE, cycle).position, SAMPLE, poles)
+        found.append(reference.position)
+    return np.array(found)
 
 
 def _books(run: Run) -> dict[str, Array]:
@@ -213,14 +241,14 @@ def _rod_powers(system: System, run: Run, rows: Rows, suffix: str) -> tuple[floa
     return pushing / lasts, driven / lasts
 
 
-def circuit_trace(circuit: RivalCircuit, system: System, run: Run) -> CircuitTrace:
-    """The last round of a run."""
+def circuit_trace(system: System, run: Run, duty: Duty, begin: float) -> CircuitTrace:
+    """The last round of a run on a duty that was controlled from `begin` [s] on."""
     rows = np.flatnonzero(run.times >= system.average_from)
     thin = rows[:: max(1, rows.size // MOST_POINTS)]
     reference, state = system.tables["oil"].reference_pressure, run.state
     return CircuitTrace(
         time=run.times[thin] - system.average_from,
-        reference=getattr(run.command, circuit.program).reference[thin],
+        reference=common_reference(duty.cycle, run.times - begin)[thin],
         position=state.rod.position[thin],
         pressure_a=state.chamber_a[thin] - reference,
         pressure_b=state.chamber_b[thin] - reference,

@@ -1,11 +1,13 @@
 """The circuits that are compared: a system, how it is sized for a duty, and where its powers are read."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, NamedTuple
 
 from vvdp.base.errors import ConfigError, Fault
+from vvdp.hydraulics.flow_control_unit import code_count
 from vvdp.simulation.run import Run
 from vvdp.systems.displacement.cylinder_load import LOW_SIDE, InitialCylinder, start_at_rest
 from vvdp.systems.displacement.duties import Duty
@@ -15,6 +17,7 @@ from vvdp.systems.displacement.rival_machine import (
     size_following_machine,
     size_machine,
     size_other_valve,
+    size_published_machine,
     size_slow_machine,
 )
 from vvdp.systems.displacement.rivals import LOOP
@@ -94,11 +97,32 @@ def _size_one_way(tables: Tables, duty: Duty) -> Tables:
 
 
 def _size_load_sensing(tables: Tables, duty: Duty) -> Tables:
+    """A controlled pump, and a throttle in the return."""
+    return {**_size_one_way(tables, duty), **_size_controlled_pump(tables, duty)}
+
+
+def _size_controlled_pump(tables: Tables, duty: Duty) -> Tables:
     """The pump's pressure ends where relief valves of others open; its own one opens 20 bar above."""
     highest = tables["oil"].reference_pressure + duty.relief_pressure
     relief = replace(tables["relief_valve"], cracking_pressure=highest + SAFETY)
     control = replace(tables["pump_control"], highest_pressure=highest)
-    return {**_size_one_way(tables, duty), "relief_valve": relief, "pump_control": control, **_further(duty)}
+    return {"relief_valve": relief, "pump_control": control, **_further(duty)}
+
+
+def _size_independent_valves(tables: Tables, duty: Duty) -> Tables:
+    """The valves out of the chambers are as large as the meter-out throttle of other circuits."""
+    valve = replace(tables["return_valve"], conductance=duty.return_conductance)
+    start = start_of(tables, duty, tables["oil"].reference_pressure + LOW_SIDE)
+    return {**_size_controlled_pump(tables, duty), "return_valve": valve, "initial": start}
+
+
+def _size_independent_units(tables: Tables, duty: Duty) -> Tables:
+    """The units out of the chambers are as large with all their valves open."""
+    unit = tables["return_unit"]
+    smallest = duty.return_conductance / (code_count(unit.parts) - 1)
+    start = start_of(tables, duty, tables["oil"].reference_pressure + LOW_SIDE)
+    unit = replace(unit, rated_flow=smallest * math.sqrt(unit.rated_drop))
+    return {**_size_controlled_pump(tables, duty), "return_unit": unit, "initial": start}
 
 
 def _size_constant_pressure(tables: Tables, duty: Duty) -> Tables:
@@ -205,6 +229,15 @@ CIRCUITS = (
         begin=control_begin,
     ),
     RivalCircuit(
+        name="vvdp-chapter-6",
+        title="the whole machine as published: flow and meter-out throttle by the laws of chapter 6",
+        system="displacement-control",
+        size=size_published_machine,
+        sinks=MACHINE_SINKS,
+        program=PROGRAM,
+        begin=control_begin,
+    ),
+    RivalCircuit(
         name="throttle",
         title="fixed pump of 40 lpm, relief valve, 4/3 proportional valve",
         system="throttle-control",
@@ -247,8 +280,36 @@ CIRCUITS = (
         shares=True,
     ),
     RivalCircuit(
+        name="independent-valves",
+        title="variable pump 10 bar above the highest load, four proportional valves at each cylinder",
+        system="independent-valves",
+        size=_at_once(_size_independent_valves),
+        sinks={
+            RELIEF: ("relief_valve",),
+            METERING: ("supply_valve_a", "supply_valve_b"),
+            RETURN: ("return_valve_a", "return_valve_b"),
+            LEAKAGE: PUMP_LEAKAGE,
+            PUMP_FRICTION: ("pump.friction",),
+        },
+        shares=True,
+    ),
+    RivalCircuit(
+        name="independent-units",
+        title="the same with four digital flow control units of five on/off valves at each cylinder",
+        system="independent-units",
+        size=_at_once(_size_independent_units),
+        sinks={
+            RELIEF: ("relief_valve",),
+            METERING: tuple(f"supply_{side}_{number}" for side in "ab" for number in range(1, 6)),
+            RETURN: tuple(f"return_{side}_{number}" for side in "ab" for number in range(1, 6)),
+            LEAKAGE: PUMP_LEAKAGE,
+            PUMP_FRICTION: ("pump.friction",),
+        },
+        shares=True,
+    ),
+    RivalCircuit(
         name="flow-control-unit",
-        title="fixed pump of 40 lpm, relief valve, five on/off valves in parallel, directional valve",
+        title="fixed pump of 40 lpm, relief valve, one unit of five on/off valves that meters in, directional valve",
         system="flow-control-unit",
         size=_at_once(_size_one_way),
         sinks={

@@ -65,15 +65,13 @@ class LoopTable(Params):
                 raise ParameterError(f"LoopTable.{name}: 0; expected more than zero")
 
 
-class RivalLoop(Params):
-    """What a position loop works with: the cycle, the plant as it knows it, and its table.
+class PositionLaw(Params):
+    """What a position loop knows of its plant, and its table.
 
     `valve_conductance` is that of an edge of the valve that moves the cylinder, or of the throttle in its return;
-    `largest_flow` what the pump can give; `bleed_conductance` that of a throttle from the supply to the tank.
+    `largest_flow` what the pump can give.
     """
 
-    cycle: DutyCycle
-    reference: ReferenceFilter
     table: LoopTable
     position_gain: Rate
     area_a: Area
@@ -81,6 +79,14 @@ class RivalLoop(Params):
     reference_pressure: Pressure
     largest_flow: Flow
     valve_conductance: Conductance = FEWEST
+
+
+class RivalLoop(PositionLaw):
+    """What a position loop works with: its law, the cycle with its reference, and the conductance of a throttle from
+    the supply to the tank."""
+
+    cycle: DutyCycle
+    reference: ReferenceFilter
     bleed_conductance: Conductance = FEWEST
 
 
@@ -178,7 +184,7 @@ def throttle_opening(velocity: float, force: float, supply: float, loop: RivalLo
     return float(clip(velocity / loop.valve_conductance * np.sqrt(cubes / left), -1.0, 1.0))
 
 
-def return_opening(velocity: float, force: float, loop: RivalLoop) -> float:
+def return_opening(velocity: float, force: float, loop: PositionLaw) -> float:
     """How far a throttle in the return opens so that the supply side keeps its level [1].
 
     The return may rise to P_r = (P_s A_s - F)/A_r, F in the direction of the velocity: u = A_r v/(K root(P_r)).
@@ -217,7 +223,7 @@ def next_memory(t: float, memory: LoopMemory, seen: CylinderReading, loop: Rival
     return LoopMemory(reference, pressures, memory.joint)
 
 
-def wanted_motion(memory: LoopMemory, position: float, loop: RivalLoop) -> Wanted:
+def wanted_motion(memory: LoopMemory, position: float, loop: PositionLaw) -> Wanted:
     """The velocity that the position error asks for, and the oil's force as the filtered pressures tell it.
 
     position  of the rod [m]
@@ -266,15 +272,32 @@ def one_way_step(
 ) -> tuple[LoopMemory, CylinderCommand]:
     """Program: a pump that gives flow one way only, a directional valve for the sign, a throttle in the return."""
     kept = next_memory(t, memory, seen, settings)
-    wanted = wanted_motion(kept, seen.position, settings)
-    side = kept.joint.wanted
+    found = one_way_actuation(kept, seen.position, settings)
+    joined = LoopMemory(kept.reference, kept.pressures, Joint(found.side, found.side))
+    return joined, cylinder_command(t, joined, settings, flow=found.flow, valve=found.side, opening=found.opening)
+
+
+class OneWay(NamedTuple):
+    """What moves a cylinder whose pump gives flow one way: the `side` of its directional valve, 1 to extend, the flow
+    to it, and the opening of the throttle in its return."""
+
+    side: SignedFraction
+    flow: Flow
+    opening: Fraction
+
+
+def one_way_actuation(memory: LoopMemory, position: float, loop: PositionLaw) -> OneWay:
+    """Side, flow and opening for the velocity that the position error asks for; the side stays while that is small.
+
+    position  of the rod [m]
+    """
+    wanted = wanted_motion(memory, position, loop)
+    side = memory.joint.wanted
     if abs(wanted.velocity) > SLOW:
         side = 1.0 if wanted.velocity > 0.0 else -1.0
     speed = max(side * wanted.velocity, 0.0)
-    flow = min((settings.area_a if side > 0.0 else settings.area_b) * speed, settings.largest_flow)
-    opening = return_opening(side * max(speed, SLOW), wanted.force, settings)
-    joined = LoopMemory(kept.reference, kept.pressures, Joint(side, side))
-    return joined, cylinder_command(t, joined, settings, flow=flow, valve=side, opening=opening)
+    flow = min((loop.area_a if side > 0.0 else loop.area_b) * speed, loop.largest_flow)
+    return OneWay(side, flow, return_opening(side * max(speed, SLOW), wanted.force, loop))
 
 
 def bleed_opening(flow: float, supply: float, loop: RivalLoop) -> float:

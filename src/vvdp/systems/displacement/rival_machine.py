@@ -15,6 +15,7 @@ from vvdp.systems.displacement.duties import Duty
 from vvdp.systems.displacement.duty_cycle import cycle_period, resting_pressures
 from vvdp.systems.displacement.machine_loop import PROGRAM
 from vvdp.systems.displacement.stages import CONTROL
+from vvdp.systems.system import load_system
 from vvdp.valve.rotary import RotaryValve
 
 LOW_SIDE = 3e5
@@ -23,6 +24,9 @@ LEAST_BOUND, BELOW_RELIEF = 50e5, 10e5
 """Upper bound of the chambers' pressures at least, gauge, and how far below the relief valve it else is [Pa]."""
 SLOW_SPEED, SLOW_FLOW = 1200.0 * np.pi / 30.0, 40.0 / 60e3 * 1200.0 / 1800.0
 """A pump speed at which the valve still spins itself, at 30 Hz, and what the pump gives then [rad/s, m^3/s]."""
+
+RIVAL = "ideal-pump-control"
+"""The system whose position loop leads the machine."""
 
 MARGIN, LEAST_SETTING = 20e5, 30e5
 """Of a relief valve that follows the line: above its pressure, and gauge at least [Pa]."""
@@ -40,7 +44,12 @@ def control_begin(run: Run) -> float:
 
 
 def size_machine(tables: Tables, duty: Duty, begin: float, rounds: int) -> Tables:
-    """The tables of the whole machine for a duty that begins with control at `begin` [s].
+    """The tables of the whole machine, led by the position loop of its rivals; else as `size_published_machine`."""
+    return {**size_published_machine(tables, duty, begin, rounds), "loop": load_system(RIVAL).tables["loop"]}
+
+
+def size_published_machine(tables: Tables, duty: Duty, begin: float, rounds: int) -> Tables:
+    """The tables of the whole machine with its own laws for a duty that begins with control at `begin` [s].
 
     It is not supervised: the limits of its supervision are those of the shipped cycle.
     """
