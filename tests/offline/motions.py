@@ -234,9 +234,16 @@ class Score:
     speed_rms: float
 
 
+def weighted_median(values, weights):
+    order = np.argsort(values)
+    share = np.cumsum(weights[order]) / np.sum(weights)
+    return values[order][np.searchsorted(share, 0.5)]
+
+
 def score(record, rows):
     """Errors of `rows` (time, piece, angle, speed and their deviations) after the first two turns; of each piece, and
-    of each side of a break, the median of the angle's error is taken off, for a wheel without an index has no zero."""
+    of each side of a break, the median of the angle's error is taken off, for a wheel without an index has no zero. The
+    rows that are known best settle it."""
     t = rows["time"]
     begin = record.edges[min(2 * record.sectors, record.edges.size - 1)]
     used = np.isfinite(rows["speed"]) & (t > begin) & (t < record.edges[-1])
@@ -245,7 +252,7 @@ def score(record, rows):
     parts = rows["piece"] * (1 + len(record.breaks)) + np.searchsorted(record.breaks, t)
     for part in np.unique(parts[used]):
         own = used & (parts == part)
-        angle[own] -= np.median(angle[own])
+        angle[own] -= weighted_median(angle[own], 1.0 / rows["angle_deviation"][own] ** 2)
     speed_z = speed[used] / rows["speed_deviation"][used]
     angle_z = angle[used] / rows["angle_deviation"][used]
     far = (np.abs(speed_z) > 4.0) & (np.abs(speed[used]) > 0.3 * record.pace)
