@@ -35,8 +35,8 @@ def wander(count, seed):
 
 @pytest.mark.parametrize("taken", [Noise(0.25, 3.47e-3), NOISE, Noise(5e4, 4e-4)])
 def test_the_mean_square_of_any_estimate_follows_from_the_smoothed_course(taken):
-    """E (x - x_f)^2 = P + E (x_s - x_f)^2 for a filter that is too slow, right, and too quick; 20000 edges, of which one
-    in the time constant of 2 to 60 is independent."""
+    """E (x - x_f)^2 = P + E (x_s - x_f)^2 for a filter that is too slow, right, and too quick; of 20000 edges one in
+    the time constant of 2 to 60 is independent."""
     times, angles, speeds, seen = wander(20_000, 3)
     start = AngleSpeed(seen[0], SPEED, 1.0, 0.0, 100.0)
     variances = np.full(times.size, taken.edge_variance)
@@ -82,7 +82,7 @@ def test_a_row_far_off_counts_by_itself_and_for_those_around():
 
 
 def test_an_edge_beyond_four_standard_deviations_begins_anew_by_hand():
-    """The third edge has S = 6 R + 2/3 q h^3 = 2.43e-3 rad^2, 0.0493 rad: 0.19 rad late is within four of it, 0.2 not."""
+    """The third edge has S = 6 R + 2/3 q h^3 = 2.43e-3 rad^2, 0.0493 rad: 0.19 rad is within four of it, 0.2 not."""
     h = 0.01
     for late, here in ((0.19, 0.0), (0.2, 1.0)):
         memory = passage_start()
