@@ -15,6 +15,7 @@ from vvdp.numerics.kalman import AngleSpeed
 from vvdp.offline.edges import Chosen
 from vvdp.offline.likelihood import SELDOM, SILENT
 from vvdp.offline.passage import Noise, Passage, passage_start, restarting_step
+from vvdp.offline.sums import STANDING
 from vvdp.offline.turn_pattern import SpeedRipple
 
 AROUND = 8
@@ -87,27 +88,27 @@ def _smoothed(edges: Array, noise: Noise, run: Run) -> Smoothed:
 
 
 def squared_errors(rows: dict[str, Array], course: Course, run: Run) -> tuple[Chosen, dict[str, Array]]:
-    """Which of the `rows` (columns time, angle, speed) lie where the course is known, and of these the mean squared
-    errors of the angle [rad^2] and of the speed [rad^2/s^2].
+    """Which of the `rows` (columns time, angle, speed, standstill) move where the course is known, and of these the
+    mean squared errors of the angle [rad^2] and of the speed [rad^2/s^2]; NaN of the others.
 
     An estimate x made of the same edges has E (x_true - x)^2 = P + (x_s - x)^2, x_s the smoothed value and P its
     variance: the error of x_s is independent of all that the edges say. Its mean is that of the rows around.
     """
     times = course.smoothed.times
     place = np.searchsorted(times, rows["time"], side="right") - 1
-    chosen = (place >= 0) & (place < times.size - 1) & np.isfinite(rows["speed"])
+    chosen = (place >= 0) & (place < times.size - 1) & np.isfinite(rows["speed"]) & (rows["standstill"] < STANDING)
     chosen[chosen] = course.known[place[chosen]]
+    found = {name: np.full(chosen.size, np.nan) for name in ("angle", "speed")}
     if not np.any(chosen):
-        return chosen, {"angle": np.empty(0), "speed": np.empty(0)}
+        return chosen, found
     place = place[chosen]
-    first, last = int(np.min(place)), int(np.max(place)) + 2
+    first, last = int(place[0]), int(place[-1]) + 2
     motion = smoothed_at(rows["time"][chosen], _part(course.smoothed, first, last), run)
     motion = motion if course.ripple is None else course.ripple.motion(motion)
-    place -= first
-    return chosen, {
-        "angle": _around(place, (rows["angle"][chosen] - motion.angle) ** 2 + motion.angle_variance),
-        "speed": _around(place, (rows["speed"][chosen] - motion.speed) ** 2 + motion.speed_variance),
-    }
+    seen = {"angle": (motion.angle, motion.angle_variance), "speed": (motion.speed, motion.speed_variance)}
+    for name, (true, variance) in seen.items():
+        found[name][chosen] = _around(place - first, (rows[name][chosen] - true) ** 2 + variance)
+    return chosen, found
 
 
 def _part(whole: Smoothed, first: int, last: int) -> Smoothed:

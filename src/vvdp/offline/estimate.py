@@ -37,7 +37,7 @@ from vvdp.offline.passes import FilteringPass, GatheringPass, pascals
 from vvdp.offline.result import Outcome, estimate_result
 from vvdp.offline.second_pass import SecondPass
 from vvdp.offline.speed_doubt import Doubt, doubt_of
-from vvdp.offline.sums import RowSums, Sums, Tally, edge_sums, row_sums
+from vvdp.offline.sums import RowSums, Sums, Tally, edge_sums, has_rows, row_sums, standstills
 from vvdp.results.result import Result
 from vvdp.results.store import write_result
 from vvdp.sensing.wheel import TURN
@@ -128,13 +128,12 @@ def estimate(
         run.through(lambda done: progress(done / passes))
         with catch_interrupt():  # the second pass heeds Ctrl-C itself; all else is done to the end, in seconds
             store.flush()
-            rows = row_sums(store.file, run.tally.rate)
-            if not rows.count:
+            if not has_rows(store.file):
                 if run.tally.interruptions:
                     raise KeyboardInterrupt
                 raise unusable(log.path, explain_no_result(run.tally, wanted))
             _report_skipped(run)
-            sums = _settle(run, rows)
+            sums = _settle(run)
             if wanted.smooth:
                 _smooth(store, sums, wanted, say, lambda done: progress((1.0 + done) / passes))
                 look_back(store.file, _view(sums.explained, sums.doubt, wanted), "smoothed_")
@@ -145,18 +144,17 @@ def estimate(
             return result
 
 
-def _settle(run: FilteringPass, rows: RowSums) -> Sums:
+def _settle(run: FilteringPass) -> Sums:
     """What the record comes to, all of it known; lost sensors and doubt are written into its rows."""
     file, wanted, tally = run.store.file, run.wanted, run.tally
-    lost = silences(file, rows.standstills, tally.sectors, wanted.largest_deceleration)
+    lost = silences(file, standstills(file, tally.rate), tally.sectors, wanted.largest_deceleration)
     settle_silences(file, lost, wanted.sections, tally.sectors)
     told = _explain(run.store, wanted)
     doubt = _doubt(file, told, wanted, tally)
     look_back(file, _view(told, doubt, wanted))
-    rows = row_sums(file, tally.rate)
     return Sums(
         tally=tally,
-        rows=rows,
+        rows=row_sums(file, tally.rate),
         edges=edge_sums(file, tally.sectors),
         explained=told,
         doubt=doubt,
@@ -165,10 +163,10 @@ def _settle(run: FilteringPass, rows: RowSums) -> Sums:
 
 
 def _doubt(file: Any, told: Explained | None, wanted: Estimation, tally: Tally) -> Doubt:
-    """What the rows leave out: of the speed, and where many edges are missed, of their count."""
-    doubt = doubt_of(told, wanted.filter.ripple_order)
+    """What the rows leave out: of the speed, and of the count of edges."""
     many = tally.missed > SHARE_MISSED * (tally.edges + tally.missed)
-    return doubt.with_count(count_deviation(file), TURN / tally.sectors) if many else doubt
+    miscounted = count_deviation(file, many=many)
+    return doubt_of(told, wanted.filter.ripple_order).with_count(miscounted, TURN / tally.sectors)
 
 
 def _view(told: Explained | None, doubt: Doubt, wanted: Estimation) -> View:

@@ -83,14 +83,14 @@ def seen_afterwards(
 ) -> dict[str, Array]:
     """Variances of `rows` [rad^2/s^2, rad^2]: mean squares of their errors where the course is known, the largest that
     there may be where the speed changed suddenly; without a course their own and what the edges contradict."""
-    own = {name: rows[name] ** 2 for name in _CHANGED}
     if course is None:
-        return {name: own[name] + more for name, more in contradictions(rows, edges, ripple).items()}
+        return {name: rows[name] ** 2 + more for name, more in contradictions(rows, edges, ripple).items()}
     chosen, squares = squared_errors(rows, course, run)
-    found = {name: np.where(chosen, own[name], np.fmax(own[name], most)) for name, most in sudden(rows, edges).items()}
-    moving = rows["standstill"] < STANDING
-    for name, column in squares.items():
-        found[f"{name}_deviation"][chosen & moving] = column[moving[chosen]]
+    found = {f"{name}_deviation": column for name, column in squares.items()}
+    rest = np.flatnonzero(~chosen)
+    others = {name: column[rest] for name, column in rows.items()}
+    for name, most in sudden(others, edges).items():
+        found[name][rest] = np.fmax(others[name] ** 2, most)
     return found
 
 
@@ -116,9 +116,12 @@ def sudden(rows: dict[str, Array], edges: Array) -> dict[str, Array]:
     return {"speed_deviation": speed, "angle_deviation": speed * (rows["time"] - times[here]) ** 2}
 
 
-def count_deviation(file: Any) -> float:
+def count_deviation(file: Any, *, many: bool) -> float:
     """Standard deviation of the number by which edges of an open result.h5 may be counted wrongly [1]: of what the
-    filter counted, less what the times between edges say, about the mean of each piece."""
+    filter counted, less what the times between edges say, about the mean of each piece.
+
+    many  edges are missed; else only those that the filter takes to be missed count
+    """
     squares, count = 0.0, 0
     for first, end in piece_rows(file, "edges/").values():
         time, number = (file[f"edges/{name}"][first:end] for name in ("time", "number"))
@@ -128,7 +131,8 @@ def count_deviation(file: Any) -> float:
             continue
         counted *= np.sign(np.sum(counted))  # backwards numbers fall
         passed = np.fmax(np.round(steps / usual_steps(steps, FAR_NEIGHBOURS)), 1.0)
-        off = np.cumsum(np.where(passed < SILENT, passed - counted, 0.0))
+        judged = (passed < SILENT) & (many | (counted != 1.0))
+        off = np.cumsum(np.where(judged, passed - counted, 0.0))
         squares, count = squares + off.size * float(np.var(off)), count + off.size
     return float(np.sqrt(squares / count)) if count else 0.0
 

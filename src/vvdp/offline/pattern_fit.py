@@ -14,11 +14,11 @@ from vvdp.base.arrays import Array
 from vvdp.offline.likelihood import Fit, Likelihood, fit
 from vvdp.offline.passage import Noise
 from vvdp.offline.turn_pattern import (
+    ORDERS,
     Candidate,
     SpeedRipple,
     candidates,
     chance_of,
-    is_likely,
     is_whole,
     ripple_in,
     ripple_patterns,
@@ -105,23 +105,34 @@ def find_pattern(likelihood: Likelihood, plain: Fit, sections: int) -> Pattern:
             learnt=sectors - 1,
             candidates=alike,
         )
-    if not is_whole(sections, sectors) or not is_likely(seen := likeliest_ripple(likelihood, plain.noise, sections)):
+    alone = _ripple_alone(likelihood, plain.noise, sections)
+    if alone is None:
         return Pattern(None, nothing, None, nothing, 0)
-    if foretold_gain(likelihood, plain.noise, sections) > 0.0:
+    order = alone.ripple.order
+    if foretold_gain(likelihood, plain.noise, order) > 0.0:
         placed, offsets = fit_by_turns(
-            likelihood, plain, lambda noise: likeliest_ripple(likelihood, noise, sections).offsets(angles)
+            likelihood, plain, lambda noise: likeliest_ripple(likelihood, noise, order).offsets(angles)
         )
-        alike = _candidates(likelihood, placed, offsets, sections)
         return Pattern(
             wheel=placed,
             offsets=offsets,
-            ripple=likeliest_ripple(likelihood, placed.noise, sections),
+            ripple=likeliest_ripple(likelihood, placed.noise, order),
             own_offsets=nothing,
             learnt=2,
-            candidates=alike,
+            candidates=_candidates(likelihood, placed, offsets, order),
         )
-    doubtful = (Candidate(seen, chance_of(seen)),)
-    return Pattern(None, nothing, None, nothing, 0, candidates=doubtful)
+    return Pattern(None, nothing, None, nothing, 0, candidates=(alone,))
+
+
+def _ripple_alone(likelihood: Likelihood, noise: Noise, sections: int) -> Candidate | None:
+    """The likeliest ripple of a wheel whose edges lie as described, if it is likelier than none: a spool is expected to
+    have one at its sections, and once in as many spools one of another order."""
+    orders = [order for order in dict.fromkeys((sections, *ORDERS)) if is_whole(order, likelihood.sectors)]
+    seen = [likeliest_ripple(likelihood, noise, order) for order in orders]
+    others = 1.0 / max(len(orders) - 1, 1)
+    found = [Candidate(each, chance_of(each, 1.0 if each.order == sections else others)) for each in seen]
+    likeliest = max(found, key=lambda each: each.chance, default=None)
+    return likeliest if likeliest is not None and likeliest.chance > 0.5 else None
 
 
 def _candidates(likelihood: Likelihood, placed: Fit, offsets: Array, first: int) -> tuple[Candidate, ...]:
