@@ -22,20 +22,7 @@ MISSED = 0.4
 """Largest share of missed edges in a record."""
 SELDOM = 1e-3
 """Chance by which a sound record may have more of what is bounded."""
-CAUTIOUS = {
-    "uneven": "a ripple may be hidden in the offsets, and none is",
-    "walk": "the settings in use are taken as they are where they are only off a little",
-    "swing": "the same",
-    "step": "the fit takes the step for noise",
-    "stop": "the fit takes the stop for noise",
-    "creep": "the fit takes the halt for noise",
-    "reversal": "the fit takes the turn for noise",
-    "start": "the fit takes the start for noise",
-    "ripple": "orders that fit alike are reckoned with",
-    "ripple, uneven": "the same",
-    "missed": "the count may be wrong, and mostly is not",
-    "dropout": "whether the sensor is lost cannot be known",
-}
+CAUTIOUS = {"uneven": "a ripple may be hidden in the offsets, and none is"}
 """Classes that may state more than they are off, with the reason."""
 NAMES = {
     "uneven": "uneven sectors",
