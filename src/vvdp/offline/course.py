@@ -45,7 +45,7 @@ class Course(NamedTuple):
     known: Chosen
     ripple: SpeedRipple | None
 
-    def stopped(self) -> "Course":
+    def before_stop(self) -> "Course":
         """The same of a piece after whose last edge the spool stands."""
         return self._replace(known=np.append(self.known[:-1], False))
 
@@ -67,7 +67,7 @@ def course_of(edges: Array, sectors: Array, why: Explanation, run: Run) -> Cours
     if np.mean(begins & ~silent) > SELDOM:
         return None
     seen = np.array([times, angles, sampled + why.noise.edge_variance])
-    parts = [_smoothed(part, why.noise, run) for part in np.split(seen, np.flatnonzero(begins)[1:], axis=1)]
+    parts = [_smooth(part, why.noise, run) for part in np.split(seen, np.flatnonzero(begins)[1:], axis=1)]
     beliefs = Beliefs(*(np.concatenate(column) for column in zip(*(each.beliefs for each in parts), strict=True)))
     gap = np.zeros((1, 2, 2))
     lagged = np.concatenate([lag for each in parts for lag in (each.lagged, gap)])[:-1]
@@ -75,7 +75,7 @@ def course_of(edges: Array, sectors: Array, why: Explanation, run: Run) -> Cours
     return Course(Smoothed(times, beliefs, lagged, why.noise.acceleration_density), known, why.ripple)
 
 
-def _smoothed(edges: Array, noise: Noise, run: Run) -> Smoothed:
+def _smooth(edges: Array, noise: Noise, run: Run) -> Smoothed:
     """Edges without a sudden change of the speed; of one alone nothing is used."""
     times, angles, variances = edges
     q = noise.acceleration_density

@@ -55,13 +55,13 @@ def look_back(file: Any, view: View, prefix: str = "") -> None:
         if edges.shape[1] > 1 and file["standstill"][after - 1] > STANDING:
             stands = [[file["time"][after - 1]], [edges[1, -1] + 0.5 * view.pitch], [view.pitch**2 / 12.0]]
             edges = np.append(edges, stands, axis=1)
-            course = None if course is None else course.stopped()
+            course = None if course is None else course.before_stop()
         for start in range(begin, after, ROWS):
             part = slice(start, min(start + ROWS, after))
             shown = {name: file[name][part] for name in ("time", "standstill")}
             shown |= {name: file[f"{prefix}{name}"][part] for name in ("angle", "speed", *_CHANGED)}
             found = seen_afterwards(shown, edges, course, view.ripple, run)
-            for name, column in view.doubt.added(found, shown["speed"], shown["standstill"] > STANDING).items():
+            for name, column in view.doubt.add_to(found, shown["speed"], shown["standstill"] > STANDING).items():
                 file[f"{prefix}{name}"][part] = np.sqrt(column)
 
 

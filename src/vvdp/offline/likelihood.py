@@ -85,7 +85,7 @@ class Likelihood:
         first: Chosen = run(passage_start(), self._rows, noise).shown[:, 0] > 0.0
         if not 0.0 < np.mean(first & ~self._first) < SELDOM:
             return None
-        return self._changed(_first=first, _durations=np.where(first, 0.0, self._durations))
+        return self._with(_first=first, _durations=np.where(first, 0.0, self._durations))
 
     def surprises(self, noise: Noise, angles: Array | None = None) -> tuple[Array, Array]:
         """Innovations [rad] and their variances, of the edges that have them."""
@@ -136,9 +136,9 @@ class Likelihood:
         """The same edges on a wheel whose edges lie `offsets` [rad] further on; their count is the period."""
         moved = self.passed._replace(angles=self.passed.angles + offsets[self._places(offsets.size)])
         learnt = float(np.mean(offsets**2)) / (moved.times.size - offsets.size + 1)
-        return self._changed(passed=moved, _learnt=learnt)
+        return self._with(passed=moved, _learnt=learnt)
 
-    def _changed(self, **values: Any) -> "Likelihood":
+    def _with(self, **values: Any) -> "Likelihood":
         changed = object.__new__(Likelihood)
         changed.__dict__ |= self.__dict__ | values
         changed._rows = changed._rows_of(changed.passed.angles)
@@ -157,9 +157,9 @@ class Likelihood:
     def white(self, noise: Noise, period: int) -> tuple[Array, Array]:
         """Innovations over their deviations [1], and by how much each of them grows with the place of each edge, after
         `period` the first again [1/rad]; one row for each edge that has an innovation."""
-        return self.whitened(noise, (self._places(period)[:, None] == np.arange(period)).astype(float))
+        return self.white_patterns(noise, (self._places(period)[:, None] == np.arange(period)).astype(float))
 
-    def whitened(self, noise: Noise, patterns: Array) -> tuple[Array, Array]:
+    def white_patterns(self, noise: Noise, patterns: Array) -> tuple[Array, Array]:
         """The same of any patterns of the angles, shape (edges, m)."""
         nu, S = self.surprises(noise)
         root = np.sqrt(S)

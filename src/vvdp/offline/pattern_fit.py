@@ -50,7 +50,7 @@ def likeliest_offsets(likelihood: Likelihood, noise: Noise, period: int) -> Arra
 
 def likeliest_ripple(likelihood: Likelihood, noise: Noise, order: int) -> SpeedRipple:
     """The likeliest ripple of this order on the wheel as it is, by the same least squares."""
-    nu, responses = likelihood.whitened(noise, ripple_patterns(likelihood.passed.angles, order))
+    nu, responses = likelihood.white_patterns(noise, ripple_patterns(likelihood.passed.angles, order))
     covariance = np.linalg.inv(responses.T @ responses)
     cosine, sine = (-covariance @ responses.T @ nu).tolist()
     return SpeedRipple(order, cosine, sine, float(np.sqrt(np.mean(np.diag(covariance)))))
@@ -62,7 +62,7 @@ def foretold_gain(likelihood: Likelihood, noise: Noise, order: int) -> float:
 
     Source  dawid1984; docs/logs.md
     """
-    z, patterns = likelihood.whitened(noise, ripple_patterns(likelihood.passed.angles, order))
+    z, patterns = likelihood.white_patterns(noise, ripple_patterns(likelihood.passed.angles, order))
     information, score, gain = np.zeros((2, 2)), np.zeros(2), 0.0
     for part in np.array_split(np.arange(z.size), FORETOLD_PARTS):
         told = z[part] - patterns[part] @ np.linalg.pinv(information, hermitian=True) @ score
@@ -143,6 +143,7 @@ def _candidates(likelihood: Likelihood, placed: Fit, offsets: Array, first: int)
 
 
 def has_turns(likelihood: Likelihood, period: int) -> bool:
+    """Whether a log has turns enough to place the edges of a wheel with so many."""
     return 2 <= period <= MOST_PLACES and likelihood.passed.times.size >= TURNS_OF_A_WHEEL * period
 
 

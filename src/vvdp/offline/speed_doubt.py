@@ -34,7 +34,7 @@ class Doubt(NamedTuple):
         """Standard deviation at a speed [rad/s]."""
         return np.sqrt(self.speed_ratio) * np.abs(speed)
 
-    def added(self, variances: dict[str, Array], speed: Array, standing: Chosen) -> dict[str, Array]:
+    def add_to(self, variances: dict[str, Array], speed: Array, standing: Chosen) -> dict[str, Array]:
         """The variances of rows with this one, `speed_deviation` [rad^2/s^2] and `angle_deviation` [rad^2]; a speed
         that is zero has none of it."""
         turned = np.where(standing, 0.0, speed)
