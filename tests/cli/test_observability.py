@@ -56,6 +56,14 @@ def test_a_stiff_spring_is_not_refused_for_what_the_supply_reaches(vvdp, here):
     assert found["natural_frequency_Hz"] == pytest.approx(21.35, abs=0.01)
 
 
+@pytest.mark.parametrize("system", ["vvdp-duty-control", "displacement-control"])
+def test_a_weak_supply_is_no_matter_of_sight(vvdp, here, system):
+    """5 bar do not hold the spool anywhere; where the sensor sees does not depend on that."""
+    weak = numbers(vvdp, system, "--speed", "22.5 rev/s", "--set", "pilot.supply_pressure=5 bar")
+    own = numbers(vvdp, system, "--speed", "22.5 rev/s")
+    assert weak["observability_margin"] == pytest.approx(own["observability_margin"], rel=1e-9)
+
+
 def test_windows_are_those_about_the_lost_speeds(vvdp, here):
     """Below 0.01 from 10.25 to 13.01 rev/s about the first, and within it below 0.001; nothing missed in between."""
     found = numbers(vvdp, "axial-chamber")

@@ -31,6 +31,8 @@ class Record:
     order: int = 0
     breaks: tuple[float, ...] = ()
     """Times [s] in which edges do not tell how far the wheel turned."""
+    traceless: bool = False
+    """Whether the edges around a break may lie as if there were none."""
 
 
 class Draw:
@@ -149,7 +151,7 @@ def reversal(draw):
     t, at, hard = draw.times, draw.between(0.45, 0.55) * draw.duration, draw.between(*STOPPING)
     found = draw.record("reversal", ramp(t, at, at + 2.0 * draw.pace / hard, draw.pace, -draw.pace))
     found.angles = found.angles[0] + np.concatenate([[0.0], np.cumsum(np.abs(np.diff(found.angles)))])
-    found.speeds, found.breaks = np.abs(found.speeds), (at + draw.pace / hard,)
+    found.speeds, found.breaks, found.traceless = np.abs(found.speeds), (at + draw.pace / hard,), True
     return found
 
 
@@ -221,6 +223,16 @@ def record_of(number):
     return CLASSES[number % len(CLASSES)](Draw(number))
 
 
+def changing(record):
+    """Share of the time in which the speed is about to change by 30 % of the pace before the next edge, or did so since
+    the one before: how it goes within a sector cannot be seen from the edges at both ends. A standstill is none."""
+    place = np.searchsorted(record.edges, record.times)
+    begins = np.flatnonzero(np.diff(place, prepend=-1))
+    swing = np.fmax.reduceat(record.speeds, begins) - np.fmin.reduceat(record.speeds, begins)
+    wide = np.repeat(swing > 0.3 * record.pace, np.diff(np.append(begins, place.size)))
+    return float(np.mean(wide & (record.speeds > 0.0)))
+
+
 @dataclass
 class Score:
     """How an estimate compares: share of rows within two stated deviations, mean square of errors over these, and the
@@ -234,9 +246,16 @@ class Score:
     speed_rms: float
 
 
+def weighted_median(values, weights):
+    order = np.argsort(values)
+    share = np.cumsum(weights[order]) / np.sum(weights)
+    return values[order][np.searchsorted(share, 0.5)]
+
+
 def score(record, rows):
     """Errors of `rows` (time, piece, angle, speed and their deviations) after the first two turns; of each piece, and
-    of each side of a break, the median of the angle's error is taken off, for a wheel without an index has no zero."""
+    of each side of a break, the median of the angle's error is taken off, for a wheel without an index has no zero. The
+    rows that are known best settle it. The sector of a turn that leaves no trace counts only for `confident`."""
     t = rows["time"]
     begin = record.edges[min(2 * record.sectors, record.edges.size - 1)]
     used = np.isfinite(rows["speed"]) & (t > begin) & (t < record.edges[-1])
@@ -245,11 +264,15 @@ def score(record, rows):
     parts = rows["piece"] * (1 + len(record.breaks)) + np.searchsorted(record.breaks, t)
     for part in np.unique(parts[used]):
         own = used & (parts == part)
-        angle[own] -= np.median(angle[own])
-    speed_z = speed[used] / rows["speed_deviation"][used]
-    angle_z = angle[used] / rows["angle_deviation"][used]
-    far = (np.abs(speed_z) > 4.0) & (np.abs(speed[used]) > 0.3 * record.pace)
+        angle[own] -= weighted_median(angle[own], 1.0 / rows["angle_deviation"][own] ** 2)
+    speed_z, angle_z = speed / rows["speed_deviation"], angle / rows["angle_deviation"]
+    far = (np.abs(speed_z) > 4.0) & (np.abs(speed) > 0.3 * record.pace)
+    told = used.copy()
+    for time in record.breaks if record.traceless else ():
+        place = int(np.searchsorted(record.edges, time))
+        told &= (t < record.edges[place - 1]) | (t > record.edges[min(place, record.edges.size - 1)])
     return Score(
-        float(np.mean(np.abs(speed_z) < 2.0)), float(np.mean(np.abs(angle_z) < 2.0)), float(np.mean(speed_z**2)),
-        float(np.mean(angle_z**2)), float(np.mean(far)), float(np.sqrt(np.mean(speed[used] ** 2))),
+        float(np.mean(np.abs(speed_z[told]) < 2.0)), float(np.mean(np.abs(angle_z[told]) < 2.0)),
+        float(np.mean(speed_z[told] ** 2)), float(np.mean(angle_z[told] ** 2)), float(np.mean(far[used])),
+        float(np.sqrt(np.mean(speed[used] ** 2))),
     )  # fmt: skip

@@ -4,7 +4,8 @@ import h5py
 import numpy as np
 import pytest
 
-from vvdp.offline.hindsight import contradictions, count_deviation, look_back
+from vvdp.offline.hindsight import View, contradictions, count_deviation, look_back, sudden
+from vvdp.offline.speed_doubt import NO_DOUBT, Doubt
 
 TURN = 2.0 * np.pi
 PITCH, SPEED = TURN / 8, 157.0
@@ -55,6 +56,8 @@ def kept_file(path, times, numbers, rows):
     with h5py.File(path, "w") as file:
         ones = np.ones(len(times))
         columns = {"time": times, "number": numbers, "angle": PITCH * np.asarray(numbers), "variance": 1e-6 * ones}
+        columns["sector"] = np.mod(numbers, 8)
+        rows["angle"] = np.zeros(rows["time"].size)
         for name, values in (columns | {"piece": ones}).items():
             file[f"edges/{name}"] = values
         for name, values in (rows | {"piece": np.ones(rows["time"].size)}).items():
@@ -68,10 +71,33 @@ def test_a_piece_that_ends_at_a_standstill_has_an_edge_more(tmp_path):
     rows = rows_at(times[-1] + np.array([0.002, 0.2]))
     rows["standstill"] = np.array([0.0, 0.99])
     with h5py.File(kept_file(tmp_path / "kept.h5", times, np.arange(10.0), rows), "r+") as file:
-        look_back(file, 0.0, 0.0, PITCH)
+        look_back(file, View(None, NO_DOUBT, 0.0, PITCH))
         found = file["speed_deviation"][:]
     assert found[0] == pytest.approx(SPEED - 0.5 * PITCH / 0.2, rel=5e-3)
-    assert found[1] == 0.2
+    assert found[1] == pytest.approx(0.2, rel=1e-12)
+
+
+def test_the_doubt_is_added_to_the_variances(tmp_path):
+    """Of 0.2 rad/s and 0.01 rad: 157 rad/s have 0.01 times that more, and the angle 0.03 rad; at a standstill the speed
+    has none."""
+    times = np.arange(40) * PITCH / SPEED
+    rows = rows_at([0.05, 0.06])
+    rows["standstill"] = np.array([0.0, 0.9])
+    with h5py.File(kept_file(tmp_path / "kept.h5", times, np.arange(40.0), rows), "r+") as file:
+        look_back(file, View(None, Doubt(1e-4, 9e-4), 0.0, PITCH))
+        assert file["speed_deviation"][:] == pytest.approx([np.hypot(0.2, 1.57), 0.2], rel=1e-12)
+        assert file["angle_deviation"][:] == pytest.approx(np.hypot(0.01, 0.03), rel=1e-12)
+
+
+def test_a_sudden_change_by_hand():
+    """pi/4 in 5, 20 and 5 ms: 157 rad/s, 39.3 and 157. The turning point, 2 39.3 - 157, would be backwards, so it is 0,
+    and a row of 100 rad/s may be off by that much. With 8 ms in the middle it is 2 98.2 - 157.1 = 39.3 rad/s."""
+    for middle, most in ((0.02, 100.0), (0.008, 2.0 * PITCH / 0.008 - PITCH / 0.005 - 100.0)):
+        edges = edges_at(np.cumsum([0.0, 0.005, middle, 0.005]))
+        more = sudden(rows_at([0.007], speed=100.0), edges)
+        assert np.sqrt(more["speed_deviation"][0]) == pytest.approx(abs(most), rel=1e-9)
+        assert np.sqrt(more["angle_deviation"][0]) == pytest.approx(0.002 * abs(most), rel=1e-9)
+    assert not np.any(sudden(rows_at([-0.01, 0.5]), edges)["speed_deviation"])
 
 
 @pytest.mark.parametrize("lost", [0, 4])
@@ -82,4 +108,17 @@ def test_edges_that_were_passed_over_are_counted_by_the_times(tmp_path, lost):
     numbers = shown - lost * (shown > 200).astype(float)
     rows = rows_at([0.0])
     with h5py.File(kept_file(tmp_path / "kept.h5", shown * PITCH / SPEED, numbers, rows)) as file:
-        assert count_deviation(file) == pytest.approx(0.5 * lost, rel=1e-2)
+        assert count_deviation(file, many=True) == pytest.approx(0.5 * lost, rel=1e-2)
+
+
+def test_an_edge_that_the_filter_takes_to_be_missed_counts_if_the_times_say_otherwise(tmp_path):
+    """Of 400 regular edges the filter takes one in the middle for missed: half of them are off by one. At a pause of
+    three sectors that it counts as one nothing is wrong, unless many edges are missed: then two are."""
+    numbers = np.arange(400) + (np.arange(400) > 200)
+    times = np.arange(400) * PITCH / SPEED
+    with h5py.File(kept_file(tmp_path / "kept.h5", times, numbers, rows_at([0.0]))) as file:
+        assert count_deviation(file, many=False) == pytest.approx(0.5, rel=1e-2)
+    times[201:] += 2.0 * PITCH / SPEED
+    with h5py.File(kept_file(tmp_path / "pause.h5", times, np.arange(400), rows_at([0.0]))) as file:
+        assert count_deviation(file, many=False) == 0.0
+        assert count_deviation(file, many=True) == pytest.approx(1.0, rel=1e-2)

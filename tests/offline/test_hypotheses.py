@@ -11,8 +11,8 @@ from vvdp.offline.alignment import CLEARLY, RATHER, sectors_passed
 from vvdp.offline.edges import Edges
 from vvdp.offline.facts import ALIAS_SAMPLES
 from vvdp.offline.hypotheses import LOOKED_AT, TURNS, Sectors, hypotheses, judge
-from vvdp.offline.noise_fit import CLEAR
 from vvdp.offline.passages import AROUND, WINDOWS, slow_passages
+from vvdp.offline.pattern_fit import CLEAR
 from vvdp.results.result import Grade
 from vvdp.sensing.wheel import equal_wheel
 

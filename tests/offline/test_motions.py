@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.offline.motions import CLASSES, record_of, score
+from scipy.stats import poisson
+from tests.offline.motions import CLASSES, changing, record_of, score
 
 pytestmark = pytest.mark.heavy
 
@@ -17,26 +18,11 @@ COVERED = 0.9
 """Least share of rows within two deviations."""
 SQUARES = (0.3, 3.0)
 """Bounds of the mean square of errors over the stated variance."""
-EVENTS = {"step": 1, "start": 1, "stop": 2, "creep": 1, "reversal": 1}
-"""How often the speed of a record of a class changes within a sector: its course there cannot be seen from the edges at
-both ends, so the rows of one sector may be off by more than four deviations and 30 % of the speed. None else may."""
-LOOKS_HALF = (0.4 * 0.6) ** 4 * 3.0
-"""Of records with 40 % missed edges, the share of eight sectors in a row of which every other one shows, as of a wheel
-of half the sectors; the filter needs some three such stretches to tell."""
-CAUTIOUS = {
-    "uneven": "a ripple may be hidden in the offsets, and none is",
-    "walk": "the settings in use are taken as they are where they are only off a little",
-    "swing": "the same",
-    "step": "the fit takes the step for noise",
-    "stop": "the fit takes the stop for noise",
-    "creep": "the fit takes the halt for noise",
-    "reversal": "the fit takes the turn for noise",
-    "start": "the fit takes the start for noise",
-    "ripple": "orders that fit alike are reckoned with",
-    "ripple, uneven": "the same",
-    "missed": "the count may be wrong, and mostly is not",
-    "dropout": "whether the sensor is lost cannot be known",
-}
+MISSED = 0.4
+"""Largest share of missed edges in a record."""
+SELDOM = 1e-3
+"""Chance by which a sound record may have more of what is bounded."""
+CAUTIOUS = {"uneven": "a ripple may be hidden in the offsets, and none is"}
 """Classes that may state more than they are off, with the reason."""
 NAMES = {
     "uneven": "uneven sectors",
@@ -51,6 +37,13 @@ NAMES = {
 """Of classes that the page of logs calls otherwise."""
 
 
+def looks_half(edges):
+    """Of a record in which 40 % of the edges are missed, the largest share that looks like a wheel of half the sectors:
+    eight sectors in a row of which every other one shows, 0.24^4 of all; the filter needs three sectors to tell."""
+    sectors = edges / (1.0 - MISSED)
+    return 3.0 * poisson.isf(SELDOM, sectors * (MISSED * (1.0 - MISSED)) ** 4) / sectors
+
+
 def scores(estimated, numbers, fits):
     """Of a class: its name, the scores of its records, with fitted settings or without, and the shares of each that may
     be far off."""
@@ -63,7 +56,7 @@ def scores(estimated, numbers, fits):
         columns = ("time", "piece", "angle", "speed", "angle_deviation", "speed_deviation")
         found.append(score(record, {name: kept.column(name) for name in columns}))
         names.add(record.name)
-        far.append(EVENTS.get(record.name, 0) / record.edges.size + LOOKS_HALF * (record.name == "missed"))
+        far.append(looks_half(record.edges.size) if record.name == "missed" else changing(record))
     (name,) = names
     return name, found, far
 

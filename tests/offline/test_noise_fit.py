@@ -10,20 +10,11 @@ from tests.offline.rippling import passing_times
 
 from vvdp.estimation.event_settings import event_filter
 from vvdp.numerics.kalman import AngleSpeed, predict, update
-from vvdp.offline.noise_fit import (
-    Likelihood,
-    Noise,
-    Passage,
-    careful_drift,
-    fit,
-    fit_noise,
-    fitted_filter,
-    passage_start,
-    passage_step,
-    speed_errors,
-    time_resolution,
-)
+from vvdp.offline.likelihood import Likelihood, fit, speed_errors, time_resolution
+from vvdp.offline.noise_fit import careful_drift, fit_noise, fitted_filter
+from vvdp.offline.passage import Noise, Passage, passage_start, passage_step
 from vvdp.offline.passed_edges import Passed, longest_pieces
+from vvdp.offline.pattern_fit import foretold_gain, likeliest_ripple
 from vvdp.offline.turn_pattern import SpeedRipple
 from vvdp.sensing.wheel import TURN, equal_wheel
 from vvdp.simulation.replay import Replay
@@ -201,13 +192,13 @@ def test_a_ripple_has_to_foretell_edges_it_was_not_fitted_to():
     1/b, b to 63: 4.7. Noise alone is foretold in less than 0.57/64 of all logs, by chance in none of 40."""
     likelihood = Likelihood(rippling(400, 3, 0.03, jitter=0.06), 8)
     found = fit(likelihood)
-    ripple = likelihood.ripple(found.noise, 3)
+    ripple = likeliest_ripple(likelihood, found.noise, 3)
     gain = 0.5 * (ripple.amplitude / ripple.error) ** 2
-    assert likelihood.foretold_gain(found.noise, 3) == pytest.approx(gain - 4.7, abs=4.0)
+    assert foretold_gain(likelihood, found.noise, 3) == pytest.approx(gain - 4.7, abs=4.0)
     noise, rng = Noise(1e-9, 0.01), np.random.default_rng(7)
     even = np.arange(640) * PITCH
     logs = [Likelihood(passed(even / SPEED, even + rng.normal(0.0, 0.1, 640)), 8) for _ in range(40)]
-    assert sum(each.foretold_gain(noise, 3) > 0.0 for each in logs) <= 2  # 3 or more of 40 at 0.9 %: 6e-3
+    assert sum(foretold_gain(each, noise, 3) > 0.0 for each in logs) <= 2  # 3 or more of 40 at 0.9 %: 6e-3
 
 
 def test_exact_edges_are_no_surer_than_the_pattern_that_was_learnt_lets_them_be():

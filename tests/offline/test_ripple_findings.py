@@ -8,7 +8,8 @@ from tests.words import wording
 from vvdp.offline.config import Option, load_estimation
 from vvdp.offline.facts import ripple_words, settings_facts
 from vvdp.offline.findings import SETTINGS, tell
-from vvdp.offline.noise_fit import Noise, fit_noise
+from vvdp.offline.noise_fit import fit_noise
+from vvdp.offline.passage import Noise
 from vvdp.offline.passed_edges import Passed
 from vvdp.offline.turn_pattern import SpeedRipple
 

@@ -8,7 +8,7 @@ from scipy.stats import f
 
 from vvdp.estimation.ripple import displacement, place_of, ripple_start
 from vvdp.estimation.smoother import Beliefs
-from vvdp.offline.turn_pattern import EXPECTED, SpeedRipple, is_likely, is_whole, ripple_in
+from vvdp.offline.turn_pattern import EXPECTED, SpeedRipple, chance_of, is_whole, ripple_in
 from vvdp.sensing.wheel import TURN
 
 
@@ -91,9 +91,9 @@ def test_the_odds_are_those_of_two_gaussians(error):
         return 2.0 * np.log(error / wide) - 0.5 * amplitude**2 * (1.0 / wide**2 - 1.0 / error**2)
 
     even = brentq(odds, 0.0, 0.1)
-    assert not is_likely(SpeedRipple(3, 0.999 * even, 0.0, error))
-    assert is_likely(SpeedRipple(3, 0.0, 1.001 * even, error))
-    assert not is_likely(SpeedRipple(3, 0.11, 0.0, error))
+    assert chance_of(SpeedRipple(3, even, 0.0, error)) == pytest.approx(0.5, rel=1e-6)
+    assert chance_of(SpeedRipple(3, 0.0, even, error), 1.0 / 3.0) == pytest.approx(0.25, rel=1e-6)
+    assert chance_of(SpeedRipple(3, 0.11, 0.0, error)) == 0.0
 
 
 def test_what_no_spool_does_is_the_wheels():

@@ -200,6 +200,15 @@ def test_drive_that_is_never_controlled_is_reported():
     assert "uncontrolled_time_axial_s" not in summary(system, short)
 
 
+def test_a_position_beyond_the_supply_is_not_valid():
+    """10 bar hold (1e6 x 174e-6 - 211.5)/2594 = -14.5 mm; the duty ratio 0.5 of a helix of 20.32 mm asks for 10.16."""
+    system, run = run_of(change(SHIPPED, "pilot", supply_pressure="10 bar"))
+    found = summary(system, run)
+    assert not found["within_validity"] and not found["trusted"]
+    told = " ".join(broken_bounds(system, found))
+    assert "10.16 mm, above −14.46 mm; the pilot supply does not hold the spool there" in told
+
+
 BEGINS = {
     "32 sectors": (("encoder", "sectors", "32"), ("encoder", "spot_width", "1.25 mm")),
     "density": (("spool_filter", "acceleration_density", "2e3 rad^2/s^3"),),

@@ -8,7 +8,6 @@ from vvdp.components.directional_valves import THREE_WAY_PROPORTIONAL_VALVE, Thr
 from vvdp.components.gerotor_drives import CALIBRATED_GEROTOR_DRIVE, GEROTOR_DRIVE
 from vvdp.components.rods import END_STOP, PLUNGER, ROD_FRICTION, SPRING
 from vvdp.fluid.oil import Oil
-from vvdp.hydraulics.chamber_drive import holding_pressure, static_reach
 from vvdp.hydraulics.cylinder import Plunger
 from vvdp.hydraulics.friction import RodFriction
 from vvdp.hydraulics.gerotor_drive import GerotorCalibration, GerotorDrive, GerotorMap, GerotorState
@@ -71,25 +70,15 @@ def add_chamber_drive(net: Network, drive: ChamberDrive, joints: PilotJoints, pr
     return f"{slide}.position"
 
 
-def check_reach(asked_by: str, wanted: float, supply_pressure: float, drive: ChamberDrive) -> None:
-    """Refuse, with a ParameterError, a stroke that the supply cannot hold against the spring, or that a stop ends.
+def check_stroke(asked_by: str, wanted: float, stops: EndStop) -> None:
+    """Refuse, with a ParameterError, a stroke that a stop ends.
 
-    asked_by         the value that asks for it, such as "stroke.highest_position"
-    wanted           highest position that is asked for [m]
-    supply_pressure  lowest pressure of the supply, absolute [Pa]
+    asked_by  the value that asks for it, such as "stroke.highest_position"
+    wanted    highest position that is asked for [m]
     """
-    reference = drive.oil.reference_pressure
-    reach = static_reach(supply_pressure, reference, drive.piston, drive.spring)
-    if wanted > reach:
-        needed = holding_pressure(wanted, reference, drive.piston, drive.spring)
+    if wanted > stops.upper_end:
         raise ParameterError(
-            f"{asked_by}: {1e3 * wanted:.4g} mm take {(needed - reference) / 1e5:.4g} bar in the chamber; the "
-            f"pilot supply of {(supply_pressure - reference) / 1e5:.4g} bar holds the spool at {1e3 * reach:.4g} mm "
-            "at most"
-        )
-    if wanted > drive.stops.upper_end:
-        raise ParameterError(
-            f"{asked_by}: {1e3 * wanted:.4g} mm; the end stop ends the stroke at {1e3 * drive.stops.upper_end:.4g} mm"
+            f"{asked_by}: {1e3 * wanted:.4g} mm; the end stop ends the stroke at {1e3 * stops.upper_end:.4g} mm"
         )
 
 

@@ -20,7 +20,7 @@ from vvdp.base.params import Params
 from vvdp.numerics.kalman import AngleSpeed, predict, update
 
 Step = Callable[[Any, Any, Any], tuple[Any, Any]]
-Run = Callable[[Step, Any, Any, Params, Array], tuple[Any, Array]]
+Run = Callable[[Step, Any, Any, Any, Array], tuple[Any, Array]]
 """Takes a step, its memory, a row as an example, settings and rows (n, m); returns the memory and what was shown."""
 
 
@@ -210,13 +210,13 @@ def bridged_step(memory: Nothing, row: Between, walk: SpeedWalk) -> tuple[Nothin
     )
 
 
-def run_on_columns(step: Step, memory: Any, row: Any, settings: Params, rows: Array) -> tuple[Any, Array]:
+def run_on_columns(step: Step, memory: Any, row: Any, settings: Any, rows: Array) -> tuple[Any, Array]:
     """A step without memory taken over all rows at once, its row made of columns; else as `run_plainly`."""
     _, shown = step(memory, type(row)._make(rows.T), settings)
     return memory, np.column_stack(shown)
 
 
-def run_plainly(step: Step, memory: Any, row: Any, settings: Params, rows: Array) -> tuple[Any, Array]:
+def run_plainly(step: Step, memory: Any, row: Any, settings: Any, rows: Array) -> tuple[Any, Array]:
     """A step taken over rows in plain Python: the memory reached, and what was shown, shape (rows, numbers shown)."""
     make, shown = type(row)._make, []
     for numbers in rows.tolist():

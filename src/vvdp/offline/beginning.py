@@ -12,7 +12,7 @@ from vvdp.offline.alignment import VAGUE, usual_steps
 from vvdp.offline.config import Estimation, Stamps, Wave
 from vvdp.offline.edges import Edges, no_edges
 from vvdp.offline.hypotheses import LOOKED_AT, TURNS, Verdict, judge
-from vvdp.offline.noise_fit import time_resolution
+from vvdp.offline.likelihood import time_resolution
 from vvdp.sensing.wheel import TURN, CodeWheel
 
 STRETCHES = 3

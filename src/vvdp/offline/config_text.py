@@ -59,7 +59,12 @@ def _config_lines(wanted: Estimation, channels: Sequence[ChannelInfo], place: st
     yield "[valve]"
     yield f"sections = {wanted.sections}".ljust(30) + "# PWM periods in a turn of the spool"
     hardest = _amount(wanted.largest_deceleration, "rad/s^2")
-    yield from _optional("largest_deceleration", hardest, '"3000 rad/s^2"', "of the spool; by default speed over 28 ms")
+    yield from _optional(
+        "largest_deceleration",
+        hardest,
+        '"3000 rad/s^2"',
+        "of the spool; by default speed, at least 155 rad/s, over 28 ms",
+    )
     yield ""
     yield from _pressure_lines(wanted.pressure)
     yield "[output]"

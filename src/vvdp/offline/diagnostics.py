@@ -10,7 +10,9 @@ from vvdp.estimation.commensurate import Commensurate, commensurate_clock
 from vvdp.numerics.kalman import chance_band
 from vvdp.offline.config import Counts, Estimation, Stamps, Wave
 from vvdp.offline.edges import WaveEdges
-from vvdp.offline.noise_fit import CLEAR, Explained, Noise
+from vvdp.offline.noise_fit import Explained
+from vvdp.offline.passage import Noise
+from vvdp.offline.pattern_fit import CLEAR
 from vvdp.offline.sums import Sums
 from vvdp.sensing.wheel import TURN, equal_wheel
 

@@ -23,11 +23,12 @@ from vvdp.logs.source import open_log
 from vvdp.offline.beginning import Beginning, apply_verdict, at_pace, beginning, edges_looked_at
 from vvdp.offline.config import Estimation, Stamps, Wave, source_channels
 from vvdp.offline.config_text import config_text
+from vvdp.offline.course import Explanation
 from vvdp.offline.diagnostics import SHARE_MISSED, numbers_in_doubt, settings_of, summary
 from vvdp.offline.estimate_result import SMOOTHED, Store
 from vvdp.offline.facts import ripple_words
 from vvdp.offline.findings import explain_no_result, findings
-from vvdp.offline.hindsight import count_deviation, look_back
+from vvdp.offline.hindsight import View, count_deviation, look_back
 from vvdp.offline.interrupt import catch_interrupt
 from vvdp.offline.lost_sensor import settle_silences, silences
 from vvdp.offline.noise_fit import Explained, fit_noise, fitted_filter
@@ -35,8 +36,8 @@ from vvdp.offline.passed_edges import longest_pieces
 from vvdp.offline.passes import FilteringPass, GatheringPass, pascals
 from vvdp.offline.result import Outcome, estimate_result
 from vvdp.offline.second_pass import SecondPass
-from vvdp.offline.speed_doubt import Doubt, add_doubt, doubt_of
-from vvdp.offline.sums import RowSums, Sums, Tally, edge_sums, row_sums
+from vvdp.offline.speed_doubt import Doubt, doubt_of
+from vvdp.offline.sums import RowSums, Sums, Tally, edge_sums, has_rows, row_sums, standstills
 from vvdp.results.result import Result
 from vvdp.results.store import write_result
 from vvdp.sensing.wheel import TURN
@@ -127,16 +128,15 @@ def estimate(
         run.through(lambda done: progress(done / passes))
         with catch_interrupt():  # the second pass heeds Ctrl-C itself; all else is done to the end, in seconds
             store.flush()
-            rows = row_sums(store.file, run.tally.rate)
-            if not rows.count:
+            if not has_rows(store.file):
                 if run.tally.interruptions:
                     raise KeyboardInterrupt
                 raise unusable(log.path, explain_no_result(run.tally, wanted))
             _report_skipped(run)
-            sums = _settle(run, rows)
+            sums = _settle(run)
             if wanted.smooth:
                 _smooth(store, sums, wanted, say, lambda done: progress((1.0 + done) / passes))
-                add_doubt(store.file, sums.doubt, "smoothed_")
+                look_back(store.file, _view(sums.explained, sums.doubt, wanted), "smoothed_")
             outcome = _outcome(run, sums, wanted, began)
             result = estimate_result(outcome)
             write_whole(folder / CONFIG, outcome.config)
@@ -144,21 +144,17 @@ def estimate(
             return result
 
 
-def _settle(run: FilteringPass, rows: RowSums) -> Sums:
+def _settle(run: FilteringPass) -> Sums:
     """What the record comes to, all of it known; lost sensors and doubt are written into its rows."""
     file, wanted, tally = run.store.file, run.wanted, run.tally
-    lost = silences(file, rows.standstills, tally.sectors, wanted.largest_deceleration)
+    lost = silences(file, standstills(file, tally.rate), tally.sectors, wanted.largest_deceleration)
     settle_silences(file, lost, wanted.sections, tally.sectors)
     told = _explain(run.store, wanted)
-    pitch, doubt = TURN / tally.sectors, _doubt(file, told, wanted, tally)
-    add_doubt(file, doubt)
-    ripple = wanted.filter.ripple_variance if wanted.filter.ripple_order > 0.0 else 0.0
-    scatter = told.advised.edge_variance - wanted.filter.edge_variance if told is not None else 0.0
-    look_back(file, ripple, scatter, pitch)
-    rows = row_sums(file, tally.rate)
+    doubt = _doubt(file, told, wanted, tally)
+    look_back(file, _view(told, doubt, wanted))
     return Sums(
         tally=tally,
-        rows=rows,
+        rows=row_sums(file, tally.rate),
         edges=edge_sums(file, tally.sectors),
         explained=told,
         doubt=doubt,
@@ -167,10 +163,26 @@ def _settle(run: FilteringPass, rows: RowSums) -> Sums:
 
 
 def _doubt(file: Any, told: Explained | None, wanted: Estimation, tally: Tally) -> Doubt:
-    """What the rows leave out: of the speed, and where many edges are missed, of their count."""
-    doubt = doubt_of(told, wanted.filter.ripple_order)
+    """What the rows leave out: of the speed, and of the count of edges."""
     many = tally.missed > SHARE_MISSED * (tally.edges + tally.missed)
-    return doubt.with_count(count_deviation(file), TURN / tally.sectors) if many else doubt
+    miscounted = count_deviation(file, many=many)
+    return doubt_of(told, wanted.filter.ripple_order).with_count(miscounted, TURN / tally.sectors)
+
+
+def _view(told: Explained | None, doubt: Doubt, wanted: Estimation) -> View:
+    ripple = wanted.filter.ripple_variance if wanted.filter.ripple_order > 0.0 else 0.0
+    return View(_explanation(told, wanted), doubt, ripple, TURN / len(wanted.wheel.edges))
+
+
+def _explanation(told: Explained | None, wanted: Estimation) -> Explanation | None:
+    """What rows are judged with; None if it is not known, or if a row has been made of more than the edges."""
+    if told is None or (wanted.pressure is not None and wanted.pressure.fused):
+        return None
+    offsets, estimated = told.offsets, None
+    if told.ripple is not None:
+        offsets = offsets + told.ripple.offsets(np.array(wanted.wheel.edges))
+        estimated = told.ripple if told.ripple.order == wanted.filter.ripple_order else None
+    return Explanation(told.fit.noise, told.used.edge_variance, offsets, estimated)
 
 
 def _report_skipped(run: FilteringPass) -> None:

@@ -25,8 +25,9 @@ from vvdp.offline.edges import GAP, JUMPING, MOST_AT_ONCE, CountEdges, WaveEdges
 from vvdp.offline.guess import channels_of_edges
 from vvdp.offline.hypotheses import Sectors
 from vvdp.offline.lost_sensor import WANDERS
-from vvdp.offline.noise_fit import CLEAR, WORTH, Explained, fitted_filter
+from vvdp.offline.noise_fit import WORTH, Explained, fitted_filter
 from vvdp.offline.passed_edges import FEWEST_FITTED
+from vvdp.offline.pattern_fit import CLEAR
 from vvdp.offline.sums import Sums, Tally, repeats_after
 from vvdp.offline.turn_pattern import Candidate, SpeedRipple, is_whole
 from vvdp.sensing.wheel import TURN

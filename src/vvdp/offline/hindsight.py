@@ -5,53 +5,123 @@ Derived in docs/logs.md, "Hindsight".
 Source  ours, docs/logs.md
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from vvdp.base.arrays import Array
+from vvdp.estimation.smoother import Run
 from vvdp.offline.alignment import usual_steps
-from vvdp.offline.estimate_result import AT_ONCE, piece_rows
+from vvdp.offline.course import Course, Explanation, course_of, squared_errors
+from vvdp.offline.estimate_result import ROWS_IN_CHUNK, piece_rows
 from vvdp.offline.hypotheses import FAR_NEIGHBOURS
-from vvdp.offline.noise_fit import SILENT
+from vvdp.offline.likelihood import SILENT
+from vvdp.offline.speed_doubt import Doubt
 from vvdp.offline.sums import STANDING
+from vvdp.simulation.replay import Compiled
 
+ROWS = 4 * ROWS_IN_CHUNK
+"""Rows that are judged at once."""
 AHEAD = (1, 2, 4)
 """A row is held against the mean speeds from the edge before it to edges so far after that."""
 CONTRADICTED = 3.0
 """... and is contradicted by a difference of so many standard deviations of it."""
 
 
-def look_back(file: Any, ripple: float, scatter: float, pitch: float) -> None:
-    """Where the edges around a row contradict its speed, its deviations have the whole difference: writes them into an
-    open result.h5. A row at a standstill is not judged.
+class View(NamedTuple):
+    """What is known of a record once it is at hand as a whole."""
 
-    ripple   variance of the speed within a turn that the filter knows of, over its square [1]
-    scatter  by which the variance of an edge's angle is larger than the filter takes it to be [rad^2]
-    pitch    of the edges; a wheel that stands at the end of a piece does so within one [rad]
+    why: Explanation | None
+    """What it is best explained by; None: rows change only where edges contradict them."""
+    doubt: Doubt
+    ripple: float
+    """Variance of the speed within a turn that the filter knows of, over its square [1]."""
+    pitch: float
+    """Of the edges [rad]; a wheel that stands at the end of a piece does so within one."""
+
+
+def look_back(file: Any, view: View, prefix: str = "") -> None:
+    """Gives the rows of an open result.h5 the standard deviations that they have as the whole record shows, with the
+    doubt. At a standstill only the doubt counts.
+
+    prefix  of the columns, "smoothed_" those of the smoother
     """
-    rows = piece_rows(file, "")
+    rows, run = piece_rows(file, ""), Compiled()
     for piece, (first, end) in piece_rows(file, "edges/").items():
-        time, angle, variance = (file[f"edges/{name}"][first:end] for name in ("time", "angle", "variance"))
-        used = np.isfinite(angle) & (np.diff(time, prepend=-np.inf) > 0.0)
-        if piece not in rows or np.count_nonzero(used) < 2:
+        if piece not in rows:
             continue
-        edges = np.array([time[used], angle[used], np.fmax(variance[used] + scatter, 0.0)])
-        last = rows[piece][1] - 1
-        if file["standstill"][last] > STANDING:
-            stands = [[file["time"][last]], [edges[1, -1] + 0.5 * pitch], [pitch * pitch / 12.0]]
+        begin, after = rows[piece]
+        edges, course = _edges(file, slice(first, end), view, run)
+        if edges.shape[1] > 1 and file["standstill"][after - 1] > STANDING:
+            stands = [[file["time"][after - 1]], [edges[1, -1] + 0.5 * view.pitch], [view.pitch**2 / 12.0]]
             edges = np.append(edges, stands, axis=1)
-        for begin in range(rows[piece][0], rows[piece][1], AT_ONCE):
-            part = slice(begin, min(begin + AT_ONCE, rows[piece][1]))
-            shown = {name: file[name][part] for name in ("time", "speed", "standstill", *_CHANGED)}
-            for name, more in contradictions(shown, edges, ripple).items():
-                if np.any(more):
-                    file[name][part] = np.sqrt(shown[name] ** 2 + more)
+            course = None if course is None else course.before_stop()
+        for start in range(begin, after, ROWS):
+            part = slice(start, min(start + ROWS, after))
+            shown = {name: file[name][part] for name in ("time", "standstill")}
+            shown |= {name: file[f"{prefix}{name}"][part] for name in ("angle", "speed", *_CHANGED)}
+            found = seen_afterwards(shown, edges, course, view.ripple, run)
+            for name, column in view.doubt.add_to(found, shown["speed"], shown["standstill"] > STANDING).items():
+                file[f"{prefix}{name}"][part] = np.sqrt(column)
 
 
-def count_deviation(file: Any) -> float:
+def _edges(file: Any, piece: slice, view: View, run: Run) -> tuple[Array, Course | None]:
+    """Times [s], angles [rad] and variances [rad^2] of the edges of a piece that were used, and its course."""
+    columns = (file[f"edges/{name}"][piece] for name in ("time", "angle", "variance", "sector"))
+    time, angle, variance, sector = columns
+    used = np.isfinite(angle) & (np.diff(time, prepend=-np.inf) > 0.0)
+    edges = np.array([time[used], angle[used], variance[used]])
+    if view.why is None or edges.shape[1] < 2:
+        return edges, None
+    course = course_of(edges, sector[used].astype(int), view.why, run)
+    edges[2] = np.fmax(edges[2] - view.why.told_variance, 0.0) + view.why.noise.edge_variance
+    return edges, course
+
+
+def seen_afterwards(
+    rows: dict[str, Array], edges: Array, course: Course | None, ripple: float, run: Run
+) -> dict[str, Array]:
+    """Variances of `rows` [rad^2/s^2, rad^2]: mean squares of their errors where the course is known, the largest that
+    there may be where the speed changed suddenly; without a course their own and what the edges contradict."""
+    if course is None:
+        return {name: rows[name] ** 2 + more for name, more in contradictions(rows, edges, ripple).items()}
+    chosen, squares = squared_errors(rows, course, run)
+    found = {f"{name}_deviation": column for name, column in squares.items()}
+    rest = np.flatnonzero(~chosen)
+    others = {name: column[rest] for name, column in rows.items()}
+    for name, most in sudden(others, edges).items():
+        found[name][rest] = np.fmax(others[name] ** 2, most)
+    return found
+
+
+def sudden(rows: dict[str, Array], edges: Array) -> dict[str, Array]:
+    """Squares of the largest errors that `rows` may have if the speed changes between the edges around them
+    [rad^2/s^2, rad^2]; 0 beyond the edges, and at a standstill.
+
+    The speed goes from that of the interval before to that of the one after, evenly down and up or up and down: with
+    the mean m between these edges it turns round at 2 m - (before + after)/2, or at 0.
+
+    edges  as of `contradictions`
+    """
+    times, angles, _ = edges
+    means = np.diff(angles) / np.diff(times)
+    place = np.searchsorted(times, rows["time"], side="right") - 1
+    inside = (place >= 0) & (place < means.size) & (rows["standstill"] < STANDING) & np.isfinite(rows["speed"])
+    here = np.clip(place, 0, means.size - 1)
+    before, after = means[np.fmax(here - 1, 0)], means[np.fmin(here + 1, means.size - 1)]
+    turning = 2.0 * means[here] - 0.5 * (before + after)
+    turning = np.where(turning * means[here] > 0.0, turning, 0.0)
+    worst = np.max([(rows["speed"] - speed) ** 2 for speed in (before, after, turning)], axis=0)
+    speed = np.where(inside, worst, 0.0)
+    return {"speed_deviation": speed, "angle_deviation": speed * (rows["time"] - times[here]) ** 2}
+
+
+def count_deviation(file: Any, *, many: bool) -> float:
     """Standard deviation of the number by which edges of an open result.h5 may be counted wrongly [1]: of what the
-    filter counted, less what the times between edges say, about the mean of each piece."""
+    filter counted, less what the times between edges say, about the mean of each piece.
+
+    many  edges are missed; else only those that the filter takes to be missed count
+    """
     squares, count = 0.0, 0
     for first, end in piece_rows(file, "edges/").values():
         time, number = (file[f"edges/{name}"][first:end] for name in ("time", "number"))
@@ -61,7 +131,8 @@ def count_deviation(file: Any) -> float:
             continue
         counted *= np.sign(np.sum(counted))  # backwards numbers fall
         passed = np.fmax(np.round(steps / usual_steps(steps, FAR_NEIGHBOURS)), 1.0)
-        off = np.cumsum(np.where(passed < SILENT, passed - counted, 0.0))
+        judged = (passed < SILENT) & (many | (counted != 1.0))
+        off = np.cumsum(np.where(judged, passed - counted, 0.0))
         squares, count = squares + off.size * float(np.var(off)), count + off.size
     return float(np.sqrt(squares / count)) if count else 0.0
 
@@ -73,9 +144,11 @@ def contradictions(rows: dict[str, Array], edges: Array, ripple: float) -> dict[
     """Variances to add to the deviations of `rows` [rad^2/s^2, rad^2], 0 where nothing contradicts the speed.
 
     edges   of the piece, shape (3, n): times, rising [s], angles [rad] and their variances [rad^2]
-    ripple  as of `look_back`
+    ripple  as of `View`
     """
     times, angles, variances = edges
+    if times.size < 2:
+        return dict.fromkeys(_CHANGED, np.zeros(rows["time"].size))
     after = np.searchsorted(times, rows["time"], side="right")
     known = (after > 0) & (after < times.size) & (rows["standstill"] < STANDING) & np.isfinite(rows["speed"])
     low, worst = np.clip(after - 1, 0, None), np.zeros(after.size)

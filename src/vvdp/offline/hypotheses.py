@@ -17,8 +17,10 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.offline.alignment import CLEARLY, gap_in_sectors, sectors_passed, usual_steps
 from vvdp.offline.edges import Edges, part
-from vvdp.offline.noise_fit import CLEAR, MOST_PLACES, Likelihood, Noise, fit
+from vvdp.offline.likelihood import Likelihood, fit
+from vvdp.offline.passage import Noise
 from vvdp.offline.passed_edges import Passed
+from vvdp.offline.pattern_fit import CLEAR, MOST_PLACES
 from vvdp.sensing.wheel import TURN, CodeWheel, equal_wheel
 
 TURNS = 16

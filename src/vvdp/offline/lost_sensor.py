@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
+from vvdp.offline.beginning import PACE
 from vvdp.offline.estimate_result import portions
 from vvdp.sensing.wheel import TURN
 
@@ -21,7 +22,8 @@ NEAR = 2
 SLOWER = 0.8
 """A spool that comes to a stop, or starts, is slower there than this share of the speed further away; assumed."""
 SPOOL_TIME = 0.028
-"""Inertia over viscous torque of a spool [s]: at the speed w drive and friction change it by w/SPOOL_TIME at most."""
+"""Inertia over viscous torque of a spool [s]: at the speed w drive and friction change it by w/SPOOL_TIME. Those of a
+slower spool than usual are as strong as of one at `PACE`."""
 PRIOR = -1.0
 """Logarithm of the odds that a sensor is lost against a stop and a start of which nothing shows; assumed."""
 WANDERS = 0.03
@@ -67,7 +69,8 @@ def lost_probability(before: Array, after: Array, pitch: float, hardest: float |
 
     before, after  speeds from edge to edge, the nearest to the silence first [rad/s]
     pitch          angle of a sector, in which a stop or a start would have to happen [rad]
-    hardest        standard deviation of what drive and friction can do [rad/s^2]; None: the speed over `SPOOL_TIME`
+    hardest        standard deviation of what drive and friction can do [rad/s^2]; None: the speed, or `PACE` if that
+                   is more, over `SPOOL_TIME`
 
     To stand within a sector takes a = w^2/(2 pitch). Where the speed changes towards the silence it is a stop. The
     logarithm of the odds is PRIOR + sum of (a/hardest)^2/2 over both ends.
@@ -78,7 +81,7 @@ def lost_probability(before: Array, after: Array, pitch: float, hardest: float |
         near = min(float(np.mean(speeds[:NEAR])), usual)  # edges that are numbered anew later make a jump
         if not near > SLOWER * usual:
             return 0.0
-        possible = near / SPOOL_TIME if hardest is None else hardest
+        possible = max(near, PACE) / SPOOL_TIME if hardest is None else hardest
         odds += 0.5 * (near * near / (2.0 * pitch) / possible) ** 2
     return float(1.0 / (1.0 + np.exp(-min(odds, 700.0))))
 

@@ -12,7 +12,7 @@ from vvdp.offline.config import Estimation
 from vvdp.offline.estimate_result import SMOOTHED, piece_rows
 from vvdp.offline.interrupt import Stopped
 from vvdp.offline.turn_pattern import SpeedRipple
-from vvdp.simulation.replay import Replay
+from vvdp.simulation.replay import Compiled
 
 SMOOTHED_EDGES = 50_000
 FORGOTTEN = 1e-4
@@ -26,9 +26,8 @@ class SecondPass:
     """
 
     def __init__(self, file: Any, wanted: Estimation, ripple: SpeedRipple | None, say: Callable[[str], None]) -> None:
-        self._file, self._ripple, self._say = file, ripple, say
+        self._file, self._ripple, self._run = file, ripple, Compiled(say)
         self._filter, self._sectors = wanted.filter, len(wanted.wheel.edges)
-        self._runs: dict[Any, Replay] = {}
         self._rows = 0
 
     def through(self, progress: Callable[[float], None], check: Callable[[], None]) -> str:
@@ -50,12 +49,6 @@ class SecondPass:
                 where = f"from {time:.6g} s of piece {piece:g} on"
                 return f"The second pass was stopped; {where} the smoothed columns are NaN."
         return ""
-
-    def _run(self, step: Any, memory: Any, row: Any, settings: Any, rows: Array) -> tuple[Any, Array]:
-        if step not in self._runs:
-            self._runs[step] = Replay(step, memory, row, settings, say=self._say)
-        done = self._runs[step](memory, rows, settings)
-        return done.memory, done.shown
 
     def _columns(self, begin: int, last: int) -> tuple[Array, Array, Array]:
         """Times [s], angles [rad] and their variances [rad^2] of the edges in a portion of a piece."""

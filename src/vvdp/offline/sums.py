@@ -156,6 +156,22 @@ class RowSums:
         return self.pace.mean if self.pace.count else abs(self.every_speed.mean)
 
 
+def has_rows(file: Any) -> bool:
+    """Whether result.h5 has a row with an estimate."""
+    return any(bool(np.any(np.isfinite(speed))) for (speed,) in portions(file, "", "speed"))
+
+
+def standstills(file: Any, rate: float) -> list[tuple[float, float]]:
+    """From when to when the wheel stands still by result.h5 with `rate` [Hz] of rows [s]."""
+    found: list[tuple[float, float]] = []
+    begin = 0
+    for (standstill,) in portions(file, "", "standstill"):
+        if np.any(standing := standstill > STANDING):
+            _add_standstills(found, file["time"][begin : begin + standing.size], standing, rate)
+        begin += standstill.size
+    return found
+
+
 def row_sums(file: Any, rate: float) -> RowSums:
     """What the rows of result.h5, `rate` [Hz] of them, add up to."""
     sums = RowSums()
@@ -171,8 +187,7 @@ def row_sums(file: Any, rate: float) -> RowSums:
         sums.standing += int(np.count_nonzero(standstill > STANDING))
     for (speed,) in portions(file, "", "speed") if not sums.speed.count else ():
         sums.every_speed.add(speed)
-    for times, standstill in portions(file, "", "time", "standstill") if sums.standing else ():
-        _add_standstills(sums.standstills, times, standstill > STANDING, rate)
+    sums.standstills = standstills(file, rate) if sums.standing else []
     return sums
 
 

@@ -101,22 +101,18 @@ def is_whole(order: int, edges: int) -> bool:
     return edges > max(2 * order, 3)
 
 
-def chance_of(ripple: SpeedRipple) -> float:
-    """Probability of this ripple of the spool's sections against none of a log whose wheel is as described [1]; 0 where
-    it is above `LARGEST`.
+def chance_of(ripple: SpeedRipple, before: float = 1.0) -> float:
+    """Probability of this ripple against none of a log whose wheel is as described [1]; 0 where it is above `LARGEST`.
 
-    Of Gaussian parts of the variance t^2, known to e, the odds are (1 + t^2/e^2)^-1 exp(a^2/(2 e^2) t^2/(t^2 + e^2)).
+    Of Gaussian parts of the variance t^2, known to e, the odds are those `before` times (1 + t^2/e^2)^-1
+    exp(a^2/(2 e^2) t^2/(t^2 + e^2)).
 
     Source  ours, docs/logs.md
     """
     prior, error = 0.5 * EXPECTED**2, ripple.error**2
-    odds = 0.5 * ripple.amplitude**2 / error * prior / (prior + error) - np.log1p(prior / error)
+    gain = 0.5 * ripple.amplitude**2 / error * prior / (prior + error) - np.log1p(prior / error)
+    odds = gain + np.log(before)
     return float(1.0 / (1.0 + np.exp(-min(odds, 700.0)))) if ripple.amplitude < LARGEST else 0.0
-
-
-def is_likely(ripple: SpeedRipple) -> bool:
-    """Whether such a log speaks rather for this ripple than for none."""
-    return chance_of(ripple) > 0.5
 
 
 def ripple_patterns(angles: Array, order: int) -> Array:

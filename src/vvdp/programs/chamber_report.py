@@ -49,10 +49,15 @@ class Shown(NamedTuple):
     velocity_deviation: Array
 
 
-def reach_numbers(drive: ChamberDrive, helix_length: float) -> dict[str, float]:
-    """The position that the supply of a drive holds against the spring, and its duty ratio; `helix_length` [m]."""
+def static_reach_of(drive: ChamberDrive) -> float:
+    """The position that the supply of a drive holds against the spring [m]."""
     lifted = drive.area * (drive.valve.supply_pressure - drive.oil.reference_pressure)
-    reach = (lifted - drive.preload) / drive.stiffness
+    return (lifted - drive.preload) / drive.stiffness
+
+
+def reach_numbers(drive: ChamberDrive, helix_length: float) -> dict[str, float]:
+    """The position that the supply of a drive holds, and its duty ratio; `helix_length` [m]."""
+    reach = static_reach_of(drive)
     return {"axial_reach_m": reach, "duty_reach": reach / helix_length}
 
 

@@ -71,6 +71,19 @@ class Replay:
         return Replayed(as_value(self._example, reached), shown)
 
 
+class Compiled:
+    """Steps over rows, each compiled as it is first taken: a `run` of `vvdp.estimation.smoother`."""
+
+    def __init__(self, say: Callable[[str], None] = quiet) -> None:
+        self._say, self._runs = say, dict[Step, Replay]()
+
+    def __call__(self, step: Step, memory: Any, row: Any, settings: Any, rows: Array) -> tuple[Any, Array]:
+        """The memory after the last row, and what was shown at each."""
+        if step not in self._runs:
+            self._runs[step] = Replay(step, memory, row, settings, say=self._say)
+        return self._runs[step](memory, rows, settings)
+
+
 def replay_digest(step: Step, memory: Any, reading: Any, settings: Any) -> str:
     """`Replay.digest`, without compiling. Raises RunError as `Replay` does."""
     return _assembly(step, memory, reading, settings, _trial_output(step, memory, reading, settings)).digest

@@ -9,7 +9,7 @@ import numpy as np
 from vvdp.base.errors import ParameterError
 from vvdp.base.signal import Signal
 from vvdp.components.axial_drive import ChamberDrive as DriveParts
-from vvdp.components.axial_drive import PilotJoints, add_chamber_drive, check_reach
+from vvdp.components.axial_drive import PilotJoints, add_chamber_drive, check_stroke
 from vvdp.control.backstepping import BacksteppingGains, refuse_flow_gain
 from vvdp.control.chamber import ChamberDrive
 from vvdp.control.orifice import ChamberValve
@@ -139,8 +139,8 @@ def chamber_observer(control: AxialControl, drive: ChamberDrive, friction: float
 
 
 def chamber_loop(control: AxialControl, parts: DriveParts, pilot: PilotSupply) -> ChamberLoop:
-    """The values of the loop. Raises ParameterError where the supply cannot hold the position that is wanted."""
-    check_reach(control.asked_by, control.wanted.extremes[1], pilot.supply_pressure.extremes[0], parts)
+    """The values of the loop. Raises ParameterError where an end stop lies below the position that is wanted."""
+    check_stroke(control.asked_by, control.wanted.extremes[1], parts.stops)
     drive = known_drive(parts, pilot)
     gains = control.law.gains
     values: dict[str, Any] = {

@@ -1,4 +1,4 @@
-"""Axial drives that are never controlled: they wait at their stop, and the duty ratio is not what is asked.
+"""Axial drives that do not do what is asked: they wait at their stop, or their supply does not reach so far.
 
 Source  ours, docs/models/axial-control.md
 """
@@ -6,9 +6,11 @@ Source  ours, docs/models/axial-control.md
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from vvdp.base.kinds import DURATION
+from vvdp.base.kinds import DURATION, POSITION
 from vvdp.network.network import Network
 from vvdp.programs.axial_loop import HOME, LEARN, AxialSequence, Stage
+from vvdp.programs.chamber_loop import ChamberLoop
+from vvdp.programs.chamber_report import static_reach_of
 from vvdp.simulation.outcome import Outcome
 from vvdp.systems.bound import Bound
 from vvdp.systems.extras import LoadedSystem
@@ -54,6 +56,23 @@ def waiting_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[B
                 most=patience(sequence),
                 otherwise="control never began: the spool was not at its stop for home_time, or its angle was not "
                 "known for learn_time in all",
+            )
+
+
+def reach_bounds(system: LoadedSystem) -> Iterator[Bound]:
+    """The bounds of the highest positions that are asked of drives by a chamber: their supply, at its lowest, has to
+    hold the spring there."""
+    for name, program in system.circuit.network.programs.items():
+        loop = getattr(program.settings, "loop", program.settings)
+        if isinstance(loop, ChamberLoop):
+            wanted = loop.wanted.extremes[1]
+            yield Bound(
+                label=f"position that is asked of {name.replace('_', ' ')}",
+                kind=POSITION,
+                low=wanted,
+                high=wanted,
+                most=static_reach_of(loop.drive),
+                otherwise="the pilot supply does not hold the spool there against the spring",
             )
 
 

@@ -7,7 +7,7 @@ from vvdp.base.kinds import POSITION, PRESSURE_DIFFERENCE, TEMPERATURE
 from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.network.nodes import HydraulicNode
 from vvdp.systems.bound import Bound
-from vvdp.systems.control_stages import waiting_bounds
+from vvdp.systems.control_stages import reach_bounds, waiting_bounds
 from vvdp.systems.extras import LoadedSystem
 from vvdp.systems.heat_numbers import COLDEST, HOTTEST, temperature_bounds
 from vvdp.systems.pipe_waves import wave_bounds
@@ -53,6 +53,7 @@ def bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
     yield from level_bounds(system, found)
     yield from placed_valve_bounds(system, found)
     yield from waiting_bounds(system, found)
+    yield from reach_bounds(system)
     yield from _strokes(system, found)
     if extras is not None:
         yield from extras.bounds(found)

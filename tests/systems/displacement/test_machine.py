@@ -222,7 +222,7 @@ def test_working_pressures_by_hand():
         ({"line__precharge_pressure": "20 bar"}, "line.precharge_pressure", r"20 bar; the line works at 16\.\d+ bar"),
         ({"chamber_a__oil_volume": "0 l"}, "chamber_a.oil_volume", "0 cc must be greater than 0"),
         ({"cylinder_stops__upper_end": "0.4 m"}, "cylinder_stops.upper_end", "400 mm; the stroke .* 300 mm"),
-        ({"pilot__supply_pressure": "190 psi"}, "pilot.supply_pressure", r"26\.4\d* mm .* 6\.338 mm at most"),
+        ({"axial_stops__upper_end": "20 mm"}, "axial_stops.upper_end", r"26\.4\d* mm; the end stop .* at 20 mm"),
         ({"pump__displacement": "3 cc/rev"}, "cycle", r"54 mm/s .* 44\.4\d* mm/s"),
     ],
 )

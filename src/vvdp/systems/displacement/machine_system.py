@@ -133,7 +133,7 @@ def spring_machine(tables: SpringMachineTables) -> Network:
         sequence=tables.axial_sequence,
         helix_length=length,
         wanted=constant(spool.highest_position),
-        asked_by="pilot.supply_pressure",
+        asked_by="axial_stops.upper_end",
     )
     inner = chamber_loop(control, tables.drive, tables.pilot)
     assert isinstance(inner, PassiveLoop)
