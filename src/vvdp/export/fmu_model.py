@@ -13,6 +13,7 @@ from vvdp.base.signal import Signal
 from vvdp.base.tables import nearest
 from vvdp.export.c_guest import indicator_count
 from vvdp.export.c_machine import CMachine, c_machine
+from vvdp.simulation.guest import ENTRIES, EVENTS
 from vvdp.simulation.parts import example_outputs
 from vvdp.simulation.values import leaves
 from vvdp.systems.changeable import Changeable, Follower, changeable_values
@@ -122,7 +123,7 @@ def fmu_model(
             if key not in shown:
                 raise ConfigError([Fault("--output", 0, key, f"unknown{nearest(key, tuple(shown))}")])
         shown = {key: Output(name, *_place(shown[key])) for key, name in names.items()}
-    machine = c_machine(system, is_guest=guest is not None)
+    machine = c_machine(system, EVENTS if guest is None else ENTRIES)
     states = () if guest is None else tuple(_states(machine, shown.values(), guest))
     found = FmuModel(
         machine=machine,
@@ -134,6 +135,11 @@ def fmu_model(
     )
     _refuse_same_names(found)
     return found
+
+
+def has_clock(model: FmuModel, fmi: int) -> bool:
+    """Whether an FMU has the clock of the ends of periods: FMI 3, carried by its own loop alone."""
+    return fmi == 3 and not model.machine.is_guest
 
 
 def _states(machine: CMachine, shown: Iterable[Output], guest: Guest) -> Iterator[Output]:

@@ -279,7 +279,7 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real size, fmi2Boolean is_final)
 {
     (void)is_final;
-    return status_of(c, fmu_step(((component *)c)->model, time, size));
+    return status_of(c, fmu_step(((component *)c)->model, time, size, 0));
 }
 
 fmi2Status fmi2CancelStep(fmi2Component c)
