@@ -52,7 +52,7 @@ def run_rows():
 
 @pytest.mark.parametrize("name", ["prototype", "displacement-chapter6"])
 def test_event_mode_shows_each_sample_before_and_after(name, path):
-    """Two rows at each sample: the state is the same in both and has the bits of a run, commands change between them."""
+    """Two rows at each sample: the state has the bits of a run in both, commands change between them."""
     run, paths = run_of(name, 0.2), paths_of(load_system(name))
     command = next(each for each in made(name, 3).model.outputs if each.vector == "command")
     for every in (1, 5):

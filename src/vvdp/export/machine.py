@@ -50,8 +50,9 @@ SUM = re.compile(r"\s+([\w, ]+) = ([\w +*,]+)")
 def machine_module(model: Model, case: Case, more: guest.Entries = NONE) -> Module:
     """The verified tree of a system with its loop; its entries are `run`, the loop, and `outputs`.
 
-    It has `more` of `simulation.guest` as well, for a host. Lengths of arrays and places of signals are those of `case`. Raises LanguageError where a function uses what the
-    language does not have, RunError where a program exchanges values with a model outside.
+    It has `more` of `simulation.guest` as well, for a host. Lengths of arrays and places of signals are those of
+    `case`. Raises LanguageError where a function uses what the language does not have, RunError where a program
+    exchanges values with a model outside.
     """
     refuse_partners(model.partners, "exported code")
     known, unit = _functions(model, case), Unit(model_options())
