@@ -32,7 +32,7 @@ def description(model: FmuModel, fmi: int, token: str, sources: Sequence[str], k
     given["stepSize"] = stepping.sample_period
     lines = [
         f"<fmiModelDescription {_attributes(head)}>",
-        *(line for kind in (ME, CS) if kind in kinds for line in _kind_lines(kind, fmu_name(model), fmi, sources)),
+        *(line for kind in (ME, CS) if kind in kinds for line in _kind_lines(kind, model, fmi, sources)),
         "  <UnitDefinitions>",
         *unit_lines(each.kind for each in model.variables),
         "  </UnitDefinitions>",
@@ -49,14 +49,16 @@ def description(model: FmuModel, fmi: int, token: str, sources: Sequence[str], k
     return HEAD + "\n".join(lines) + "\n"
 
 
-def _kind_lines(kind: str, name: str, fmi: int, sources: Sequence[str]) -> list[str]:
+def _kind_lines(kind: str, model: FmuModel, fmi: int, sources: Sequence[str]) -> list[str]:
     """What a kind of FMU can do."""
     states = "FMUState" if fmi == 3 else "FMUstate"
-    able = {"modelIdentifier": name, f"canGetAndSet{states}": "true", f"canSerialize{states}": "true"}
+    able = {"modelIdentifier": fmu_name(model), f"canGetAndSet{states}": "true", f"canSerialize{states}": "true"}
     if kind == CS:
         able |= {"canHandleVariableCommunicationStepSize": "true", **({"hasEventMode": "true"} if fmi == 3 else {})}
     elif fmi == 3:
         able["needsCompletedIntegratorStep"] = "true"
+    if kind == ME and model.tangent is not None:
+        able["providesDirectionalDerivatives" if fmi == 3 else "providesDirectionalDerivative"] = "true"
     if fmi == 3:
         return [f"  <{kind} {_attributes(able)}/>"]
     files = [f'      <File name="{each}"/>' for each in sources if each.endswith(".c")]

@@ -13,8 +13,10 @@ from vvdp.base.signal import Signal
 from vvdp.base.tables import nearest
 from vvdp.export.c_guest import indicator_count
 from vvdp.export.c_machine import CMachine, c_machine
+from vvdp.export.c_tangent import Tangent, tangent_of
 from vvdp.simulation.guest import ENTRIES, EVENTS
 from vvdp.simulation.parts import example_outputs
+from vvdp.simulation.symbols import Untraceable
 from vvdp.simulation.values import leaves
 from vvdp.systems.changeable import Changeable, Follower, changeable_values
 from vvdp.systems.system import System
@@ -71,6 +73,7 @@ class FmuModel:
 
     carried  of a guest, the states that the integrator of the host carries, in its order
     inner    of a guest, what the host needs besides: states that are no output, rates of all states, indicators
+    tangent  of a guest, its directional derivatives; None where the circuit cannot be traced
     """
 
     machine: CMachine
@@ -79,6 +82,7 @@ class FmuModel:
     fixed: tuple[tuple[str, str], ...]
     carried: tuple[Output, ...] = ()
     inner: tuple[Output, ...] = ()
+    tangent: Tangent | None = None
 
     @property
     def system(self) -> System:
@@ -132,9 +136,18 @@ def fmu_model(
         fixed=tuple(fixed),
         carried=states,
         inner=() if guest is None else tuple(_inner(machine, states, shown.values())),
+        tangent=None if guest is None else _tangent(machine, settables),
     )
     _refuse_same_names(found)
     return found
+
+
+def _tangent(machine: CMachine, settables: Sequence[Settable]) -> Tangent | None:
+    followed = {own.place for each in settables if each.role == INPUT for own in each.followers}
+    try:
+        return tangent_of(machine, frozenset(followed))
+    except Untraceable:
+        return None
 
 
 def has_clock(model: FmuModel, fmi: int) -> bool:

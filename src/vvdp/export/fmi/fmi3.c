@@ -357,6 +357,29 @@ fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t *count)
     return AS_GUEST(1);
 }
 
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference unknowns[], size_t unknown_count,
+        const fmi3ValueReference knowns[], size_t known_count, const fmi3Float64 seed[], size_t seed_count,
+        fmi3Float64 found[], size_t found_count)
+{
+#if FMU_IS_GUEST
+    if (seed_count != known_count || found_count != unknown_count) {
+        return fail(c, "all variables are scalars");
+    }
+    const fmu_direction way = {knowns, seed, known_count};
+    return status_of(c, fmu_derive_along(MODEL, &way, unknowns, unknown_count, found));
+#else
+    (void)unknowns;
+    (void)unknown_count;
+    (void)knowns;
+    (void)known_count;
+    (void)seed;
+    (void)seed_count;
+    (void)found;
+    (void)found_count;
+    return fail(c, "directional derivatives are not provided");
+#endif
+}
+
 /* What this FMU does not provide. */
 
 fmi3Status fmi3GetFloat32(fmi3Instance instance, const fmi3ValueReference valueReferences[],
@@ -615,21 +638,6 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference
     (void)dependencyKinds;
     (void)nDependencies;
     return fail(instance, "fmi3GetVariableDependencies is not provided");
-}
-
-fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
-        size_t nUnknowns, const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
-        size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
-{
-    (void)unknowns;
-    (void)nUnknowns;
-    (void)knowns;
-    (void)nKnowns;
-    (void)seed;
-    (void)nSeed;
-    (void)sensitivity;
-    (void)nSensitivity;
-    return fail(instance, "fmi3GetDirectionalDerivative is not provided");
 }
 
 fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns,

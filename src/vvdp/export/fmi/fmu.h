@@ -62,6 +62,13 @@ typedef struct {
 #endif
 } fmu_kept;
 
+/* A direction: changes of variables by their references. */
+typedef struct {
+    const uint32_t *references;
+    const double *changes;
+    size_t count;
+} fmu_direction;
+
 typedef struct {
     fmu_kept kept;
     fmu_machine shown; /* the machine whose numbers the outputs show */
@@ -107,6 +114,7 @@ int fmu_get_nominals(fmu *f, double *nominals, size_t count);
 int fmu_derive(fmu *f, double *rates, size_t count);
 int fmu_indicate(fmu *f, double *indicators, size_t count);
 int fmu_complete(fmu *f);
+int fmu_derive_along(fmu *f, const fmu_direction *way, const uint32_t *unknowns, size_t count, double *found);
 #endif
 
 #endif

@@ -115,3 +115,77 @@ int fmu_complete(fmu *f)
     }
     return 1;
 }
+
+#if FMU_HAS_TANGENT
+/* The derivative of what follows a variable. */
+static double slope_of(const fmu_follower *own, double x)
+{
+    switch (own->operation) {
+    case FMU_ADD:
+        return 1.0;
+    case FMU_TIMES:
+        return own->constant;
+    case FMU_BY:
+        return 1.0 / own->constant;
+    default:
+        return -own->constant / (x * x);
+    }
+}
+
+/* Adds the change of a variable, an input or a state, to a direction. */
+static int add_change(fmu *f, uint32_t r, double change, double *dy, double *dp)
+{
+    if (r - 1u < FMU_SETTABLES && fmu_settables[r - 1u].role == FMU_INPUT) {
+        for (int k = 0; k < FMU_FOLLOWERS; k++) {
+            const fmu_follower *own = &fmu_followers[k];
+            if (own->variable == (int)(r - 1u)) {
+                dp[own->place] += slope_of(own, f->kept.values[r - 1u]) * change;
+            }
+        }
+        return 1;
+    }
+    const uint32_t shown = r - 1u - FMU_SETTABLES;
+    if (shown < FMU_OUTPUTS && fmu_outputs[shown].vector == FMU_STATE) {
+        dy[fmu_outputs[shown].place] += change;
+        return 1;
+    }
+    return fmu_fail(f, "directions are those of inputs and states");
+}
+
+int fmu_derive_along(fmu *f, const fmu_direction *way, const uint32_t *unknowns, size_t count, double *found)
+{
+    double dy[FMU_STATES] = {0.0}, dp[FMU_PARAMETERS_SIZE] = {0.0}, all[FMU_TANGENTS];
+    const fmu_machine *machine = fmu_begun(f);
+    if (machine == NULL) {
+        return 0;
+    }
+    for (size_t i = 0; i < way->count; i++) {
+        if (!add_change(f, way->references[i], way->changes[i], dy, dp)) {
+            return 0;
+        }
+    }
+    const double t = f->kept.time < f->kept.next ? f->kept.time : nextafter(f->kept.next, -INFINITY);
+    fmu_model_tangent(machine, t, dy, dp, all);
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t shown = unknowns[i] - 1u - FMU_SETTABLES;
+        const fmu_output *own = shown < FMU_OUTPUTS ? &fmu_outputs[shown] : NULL;
+        if (own == NULL || (own->vector > FMU_OUTPUT && own->vector != FMU_RATE)) {
+            return fmu_fail(f, "there are derivatives of outputs and rates only");
+        }
+        found[i] = own->vector == FMU_STATE ? dy[own->place]
+                : own->vector == FMU_RATE ? all[own->place]
+                : own->vector == FMU_OUTPUT ? all[FMU_POSITIONS + own->place]
+                : 0.0; /* a command, which holds between two samples */
+    }
+    return 1;
+}
+#else
+int fmu_derive_along(fmu *f, const fmu_direction *way, const uint32_t *unknowns, size_t count, double *found)
+{
+    (void)way;
+    (void)unknowns;
+    (void)count;
+    (void)found;
+    return fmu_fail(f, "directional derivatives are not provided");
+}
+#endif
