@@ -25,7 +25,7 @@ class Callbacks2(ctypes.Structure):
 class Host:
     """An instance of an FMU; `said` is what it has logged."""
 
-    def __init__(self, made, folder, token=None):
+    def __init__(self, made, folder, token=None, has_events=False):
         Path(folder).mkdir(exist_ok=True)
         path = Path(folder, "made.fmu")
         path.write_bytes(made.content)
@@ -36,7 +36,7 @@ class Host:
         self.fmi, self.model = made.fmi, made.model
         names = [each.name for each in made.model.variables]
         self.references = {name: number for number, name in enumerate(names, 1)}
-        self.said, self.time = list[str](), 0.0
+        self.said, self.time, self.has_events = list[str](), 0.0, has_events
         self.instance = self._instance(self._token(made) if token is None else token)
 
     def _token(self, made):
@@ -50,7 +50,8 @@ class Host:
         if self.fmi == 3:
             self.logger = Logger3(lambda _, status, category, words: self.said.append(words.decode()))
             create = self.library.fmi3InstantiateCoSimulation
-            rest = [name, key, None, False, False, False, False, None, ctypes.c_size_t(0), None, self.logger, None]
+            events = self.has_events
+            rest = [name, key, None, False, False, events, events, None, ctypes.c_size_t(0), None, self.logger, None]
         else:
             said = lambda _, own, status, category, form, words: self.said.append(words.decode())  # noqa: E731
             self.logger = Callbacks2(Logger2(said), None, None, None, None)
@@ -103,12 +104,29 @@ class Host:
         """A step; the status."""
         at = ctypes.c_double(self.time if time is None else time)
         if self.fmi == 3:
-            flags = [ctypes.byref(ctypes.c_bool()) for _ in range(3)]
-            status = self.call("DoStep", at, ctypes.c_double(size), True, *flags, ctypes.byref(ctypes.c_double()))
+            flags, last = [ctypes.c_bool() for _ in range(3)], ctypes.c_double()
+            handed = [ctypes.byref(each) for each in (*flags, last)]
+            status = self.call("DoStep", at, ctypes.c_double(size), True, *handed)
+            self.needs_event, _, self.is_early = (each.value for each in flags)
+            if self.has_events:
+                self.time = last.value
+                return status
         else:
             status = self.call("DoStep", at, ctypes.c_double(size), 1)
         self.time += size if status == OK else 0.0
         return status
+
+    def pass_event(self, clock):
+        """Whether a clock ticks at an event, which is then passed, and the time of the next event."""
+        assert self.call("EnterEventMode") == OK
+        tick, next_time, flags = ctypes.c_bool(), ctypes.c_double(), [ctypes.c_bool() for _ in range(5)]
+        one = ctypes.c_size_t(1)
+        assert self.call("GetClock", (ctypes.c_uint32 * 1)(clock), one, ctypes.byref(tick)) == OK
+        handed = [ctypes.byref(each) for each in (*flags, next_time)]
+        assert self.call("UpdateDiscreteStates", *handed) == OK
+        assert [each.value for each in flags] == [False] * 4 + [np.isfinite(next_time.value)]
+        assert self.call("EnterStepMode") == OK
+        return tick.value, next_time.value
 
     def state(self):
         """The state as bytes."""

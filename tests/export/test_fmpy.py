@@ -48,3 +48,20 @@ def test_a_start_value_is_that_of_a_run_with_set(path):
 
 def run_rows():
     return load_system("prototype", ['load.area="4 mm^2"']).rows
+
+
+@pytest.mark.parametrize("name", ["prototype", "displacement-chapter6"])
+def test_event_mode_shows_each_sample_before_and_after(name, path):
+    """Two rows at each sample: the state has the bits of a run in both, commands change between them."""
+    run, paths = run_of(name, 0.2), paths_of(load_system(name))
+    command = next(each for each in made(name, 3).model.outputs if each.vector == "command")
+    for every in (1, 5):
+        found = fmpy.simulate_fmu(path(name, 3), stop_time=0.2, output_interval=every * PERIOD,
+                                  use_event_mode=True, early_return_allowed=True)  # fmt: skip
+        states = np.stack([found[path] for path in paths], axis=1)
+        assert len(found) == 2 * 200 + 1
+        assert states[1::2].tobytes() == run.states[1:, : len(paths)].tobytes()
+        assert states[2::2].tobytes() == run.states[1:, : len(paths)].tobytes()
+        before, after = found[command.name][1::2], found[command.name][2::2]
+        assert before[1:].tobytes() == after[:-1].tobytes()
+        assert before.tobytes() == run.commands[1:, command.place].tobytes()

@@ -1,5 +1,6 @@
 """FMUs for co-simulation, called from a host in Python: bits of `vvdp run`, free parameters, states, wrong input."""
 
+import ctypes
 import importlib.util
 import re
 import shutil
@@ -90,6 +91,58 @@ def test_commands_and_outputs_are_those_in_force(host):
         assert one.get(*names).tobytes() == run.commands[number + 1, places].tobytes()
     flow = one.get("pump_flow", "load_flow")
     assert (flow > 1e-5).all()
+
+
+def test_the_clock_ticks_at_the_first_event_after_each_period(tmp_path):
+    """One communication step of 0.2 s with early returns: the ends of the periods are those of the run to the bit."""
+    run, model = run_of("prototype", 0.2), made("prototype", 3).model
+    one = Host(made("prototype", 3), tmp_path / "events", has_events=True)
+    clock = 1 + len(model.variables)
+    assert one.begin() == OK
+    ticks, coming = [one.pass_event(clock)[0]], PERIOD
+    for number in range(1, 201):
+        assert one.step(0.2 - one.time) == OK
+        assert (one.time, one.needs_event, one.is_early) == (coming, True, number < 200)
+        ticked, coming = one.pass_event(clock)
+        ticks.append(ticked)
+        if ticked:
+            assert one.get(clock + 1)[0] == run.mark_times[sum(ticks) - 1]
+    assert sum(ticks) == len(run.mark_times) > 5
+    passed = np.searchsorted(run.mark_times, np.arange(201) * PERIOD, side="right")
+    assert ticks == [False, *(np.diff(passed) > 0)]
+    paths = paths_of(model.system)
+    assert one.get(*paths).tobytes() == run.final[: len(paths)].tobytes()
+    one.close()
+
+
+def test_a_state_between_a_sample_and_its_event_is_kept(tmp_path):
+    """Saved before the event: another instance shows the command before it, and after it the new one."""
+    hosts = [Host(made("prototype", 3), tmp_path / name, has_events=True) for name in "ab"]
+    clock = 1 + len(made("prototype", 3).model.variables)
+    for one in hosts:
+        assert one.begin() == OK
+    one, other = hosts
+    for _ in range(20):
+        assert one.step(PERIOD) == OK
+        if one.time < 19.5 * PERIOD:
+            one.pass_event(clock)
+    assert other.restore(one.state()) == OK
+    other.time = one.time
+    found = []
+    for each in hosts:
+        before = each.get("encoder.angle")
+        each.pass_event(clock)
+        found.append([*before, *each.get("encoder.angle")])
+        assert each.call("GetClock", (ctypes.c_uint32 * 1)(1), ctypes.c_size_t(1), None) == ERROR
+        each.close()
+    assert found[0] == found[1]
+    assert found[0][0] != found[0][1]
+
+
+def test_event_mode_is_refused_where_it_was_not_asked_for(host):
+    one = host()
+    assert one.call("EnterEventMode") == ERROR
+    assert "without event mode" in one.said[-1]
 
 
 SETTINGS = {
@@ -239,7 +292,7 @@ def test_the_description_has_all_variables_with_units(fmi):
     gauge = units["Pa"].find("DisplayUnit[@name='bar (gauge)']")
     assert float(gauge.get("factor")) * 101325.0 + float(gauge.get("offset")) == pytest.approx(0.0, abs=1e-12)
     found = {each.get("name"): each for each in root.iter("Float64" if fmi == 3 else "ScalarVariable")}
-    assert [each.name for each in model.variables] == [name for name in found if name != "time"]
+    assert [each.name for each in model.variables] == [name for name in found if name not in ("time", "pwm_period_end")]
     area = found["load.area"] if fmi == 3 else found["load.area"].find("Real")
     assert (area.get("unit"), area.get("displayUnit")) == ("m^2", "mm²")
     assert float(area.get("start")) == pytest.approx(3.041e-6, rel=1e-15)

@@ -160,9 +160,11 @@ def write_fmu(
     from vvdp.cli.screen import print_json, tell
     from vvdp.export.fmu import fmu, require_kind
     from vvdp.export.fmu_binary import platforms_named
+    from vvdp.export.fmu_extras import Extras, reference_text
     from vvdp.export.fmu_model import Guest, fmu_model
     from vvdp.report.circuit import graph_of
     from vvdp.report.diagram import diagram
+    from vvdp.report.raster import icon_png
     from vvdp.systems.system import load_system
 
     require_kind(chosen.kind)
@@ -173,7 +175,8 @@ def write_fmu(
     drawn = diagram(graph_of(system.circuit.network, system.title))
     guest = None if chosen.kind == "cs" else Guest(has_books=chosen.books)
     model = fmu_model(system, chosen.input or (), chosen.output or (), guest)
-    made = fmu(model, chosen.fmi, platforms, drawn, is_solved=chosen.kind != "me")
+    extras = Extras(drawn, icon_png(drawn), reference_text(model))
+    made = fmu(model, chosen.fmi, platforms, extras, is_solved=chosen.kind != "me")
     write_whole(out, made.content)
     facts = made.facts
     if json:

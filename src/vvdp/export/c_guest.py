@@ -1,10 +1,15 @@
-"""What the integrator of another program calls of a system in C: rates, indicators of events, and the events."""
+"""What a host calls of a system in C: when the next event is; for its own integrator rates, indicators and events."""
 
 from vvdp.export.c_machine import CMachine, answer_text, bench_lines, call_arguments, room_lines, wrap_lines
 from vvdp.export.machine import parameters_of
 from vvdp.generator.c_text import wrap
 from vvdp.simulation import guest, loop, places
 
+EVENTS_HEADER = """\
+
+/* The time of the next event that is known after t [s]; infinite where none is. */
+int {name}_upcoming({name}_machine *machine, double t, double *next);
+"""
 HEADER = """\
 
 /* For the integrator of another program. `next` is the time of the next event that is known. */
@@ -36,15 +41,20 @@ def guest_header(machine: CMachine) -> str:
     """The functions for callers."""
     name = machine.name
     counts = {"indicators": indicator_count(machine), "rates": machine.bench.rate.size}
-    return wrap_lines(HEADER.format(name=name, upper=name.upper(), **counts))
+    words = EVENTS_HEADER + (HEADER if machine.is_guest else "")
+    return wrap_lines(words.format(name=name, upper=name.upper(), **counts))
 
 
 def guest_text(machine: CMachine) -> str:
     """Their text, which follows that of the other functions."""
     name = machine.name
     count = f"{name.upper()}_INDICATORS"
+    events = _function(machine, "upcoming", "double t, double *next", {})
+    if not machine.is_guest:
+        return events
     return "\n".join(
         [
+            events,
             _bench_text(machine),
             _function(machine, "derive", "double t, double next, double *rates", {"rate": f"{name.upper()}_POSITIONS"}),
             _function(machine, "indicate", "double t, double next, double *indicators", {"found": count}),
@@ -77,7 +87,7 @@ def _function(machine: CMachine, entry: str, rest: str, lengths: dict[str, str])
     lines = [f"    const {machine.core.types[loop.BENCH]} bench = bench_of(machine);"] if "bench" in kinds else []
     lines += room_lines(machine, entry, handed)
     call = f"{machine.core.functions[entry]}({', '.join(handed)})"
-    lines.append(f"    *next = {call};" if entry == "enter" else f"    {call};")
+    lines.append(f"    *next = {call};" if entry in ("enter", "upcoming") else f"    {call};")
     lines.append(f"    return {answer_text(machine, entry, '0')};")
     head = f"int {name}_{entry}({name}_machine *machine, {rest})"
     return "\n".join([head, "{", *map(wrap, lines), "}", ""])

@@ -12,13 +12,13 @@ from vvdp.base.arrays import Array
 from vvdp.base.signal import Signal
 from vvdp.export.c_powers import C_INTRINSICS
 from vvdp.export.c_structs import struct_text
-from vvdp.export.machine import machine_module, parameters_of
+from vvdp.export.machine import NONE, machine_module, parameters_of
 from vvdp.generator.c_room import Amount, room_of
 from vvdp.generator.c_text import Shared, constant, identifier, length_names, wrap
 from vvdp.generator.c_writer import CModule, shown_file, write_c
 from vvdp.generator.kinds import FLOAT, Address, Kind, Record, Row
 from vvdp.generator.tree import Module
-from vvdp.simulation import loop, places
+from vvdp.simulation import guest, loop, places
 from vvdp.simulation.layout import SIGNAL_SLOTS, blocks, members
 from vvdp.simulation.model import Case
 from vvdp.simulation.parts import example_outputs
@@ -107,12 +107,12 @@ class CMachine:
         return 8 * (numbers + LAST_MARKS * (1 + self.begun.state.size))
 
 
-def c_machine(system: System, *, is_guest: bool = False) -> CMachine:
-    """A system with its loop in C, and for a guest what the integrator of another program calls.
+def c_machine(system: System, more: guest.Entries = NONE) -> CMachine:
+    """A system with its loop in C, and `more` of `simulation.guest` that a host calls.
 
     Raises LanguageError, with file and line, where a text cannot be exported.
     """
-    module = machine_module(system.model, system.case, is_guest=is_guest)
+    module = machine_module(system.model, system.case, more)
     name = identifier(f"{system.name}_{MACHINE}".replace("-", "_"))
     rooms = {}
     for function, room in room_of(module).items():

@@ -13,6 +13,7 @@ from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.kinds import Kind
 from vvdp.export.fmu_binary import compile_binary
 from vvdp.export.fmu_description import CS, ME, build_description, description, fmu_name
+from vvdp.export.fmu_extras import NOTHING, Extras, extra_files
 from vvdp.export.fmu_model import FmuModel
 from vvdp.export.fmu_sources import TOKEN_SIZE, source_files
 from vvdp.export.fmu_units import unit_name
@@ -70,12 +71,12 @@ def require_kind(kind: str) -> None:
 
 
 def fmu(
-    model: FmuModel, fmi: int, platforms: Sequence[Platform] = (), diagram: str = "", *, is_solved: bool = True
+    model: FmuModel, fmi: int, platforms: Sequence[Platform] = (), extras: Extras = NOTHING, *, is_solved: bool = True
 ) -> Fmu:
     """The FMU of a model for FMI 2 or 3, with a binary for each platform (this machine where none is given).
 
-    If the model is a guest, it is for model exchange, and for co-simulation as well where `is_solved`. Its page shows
-    the diagram, an SVG. Without a compiler it has sources only, and `compiler` is empty.
+    If the model is a guest, it is for model exchange, and for co-simulation as well where `is_solved`. `extras`
+    are for people and tools. Without a compiler it has sources only, and `compiler` is empty.
 
     Raises RunError where the compiler refuses.
     """
@@ -87,13 +88,14 @@ def fmu(
     sources = source_files(model, fmi, token)
     files = {
         "modelDescription.xml": description(model, fmi, token, list(sources), KINDS[kind]),
-        "documentation/index.html": page(model, flags, diagram),
+        "documentation/index.html": page(model, flags, extras.diagram),
         "documentation/licenses/license.txt": LICENCES,
         **{f"sources/{each}": text for each, text in sources.items()},
     }
     if fmi == 3:
         files["sources/buildDescription.xml"] = build_description(model, list(sources), flags)
     entries = {each: text.encode() for each, text in files.items()}
+    entries |= extra_files(model, fmi, extras)
     compilers = []
     for each in platforms or (this_platform(),):
         compiler, binary = compile_binary(sources, flags, each)
@@ -120,9 +122,9 @@ def _hash_of(model: FmuModel, fmi: int) -> str:
 
 def _zip_of(entries: Mapping[str, bytes]) -> bytes:
     buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as file:
+    with zipfile.ZipFile(buffer, "w") as file:
         for name, content in entries.items():
-            file.writestr(zipfile.ZipInfo(name, WHEN), content, zipfile.ZIP_DEFLATED)
+            file.writestr(zipfile.ZipInfo(name, WHEN), content, zipfile.ZIP_DEFLATED, 9)
     return buffer.getvalue()
 
 

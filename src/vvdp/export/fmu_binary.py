@@ -26,6 +26,10 @@ TARGETS = {LINUX: "linux-gnu.2.17", WINDOWS: "windows-gnu", DARWIN: "macos"}
 """What the compiler calls the systems; the C library of Linux is that of 2012, so that any later one will do."""
 
 
+SMALL = ("-fvisibility=hidden", "-fno-asynchronous-unwind-tables")
+"""C has no exceptions, so that nothing needs tables for them."""
+
+
 def platforms_named(names: Sequence[str], fmi: int) -> tuple[Platform, ...]:
     """The platforms of an FMU, this machine where none is named.
 
@@ -62,7 +66,7 @@ def compile_binary(sources: Mapping[str, str], flags: Sequence[str], target: Pla
         for each, text in sources.items():
             (folder / each).write_text(text, "utf-8")
         files = [each for each in sources if each.endswith(".c")]
-        words = [*flags, "-O2", "-fvisibility=hidden", "-fPIC", "-shared", "-s", "-o", "fmu.bin", *files, "-lm"]
+        words = [*flags, "-O2", *SMALL, "-fPIC", "-shared", "-s", "-o", "fmu.bin", *files, "-lm"]
         if found is None:
             run_zig(folder, ["cc", "-target", f"{target.processor}-{TARGETS[target.system]}", *words])
         else:

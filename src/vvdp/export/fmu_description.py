@@ -5,7 +5,7 @@ from importlib.metadata import version
 from xml.sax.saxutils import quoteattr
 
 from vvdp.base.kinds import Kind
-from vvdp.export.fmu_model import FIXED, INPUT, FmuModel, Settable
+from vvdp.export.fmu_model import FIXED, INPUT, FmuModel, Settable, has_clock
 from vvdp.export.fmu_units import display_name, unit_lines, unit_name
 from vvdp.generator.c_text import identifier
 
@@ -32,7 +32,7 @@ def description(model: FmuModel, fmi: int, token: str, sources: Sequence[str], k
     given["stepSize"] = stepping.sample_period
     lines = [
         f"<fmiModelDescription {_attributes(head)}>",
-        *(line for kind in (ME, CS) if kind in kinds for line in _kind_lines(kind, fmu_name(model), fmi, sources)),
+        *(line for kind in (ME, CS) if kind in kinds for line in _kind_lines(kind, model, fmi, sources)),
         "  <UnitDefinitions>",
         *unit_lines(each.kind for each in model.variables),
         "  </UnitDefinitions>",
@@ -49,14 +49,16 @@ def description(model: FmuModel, fmi: int, token: str, sources: Sequence[str], k
     return HEAD + "\n".join(lines) + "\n"
 
 
-def _kind_lines(kind: str, name: str, fmi: int, sources: Sequence[str]) -> list[str]:
+def _kind_lines(kind: str, model: FmuModel, fmi: int, sources: Sequence[str]) -> list[str]:
     """What a kind of FMU can do."""
     states = "FMUState" if fmi == 3 else "FMUstate"
-    able = {"modelIdentifier": name, f"canGetAndSet{states}": "true", f"canSerialize{states}": "true"}
+    able = {"modelIdentifier": fmu_name(model), f"canGetAndSet{states}": "true", f"canSerialize{states}": "true"}
     if kind == CS:
-        able["canHandleVariableCommunicationStepSize"] = "true"
+        able |= {"canHandleVariableCommunicationStepSize": "true", **({"hasEventMode": "true"} if fmi == 3 else {})}
     elif fmi == 3:
         able["needsCompletedIntegratorStep"] = "true"
+    if kind == ME and model.tangent is not None:
+        able["providesDirectionalDerivatives" if fmi == 3 else "providesDirectionalDerivative"] = "true"
     if fmi == 3:
         return [f"  <{kind} {_attributes(able)}/>"]
     files = [f'      <File name="{each}"/>' for each in sources if each.endswith(".c")]
@@ -84,6 +86,14 @@ def variable_lines(model: FmuModel, fmi: int) -> Iterator[str]:
         ends = {} if kind is None else {"min": repr(kind.low), "max": repr(kind.high)}
         yield _variable(fmi, {**own, "initial": "calculated"}, {**_unit(kind), **ends, **nominal})
     yield from _inner_lines(model, fmi)
+    if has_clock(model, fmi):
+        number = 1 + len(model.variables)
+        clock = {"name": "pwm_period", "valueReference": str(number), "causality": "output"}
+        clock |= {"intervalVariability": "triggered"}
+        yield f'    <Clock {_attributes(clock)} description="Ticks at the first event after the end of a period"/>'
+        last = {"name": "pwm_period_end", "valueReference": str(number + 1), "causality": "local"}
+        last |= {"variability": "discrete", "clocks": str(number), "description": "End of the last period [s]"}
+        yield _variable(fmi, last, {"unit": "s"})
 
 
 def _inner_lines(model: FmuModel, fmi: int) -> Iterator[str]:
@@ -129,7 +139,9 @@ def _structure(model: FmuModel, fmi: int) -> Iterator[str]:
     unknown = [*outputs, *states, *rates]
     if fmi == 3:
         indicators = [known[each.name] for each in model.inner if each.vector == "indicator"]
-        parts = {"Output": outputs, "ContinuousStateDerivative": rates, "InitialUnknown": unknown}
+        clocks = [1 + len(model.variables)] if has_clock(model, fmi) else []
+        parts = {"Output": [*outputs, *clocks], "ContinuousStateDerivative": rates}
+        parts["InitialUnknown"] = [*unknown, *clocks]
         for tag, numbers in {**parts, "EventIndicator": indicators}.items():
             yield from (f'    <{tag} valueReference="{number}"/>' for number in numbers)
         return

@@ -13,7 +13,10 @@ from vvdp.base.signal import Signal
 from vvdp.base.tables import nearest
 from vvdp.export.c_guest import indicator_count
 from vvdp.export.c_machine import CMachine, c_machine
+from vvdp.export.c_tangent import Tangent, tangent_of
+from vvdp.simulation.guest import ENTRIES, EVENTS
 from vvdp.simulation.parts import example_outputs
+from vvdp.simulation.symbols import Untraceable
 from vvdp.simulation.values import leaves
 from vvdp.systems.changeable import Changeable, Follower, changeable_values
 from vvdp.systems.system import System
@@ -70,6 +73,7 @@ class FmuModel:
 
     carried  of a guest, the states that the integrator of the host carries, in its order
     inner    of a guest, what the host needs besides: states that are no output, rates of all states, indicators
+    tangent  of a guest, its directional derivatives; None where the circuit cannot be traced
     """
 
     machine: CMachine
@@ -78,6 +82,7 @@ class FmuModel:
     fixed: tuple[tuple[str, str], ...]
     carried: tuple[Output, ...] = ()
     inner: tuple[Output, ...] = ()
+    tangent: Tangent | None = None
 
     @property
     def system(self) -> System:
@@ -122,7 +127,7 @@ def fmu_model(
             if key not in shown:
                 raise ConfigError([Fault("--output", 0, key, f"unknown{nearest(key, tuple(shown))}")])
         shown = {key: Output(name, *_place(shown[key])) for key, name in names.items()}
-    machine = c_machine(system, is_guest=guest is not None)
+    machine = c_machine(system, EVENTS if guest is None else ENTRIES)
     states = () if guest is None else tuple(_states(machine, shown.values(), guest))
     found = FmuModel(
         machine=machine,
@@ -131,9 +136,23 @@ def fmu_model(
         fixed=tuple(fixed),
         carried=states,
         inner=() if guest is None else tuple(_inner(machine, states, shown.values())),
+        tangent=None if guest is None else _tangent(machine, settables),
     )
     _refuse_same_names(found)
     return found
+
+
+def _tangent(machine: CMachine, settables: Sequence[Settable]) -> Tangent | None:
+    followed = {own.place for each in settables if each.role == INPUT for own in each.followers}
+    try:
+        return tangent_of(machine, frozenset(followed))
+    except Untraceable:
+        return None
+
+
+def has_clock(model: FmuModel, fmi: int) -> bool:
+    """Whether an FMU has the clock of the ends of periods: FMI 3, carried by its own loop alone."""
+    return fmi == 3 and not model.machine.is_guest
 
 
 def _states(machine: CMachine, shown: Iterable[Output], guest: Guest) -> Iterator[Output]:

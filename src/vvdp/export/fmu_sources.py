@@ -6,9 +6,11 @@ from importlib import resources
 
 from vvdp.export.c_guest import guest_header, guest_text, indicator_count
 from vvdp.export.c_machine import STATUS, facade_text, header_text, numbers_text
-from vvdp.export.fmu_model import FIXED, INPUT, FmuModel
+from vvdp.export.c_tangent import tangent_header, tangent_text
+from vvdp.export.fmu_model import FIXED, INPUT, FmuModel, has_clock
 from vvdp.generator.c_text import constant, wrap
 from vvdp.generator.kinds import FLOAT
+from vvdp.simulation import places
 
 ROLES = {FIXED: "FMU_FIXED", INPUT: "FMU_INPUT"}
 VECTORS = {
@@ -41,9 +43,14 @@ TOKEN_SIZE = 40
 def source_files(model: FmuModel, fmi: int, token: str) -> dict[str, str]:
     """The files of the folder `sources` by name."""
     machine, is_guest = model.machine, model.machine.is_guest
+    tangent: tuple[str, dict[str, str]] = ("", {})
+    if model.tangent is not None:
+        text = tangent_text(machine, model.tangent)
+        tangent = ("\n" + tangent_header(machine, model.tangent), {f"{machine.name}_tangent.c": text})
     return {
-        f"{machine.name}.h": header_text(machine, guest_header(machine) if is_guest else ""),
-        f"{machine.name}.c": facade_text(machine) + (guest_text(machine) if is_guest else ""),
+        f"{machine.name}.h": header_text(machine, guest_header(machine) + tangent[0]),
+        **tangent[1],
+        f"{machine.name}.c": facade_text(machine) + guest_text(machine),
         f"{machine.name}_core.h": machine.core.header,
         f"{machine.name}_core.c": machine.core.source,
         "fmu_model.h": _model_header(model, fmi, token),
@@ -64,7 +71,8 @@ def _model_header(model: FmuModel, fmi: int, token: str) -> str:
     followers = sum(len(each.followers) for each in model.settables)
     reasons = [REASONS.get(word, "the loop was interrupted") for word in STATUS]
     names = {"machine": "fmu_machine", "output": "fmu_model_output"}
-    functions = ["start", "run", "outputs", "time"]
+    functions = ["start", "run", "outputs", "time", "upcoming"]
+    functions += ["tangent"] if model.tangent else []
     functions += ["derive", "indicate", "enter", "fallen", "move"] if machine.is_guest else []
     return "\n".join(
         [
@@ -76,9 +84,13 @@ def _model_header(model: FmuModel, fmi: int, token: str) -> str:
             f"#define FMU_BEGIN {stepping.begin!r}",
             f"#define FMU_PERIOD {stepping.sample_period!r}",
             f"#define FMU_IS_GUEST {int(machine.is_guest)}",
+            f"#define FMU_HAS_TANGENT {int(model.tangent is not None)}",
+            f"#define FMU_HAS_MARKS {int(has_clock(model, fmi))}",
             *(f"#define fmu_model_{each} {machine.name}_{each}" for each in functions),
             "",
             f"enum {{ FMU_TOKEN_SIZE = {TOKEN_SIZE}, FMU_STATES = {machine.begun.state.size} }};",
+            f"enum {{ FMU_COMMANDS = {max(1, machine.begun.command.size)} }};",
+            f"enum {{ FMU_CLOCK_MARKS = {places.MARKS}, FMU_CLOCK_STORED = {places.STORED} }};",
             f"enum {{ FMU_SETTABLES = {len(model.settables)}, FMU_FOLLOWERS = {followers} }};",
             f"enum {{ FMU_OUTPUTS = {len(model.outputs) + len(model.inner)} }};",
             *([_guest_sizes(model)] if machine.is_guest else []),
@@ -92,6 +104,8 @@ def _model_header(model: FmuModel, fmi: int, token: str) -> str:
 def _guest_sizes(model: FmuModel) -> str:
     sizes = {"CARRIED": len(model.carried), "POSITIONS": model.machine.bench.rate.size}
     sizes["INDICATORS"] = indicator_count(model.machine)
+    sizes["PARAMETERS_SIZE"] = max(1, model.machine.tables.vectors.params.size)
+    sizes["TANGENTS"] = 1 if model.tangent is None else len(model.tangent.graph.outputs)
     return f"enum {{ {', '.join(f'FMU_{name} = {size}' for name, size in sizes.items())} }};"
 
 

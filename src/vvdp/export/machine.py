@@ -42,21 +42,21 @@ from vvdp.simulation.text import Place, told_size, write
 
 LENGTH = re.compile(r"int\((\w)\[([^\]]+)\]\)")
 """A length, or the place of an array, as the texts of `simulation.parts` read it from a vector."""
+NONE: guest.Entries = {}
 SUM = re.compile(r"\s+([\w, ]+) = ([\w +*,]+)")
 """A line that works out places from others."""
 
 
-def machine_module(model: Model, case: Case, *, is_guest: bool = False) -> Module:
+def machine_module(model: Model, case: Case, more: guest.Entries = NONE) -> Module:
     """The verified tree of a system with its loop; its entries are `run`, the loop, and `outputs`.
 
-    With `is_guest` it has those of `simulation.guest` as well, for the integrator of another program. Lengths of
-    arrays and places of signals are those of `case`. Raises LanguageError where a function uses what the
-    language does not have, RunError where a program exchanges values with a model outside.
+    It has `more` of `simulation.guest` as well, for a host. Lengths of arrays and places of signals are those of
+    `case`. Raises LanguageError where a function uses what the language does not have, RunError where a program
+    exchanges values with a model outside.
     """
     refuse_partners(model.partners, "exported code")
     known, unit = _functions(model, case), Unit(model_options())
-    entries = {"run": (loop.run, loop.RUN), **guest.ENTRIES} if is_guest else {"run": (loop.run, loop.RUN)}
-    for name, (function, kinds) in entries.items():
+    for name, (function, kinds) in {"run": (loop.run, loop.RUN), **more}.items():
         handed = parameters_of(function, kinds)
         unit.add(function, [Known(known[each]) if isinstance(k, Address) else k for each, k in handed.items()], name)
     shown = outputs_part(model, case, shapes=False)

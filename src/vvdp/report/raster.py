@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 POINTS = 0.72
 """Of a pixel of the drawing, a hundredth of an inch [pt]."""
-DOTS = 150
+DOTS, ICON_DOTS = 150, 40
 NUMBERS = re.compile(r"-?\d+(?:\.\d+)?")
 INHERITED = ("fill", "stroke", "stroke-width", "stroke-dasharray", "font-size", "text-anchor", "font-weight")
 TRANSFORMS = re.compile(r"(translate|scale)\(([^)]*)\)")
@@ -22,8 +22,18 @@ Styles = Mapping[str, str]
 Point = tuple[float, float]
 
 
-def diagram_png(svg: str) -> bytes:
-    """The diagram as a picture of 1.5 dots a pixel."""
+def icon_png(svg: str) -> bytes:
+    """The diagram as a small picture of 16 colours, 0.4 dots a pixel."""
+    from PIL import Image
+
+    content = io.BytesIO()
+    picture = Image.open(io.BytesIO(diagram_png(svg, ICON_DOTS))).convert("RGB")
+    picture.quantize(16).save(content, "png", optimize=True)
+    return content.getvalue()
+
+
+def diagram_png(svg: str, dots: int = DOTS) -> bytes:
+    """The diagram as a picture of so many dots per 100 pixels of the drawing; 150 by default."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.transforms import Affine2D
@@ -38,7 +48,7 @@ def diagram_png(svg: str) -> bytes:
     for order, (element, styles, place) in enumerate(_leaves(root, {"font-size": "13"}, Affine2D())):
         _draw(axes, element, styles, place, order)
     content = io.BytesIO()
-    figure.savefig(content, format="png", dpi=DOTS, metadata={"Software": None})
+    figure.savefig(content, format="png", dpi=dots, metadata={"Software": None})
     return content.getvalue()
 
 

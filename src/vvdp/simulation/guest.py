@@ -31,6 +31,14 @@ def indicate(rates, events, t, t_next, y, command, params, plan, agenda, bench, 
         found[2 * i - 1] = bench.held[i] + 1.0 + GRAIN - bench.x[i]
 
 
+UPCOMING = (STOP, FLOAT, VECTOR, VECTOR, MATRIX, MATRIX)
+
+
+def upcoming(stop, t, command, params, plan, agenda):
+    """The time of the next event that is known after t [s], infinite where none is."""
+    return landing_time(stop(t, command, params), next_due(plan, agenda), np.inf)
+
+
 ENTER: tuple[Kind, ...] = (RATES, SAMPLE, EVENT_LIST, STOP, FLOAT, *[VECTOR] * 4, MATRIX, MATRIX, CUBE, BENCH)
 
 
@@ -45,10 +53,14 @@ def enter(rates, sample, events, stop, t, y, command, memory, params, plan, agen
         return np.nan
     if settle(rates, t, y, command, params, plan, bench.rate) >= 0:
         return np.nan
-    return landing_time(stop(t, command, params), next_due(plan, agenda), np.inf)
+    return upcoming(stop, t, command, params, plan, agenda)
 
 
-ENTRIES: Mapping[str, tuple[Callable[..., Any], Sequence[Kind]]] = {
+Entries = Mapping[str, tuple[Callable[..., Any], Sequence[Kind]]]
+EVENTS: Entries = {"upcoming": (upcoming, UPCOMING)}
+"""What a host asks whose model is carried by its own loop."""
+ENTRIES: Entries = {
+    **EVENTS,
     "derive": (derive, DERIVE),
     "indicate": (indicate, INDICATE),
     "enter": (enter, ENTER),

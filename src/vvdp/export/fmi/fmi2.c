@@ -244,18 +244,6 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size
     return fmi2OK;
 }
 
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknowns[], size_t unknown_count,
-        const fmi2ValueReference knowns[], size_t known_count, const fmi2Real seed[], fmi2Real found[])
-{
-    (void)unknowns;
-    (void)unknown_count;
-    (void)knowns;
-    (void)known_count;
-    (void)seed;
-    (void)found;
-    return fail(c, "directional derivatives are not provided");
-}
-
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference references[], size_t count,
         const fmi2Integer orders[], const fmi2Real values[])
 {
@@ -279,7 +267,7 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real size, fmi2Boolean is_final)
 {
     (void)is_final;
-    return status_of(c, fmu_step(((component *)c)->model, time, size));
+    return status_of(c, fmu_step(((component *)c)->model, time, size, 0));
 }
 
 fmi2Status fmi2CancelStep(fmi2Component c)
@@ -403,4 +391,21 @@ fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x[], size
     (void)x;
     (void)count;
     return AS_GUEST(fmu_get_nominals(MODEL, x, count));
+}
+
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknowns[], size_t unknown_count,
+        const fmi2ValueReference knowns[], size_t known_count, const fmi2Real seed[], fmi2Real found[])
+{
+#if FMU_IS_GUEST
+    const fmu_direction way = {knowns, seed, known_count};
+    return status_of(c, fmu_derive_along(MODEL, &way, unknowns, unknown_count, found));
+#else
+    (void)unknowns;
+    (void)unknown_count;
+    (void)knowns;
+    (void)known_count;
+    (void)seed;
+    (void)found;
+    return fail(c, "directional derivatives are not provided");
+#endif
 }

@@ -11,6 +11,9 @@ typedef struct {
     fmi3LogMessageCallback logger;
     fmi3InstanceEnvironment environment;
     int is_logging;
+    int is_solved;   /* by its own loop: co-simulation */
+    int has_events;  /* the host handles them in event mode */
+    int may_return;  /* at an event, before the end of a step */
 } component;
 
 static fmi3Status fail(component *c, const char *words)
@@ -68,14 +71,13 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
         const fmi3ValueReference intermediate[], size_t intermediate_count, fmi3InstanceEnvironment environment,
         fmi3LogMessageCallback logger, fmi3IntermediateUpdateCallback update)
 {
-    component told = {NULL, logger, environment, logging};
+    component told = {NULL, logger, environment, logging, 1, with_events, early_return};
     (void)resources;
     (void)visible;
-    (void)early_return;
     (void)intermediate;
     (void)update;
-    if (with_events || intermediate_count != 0) {
-        fail(&told, "event mode and intermediate variables are not provided");
+    if (intermediate_count != 0) {
+        fail(&told, "intermediate variables are not provided");
         return NULL;
     }
     return instance_of(told, name, token);
@@ -83,7 +85,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
 
 static fmi3Instance only_co_simulation(fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger)
 {
-    component told = {NULL, logger, environment, 0};
+    component told = {NULL, logger, environment, 0, 0, 0, 0};
     fail(&told, "this FMU is for co-simulation only");
     return NULL;
 }
@@ -94,7 +96,7 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi
     (void)resources;
     (void)visible;
 #if FMU_IS_GUEST
-    const component told = {NULL, logger, environment, logging};
+    const component told = {NULL, logger, environment, logging, 0, 1, 0};
     return instance_of(told, name, token);
 #else
     (void)name;
@@ -227,20 +229,55 @@ fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte bytes[], size_
     return fmi3OK;
 }
 
-fmi3Status fmi3EnterStepMode(fmi3Instance c)
+static fmi3Status with_events(component *c)
 {
-    return fail(c, "event mode is not provided");
+    return c->has_events ? fmi3OK : fail(c, "the instance was made without event mode");
 }
 
-fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 size, fmi3Boolean keeps_state,
+fmi3Status fmi3EnterStepMode(fmi3Instance c)
+{
+    return with_events(c);
+}
+
+fmi3Status fmi3EnterEventMode(fmi3Instance c)
+{
+    return with_events(c);
+}
+
+fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 size, fmi3Boolean keeps_state,
         fmi3Boolean *needs_event, fmi3Boolean *terminate, fmi3Boolean *early_return, fmi3Float64 *last)
 {
-    fmu *model = ((component *)c)->model;
+    component *c = instance;
     (void)keeps_state;
-    *needs_event = *terminate = *early_return = fmi3False;
-    const int is_well = fmu_step(model, time, size);
-    *last = model->kept.time;
+    const int is_well = fmu_step(c->model, time, size, c->has_events && c->may_return);
+    *terminate = fmi3False;
+    *last = c->model->kept.time;
+    *needs_event = is_well && c->model->kept.is_before;
+    *early_return = *needs_event && *last < time + size - 1e-9 * FMU_PERIOD;
     return status_of(c, is_well);
+}
+
+/* What happens at an event, and when the next one that is known is. */
+static int pass(component *c, double *next)
+{
+#if FMU_IS_GUEST
+    if (!c->is_solved) {
+        const int is_well = fmu_enter(c->model);
+        *next = c->model->kept.next;
+        return is_well;
+    }
+#endif
+    return fmu_pass(c->model, next);
+}
+
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *again, fmi3Boolean *terminates, fmi3Boolean *nominals,
+        fmi3Boolean *values, fmi3Boolean *is_known, fmi3Float64 *next)
+{
+    *again = *terminates = *nominals = *values = fmi3False;
+    *next = INFINITY;
+    const fmi3Status status = with_events(c) == fmi3OK ? status_of(c, pass(c, next)) : fmi3Error;
+    *is_known = isfinite(*next) ? fmi3True : fmi3False;
+    return status;
 }
 
 /* Model exchange. */
@@ -253,24 +290,6 @@ enum { CARRIED = FMU_CARRIED, INDICATORS = FMU_INDICATORS };
 #define AS_GUEST(call) fail(c, "this FMU is for co-simulation only")
 enum { CARRIED = 0, INDICATORS = 0 };
 #endif
-
-fmi3Status fmi3EnterEventMode(fmi3Instance c)
-{
-    return AS_GUEST(1);
-}
-
-fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *again, fmi3Boolean *terminates, fmi3Boolean *nominals,
-        fmi3Boolean *values, fmi3Boolean *is_known, fmi3Float64 *next)
-{
-    *again = *terminates = *nominals = *values = *is_known = fmi3False;
-    const fmi3Status status = AS_GUEST(fmu_enter(MODEL));
-    *next = 0.0;
-#if FMU_IS_GUEST
-    *is_known = isfinite(MODEL->kept.next) ? fmi3True : fmi3False;
-    *next = MODEL->kept.next;
-#endif
-    return status;
-}
 
 fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c)
 {
@@ -336,6 +355,29 @@ fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t *count)
 {
     *count = CARRIED;
     return AS_GUEST(1);
+}
+
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference unknowns[], size_t unknown_count,
+        const fmi3ValueReference knowns[], size_t known_count, const fmi3Float64 seed[], size_t seed_count,
+        fmi3Float64 found[], size_t found_count)
+{
+#if FMU_IS_GUEST
+    if (seed_count != known_count || found_count != unknown_count) {
+        return fail(c, "all variables are scalars");
+    }
+    const fmu_direction way = {knowns, seed, known_count};
+    return status_of(c, fmu_derive_along(MODEL, &way, unknowns, unknown_count, found));
+#else
+    (void)unknowns;
+    (void)unknown_count;
+    (void)knowns;
+    (void)known_count;
+    (void)seed;
+    (void)seed_count;
+    (void)found;
+    (void)found_count;
+    return fail(c, "directional derivatives are not provided");
+#endif
 }
 
 /* What this FMU does not provide. */
@@ -449,12 +491,15 @@ fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference valueRe
     return nValueReferences == 0 ? fmi3OK : fail(instance, "all variables are of the type Float64");
 }
 
-fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-        size_t nValueReferences, fmi3Clock values[])
+fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference references[], size_t count, fmi3Clock values[])
 {
-    (void)valueReferences;
-    (void)values;
-    return nValueReferences == 0 ? fmi3OK : fail(instance, "all variables are of the type Float64");
+    for (size_t i = 0; i < count; i++) {
+        if (!FMU_HAS_MARKS || references[i] != FMU_MARK_CLOCK) {
+            return fail(instance, "there is no clock with this reference");
+        }
+        values[i] = fmu_ticks(((component *)instance)->model) ? fmi3ClockActive : fmi3ClockInactive;
+    }
+    return fmi3OK;
 }
 
 fmi3Status fmi3SetFloat32(fmi3Instance instance, const fmi3ValueReference valueReferences[],
@@ -593,21 +638,6 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference
     (void)dependencyKinds;
     (void)nDependencies;
     return fail(instance, "fmi3GetVariableDependencies is not provided");
-}
-
-fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
-        size_t nUnknowns, const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
-        size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
-{
-    (void)unknowns;
-    (void)nUnknowns;
-    (void)knowns;
-    (void)nKnowns;
-    (void)seed;
-    (void)nSeed;
-    (void)sensitivity;
-    (void)nSensitivity;
-    return fail(instance, "fmi3GetDirectionalDerivative is not provided");
 }
 
 fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns,

@@ -9,7 +9,7 @@
 #define FIRST_SETTABLE 1u
 #define FIRST_OUTPUT (FIRST_SETTABLE + FMU_SETTABLES)
 
-static int fail(fmu *f, const char *words)
+int fmu_fail(fmu *f, const char *words)
 {
     snprintf(f->problem, sizeof f->problem, "%s", words);
     return 0;
@@ -73,16 +73,19 @@ static int show(fmu *f)
         return 1;
     }
     memcpy(&f->shown, &f->kept.machine, sizeof f->shown);
+    if (f->kept.is_before) {
+        memcpy(f->shown.command, f->kept.before, sizeof f->shown.command);
+    }
     if (f->kept.phase < FMU_RUNNING && fmu_model_run(&f->shown, FMU_BEGIN, NULL) != 0) {
-        return fail(f, "a run cannot begin with these values");
+        return fmu_fail(f, "a run cannot begin with these values");
     }
     if (fmu_model_outputs(&f->shown, &f->outputs) != 0) {
-        return fail(f, "the outputs cannot be calculated");
+        return fmu_fail(f, "the outputs cannot be calculated");
     }
 #if FMU_IS_GUEST
     if (fmu_model_derive(&f->shown, f->kept.time, f->kept.next, f->rates) != 0
             || fmu_model_indicate(&f->shown, f->kept.time, f->kept.next, f->indicators) != 0) {
-        return fail(f, "the rates cannot be calculated");
+        return fmu_fail(f, "the rates cannot be calculated");
     }
 #endif
     f->is_shown = 1;
@@ -121,6 +124,9 @@ int fmu_get(fmu *f, const uint32_t *references, size_t count, double *values)
         const uint32_t r = references[i];
         if (FMU_HAS_TIME && r == 0u) {
             values[i] = f->kept.time;
+        } else if (FMU_HAS_MARKS && r == FMU_MARK_TIME) {
+            const int stored = (int)f->kept.machine.clock[FMU_CLOCK_STORED];
+            values[i] = stored > 0 ? f->kept.machine.mark_times[stored - 1] : FMU_BEGIN;
         } else if (r >= FIRST_SETTABLE && r < FIRST_OUTPUT) {
             values[i] = f->kept.values[r - FIRST_SETTABLE];
         } else if (r >= FIRST_OUTPUT && r < FIRST_OUTPUT + FMU_OUTPUTS) {
@@ -186,7 +192,7 @@ int fmu_setup(fmu *f, double start, int has_tolerance, double tolerance)
         return 0;
     }
     if (has_tolerance && !(tolerance > 0.0 && tolerance < 1.0)) {
-        return fail(f, "the tolerance must be between 0 and 1");
+        return fmu_fail(f, "the tolerance must be between 0 and 1");
     }
     f->kept.phase = FMU_INITIALISING;
     return 1;
@@ -195,7 +201,7 @@ int fmu_setup(fmu *f, double start, int has_tolerance, double tolerance)
 int fmu_begin(fmu *f)
 {
     if (f->kept.phase != FMU_INITIALISING) {
-        return fail(f, "initialisation was not entered");
+        return fmu_fail(f, "initialisation was not entered");
     }
     for (int i = 0; i < FMU_STATES; i++) {
         f->kept.machine.lowest[i] = f->kept.machine.highest[i] = f->kept.machine.state[i];
@@ -203,7 +209,7 @@ int fmu_begin(fmu *f)
     f->is_shown = 0;
     if (fmu_model_run(&f->kept.machine, FMU_BEGIN, NULL) != 0) {
         f->kept.phase = FMU_FAILED;
-        return fail(f, "a run cannot begin with these values");
+        return fmu_fail(f, "a run cannot begin with these values");
     }
     f->kept.phase = FMU_RUNNING;
     return 1;
@@ -217,19 +223,51 @@ static double on_sample(double time)
     return fabs(time - sample) < 1e-9 * FMU_PERIOD ? sample : time;
 }
 
-int fmu_step(fmu *f, double time, double size)
+int fmu_next(fmu *f, double *next)
+{
+    const int answer = fmu_model_upcoming(&f->kept.machine, fmu_model_time(&f->kept.machine), next);
+    return answer == 0 || fmu_fail(f, "the time of the next event cannot be calculated");
+}
+
+int fmu_pass(fmu *f, double *next)
 {
     if (f->kept.phase != FMU_RUNNING) {
-        return fail(f, "a step needs an initialised model that has neither ended nor failed");
+        return fmu_fail(f, "an event needs an initialised model that has neither ended nor failed");
+    }
+    f->kept.is_before = f->is_shown = 0;
+    f->kept.marks = f->kept.machine.clock[FMU_CLOCK_MARKS];
+    return fmu_next(f, next);
+}
+
+int fmu_ticks(const fmu *f)
+{
+    return f->kept.machine.clock[FMU_CLOCK_MARKS] != f->kept.marks;
+}
+
+int fmu_step(fmu *f, double time, double size, int halts)
+{
+    if (f->kept.phase != FMU_RUNNING) {
+        return fmu_fail(f, "a step needs an initialised model that has neither ended nor failed");
     }
     if (!(size > 0.0 && size < 1e9)) {
-        return fail(f, "a step must be greater than 0 s and finite");
+        return fmu_fail(f, "a step must be greater than 0 s and finite");
     }
     if (!(fabs(time - f->kept.time) <= 1e-9 * FMU_PERIOD + 1e-12 * fabs(time))) {
         snprintf(f->problem, sizeof f->problem, "the step begins at %.17g s; the model is at %.17g s", time, f->kept.time);
         return 0;
     }
-    const double goal = on_sample(time + size);
+    double goal = on_sample(time + size), next;
+    f->kept.is_before = 0;
+    if (halts) {
+        if (!fmu_next(f, &next)) {
+            return 0;
+        }
+        if (next <= goal + 1e-9 * FMU_PERIOD) {
+            goal = next;
+            f->kept.is_before = 1;
+            memcpy(f->kept.before, f->kept.machine.command, sizeof f->kept.before);
+        }
+    }
     const int answer = fmu_model_run(&f->kept.machine, goal, NULL);
     f->is_shown = 0;
     if (answer != 0) {
@@ -256,7 +294,7 @@ fmu_kept *fmu_copy(const fmu *f)
 int fmu_restore(fmu *f, const fmu_kept *kept)
 {
     if (kept == NULL || memcmp(kept->token, FMU_TOKEN, sizeof FMU_TOKEN) != 0) {
-        return fail(f, "the state is none of this FMU");
+        return fmu_fail(f, "the state is none of this FMU");
     }
     memcpy(&f->kept, kept, sizeof f->kept);
     f->is_shown = 0;
@@ -266,11 +304,11 @@ int fmu_restore(fmu *f, const fmu_kept *kept)
 int fmu_restore_bytes(fmu *f, const void *bytes, size_t count, fmu_kept **kept)
 {
     if (count != sizeof **kept || memcmp(bytes, FMU_TOKEN, sizeof FMU_TOKEN) != 0) {
-        return fail(f, "the state is none of this FMU");
+        return fmu_fail(f, "the state is none of this FMU");
     }
     *kept = malloc(sizeof **kept);
     if (*kept == NULL) {
-        return fail(f, "there is no memory left");
+        return fmu_fail(f, "there is no memory left");
     }
     memcpy(*kept, bytes, count);
     return 1;

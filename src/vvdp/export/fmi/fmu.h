@@ -7,6 +7,10 @@
 
 #include "fmu_model.h"
 
+/* References behind those of the outputs: the clock of periods, and the time at which the last one has ended. */
+#define FMU_MARK_CLOCK (1u + FMU_SETTABLES + FMU_OUTPUTS)
+#define FMU_MARK_TIME (2u + FMU_SETTABLES + FMU_OUTPUTS)
+
 typedef enum { FMU_CREATED, FMU_INITIALISING, FMU_RUNNING, FMU_ENDED, FMU_FAILED } fmu_phase;
 typedef enum { FMU_FIXED, FMU_TUNABLE, FMU_INPUT } fmu_role;
 typedef enum { FMU_STATE, FMU_COMMAND, FMU_OUTPUT, FMU_MEMORY, FMU_PARAMETERS, FMU_RATE, FMU_INDICATOR } fmu_vector;
@@ -50,10 +54,20 @@ typedef struct {
     double time;
     double values[FMU_SETTABLES + 1];
     fmu_machine machine;
+    double before[FMU_COMMANDS]; /* the command before the event at which a step has ended */
+    int is_before;               /* whether this event is still to be shown */
+    double marks;                /* periods that have been shown */
 #if FMU_IS_GUEST
     double next; /* the time of the next event that is known */
 #endif
 } fmu_kept;
+
+/* A direction: changes of variables by their references. */
+typedef struct {
+    const uint32_t *references;
+    const double *changes;
+    size_t count;
+} fmu_direction;
 
 typedef struct {
     fmu_kept kept;
@@ -72,11 +86,17 @@ fmu *fmu_new(void);
 void fmu_reset(fmu *f);
 
 /* The functions below answer 1, or 0 with a sentence in `problem`. */
+int fmu_fail(fmu *f, const char *words); /* answers 0 */
 int fmu_get(fmu *f, const uint32_t *references, size_t count, double *values);
 int fmu_set(fmu *f, const uint32_t *references, size_t count, const double *values);
 int fmu_setup(fmu *f, double start, int has_tolerance, double tolerance);
 int fmu_begin(fmu *f);
-int fmu_step(fmu *f, double time, double size);
+
+/* Carries the machine on; with `halts` at most to the next event, of which `is_before` tells. */
+int fmu_step(fmu *f, double time, double size, int halts);
+int fmu_next(fmu *f, double *next); /* the time of the next event that is known; infinite where there is none */
+int fmu_pass(fmu *f, double *next); /* shows what an event has changed */
+int fmu_ticks(const fmu *f);        /* whether a period has ended since the event before */
 
 /* States as bytes: copies of what is kept. */
 fmu_kept *fmu_copy(const fmu *f);
@@ -94,6 +114,7 @@ int fmu_get_nominals(fmu *f, double *nominals, size_t count);
 int fmu_derive(fmu *f, double *rates, size_t count);
 int fmu_indicate(fmu *f, double *indicators, size_t count);
 int fmu_complete(fmu *f);
+int fmu_derive_along(fmu *f, const fmu_direction *way, const uint32_t *unknowns, size_t count, double *found);
 #endif
 
 #endif
