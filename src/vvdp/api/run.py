@@ -112,7 +112,9 @@ class Run(RecordedRun):
         text = until if isinstance(until, str) else f"{until!r} s"
         longer = system.read_from(lasting(system.table, text))
         if not longer.stepping.until > self.done.end:
-            raise RunError(f"until {longer.stepping.until:g} s; expected more than {self.done.end:g} s")
+            raise RunError(
+                f"until: {longer.stepping.until:g} s must be greater than {self.done.end:g} s, where the run ends"
+            )
         done = simulate(longer.model, longer.case, longer.stepping, continue_from=self.done, stop=stop)
         found = recorded_run(longer, done)
         return Run(**{each.name: getattr(found, each.name) for each in fields(found)})

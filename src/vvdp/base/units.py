@@ -72,8 +72,12 @@ def parse(text: object, kind: Kind) -> float:
     """
     number, unit = _split(text, kind)
     value = _to_si(number, unit, text, kind)
-    if fault := kind.fault(value):
-        raise ParameterError(f"{text!r} = {fault}" if unit else fault)
+    if not math.isfinite(value):
+        raise ParameterError(str(kind.fault(value)))
+    if not kind.low <= value <= kind.high:
+        zero, one = (_to_si(number, unit, text, kind) for number in (0.0, 1.0))
+        low, high = (f"{(bound - zero) / (one - zero):.6g}" for bound in (kind.low, kind.high))
+        raise ParameterError(f"{text!r} is outside {low} to {high} {unit}".rstrip() + f" for {kind.with_article}")
     return value
 
 

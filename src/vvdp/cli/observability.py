@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+from vvdp.base.display import value_text
 from vvdp.cli.options import (
     Case,
     Output,
@@ -63,12 +64,13 @@ def _speed(system: str, text: str | None, own: float | None) -> float:
     """The spool speed of the option, else a system's own [rad/s]. Raises ConfigError without one above zero."""
     from vvdp.base.errors import ConfigError, Fault
     from vvdp.base.kinds import SPEED
+    from vvdp.base.rules import POSITIVE
 
     found = own if text is None else parsed_option("--speed", text, SPEED)
     if found is None:
         message = f"missing; {system} has no axial sensor on a shaft whose speed is prescribed"
         raise ConfigError([Fault("--speed", 0, "", message)])
     if not found > 0.0:
-        shown = repr(text) if text is not None else f"{found:g} rad/s at the start of {system}"
-        raise ConfigError([Fault("--speed", 0, "", f"{shown}; expected a speed greater than zero")])
+        shown = repr(text) if text is not None else f"{value_text(found, SPEED)} at the start of {system}"
+        raise ConfigError([Fault("--speed", 0, "", f"{shown} {POSITIVE}")])
     return found

@@ -3,7 +3,8 @@
 from typing import NamedTuple
 
 from vvdp.base.kinds import ExchangedPower, Flow, FlowCoefficient, Fraction, Power, PressureDifference, SignedFraction
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.flow import root_passage

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from vvdp.base.kinds import Area, Flow, FlowCoefficient, Fraction, Kink, Power, SignedFraction, Time
 from vvdp.base.modes import side
-from vvdp.base.params import require_positive
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.directional_valve import (

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from vvdp.base.kinds import Area, Flow, Fraction, Kink, Mode, Power
-from vvdp.base.params import refuse
+from vvdp.base.rules import refuse
 from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.flow import passage

@@ -8,9 +8,9 @@ Source  ours, docs/models/displacement-control.md, where a function names no oth
 
 from typing import Annotated, NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Compliance, Force, Kind, Length, Mass, Time, Velocity
 from vvdp.base.params import Params
+from vvdp.base.rules import require_less
 from vvdp.base.select import clip
 from vvdp.control.cylinder_force import ForceRate
 from vvdp.control.reference import SignedAcceleration
@@ -43,9 +43,7 @@ class Adaptation(Params):
 
     def check(self) -> None:
         for name in ("load", "mass", "compliance"):
-            low, high = getattr(self, f"lowest_{name}"), getattr(self, f"highest_{name}")
-            if not low < high:
-                raise ParameterError(f"Adaptation.lowest_{name}: {low:g} is not below the highest_{name} of {high:g}")
+            require_less(self, f"lowest_{name}", f"highest_{name}")
 
 
 class AdaptationMemory(NamedTuple):

@@ -5,9 +5,9 @@ Source  ours, docs/models/displacement-control.md, where a function names no oth
 
 from typing import NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Conductance, Flow, Force, Fraction, Position, Pressure, SignedFraction, Time, Velocity
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import maximum
 from vvdp.control.adaptation import Adaptation, AdaptationMemory, Excitation, adaptation_start, adaptation_step
 from vvdp.control.capacities import (
@@ -59,8 +59,7 @@ class DisplacementSettings(Params):
     sample_period: Time
 
     def check(self) -> None:
-        if not self.sample_period > 0.0:
-            raise ParameterError("DisplacementSettings.sample_period: 0 s; expected a time above 0")
+        require_positive(self, "sample_period")
 
 
 class CylinderSeen(NamedTuple):

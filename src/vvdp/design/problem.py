@@ -10,7 +10,7 @@ import numpy as np
 
 from vvdp.base.display import value_text, with_unit
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
-from vvdp.base.kinds import PRESSURE_LEVEL
+from vvdp.base.kinds import FLOW, PRESSURE_LEVEL
 from vvdp.base.tables import nearest, read_table, refuse_unknown, with_settings
 from vvdp.base.units import parse
 from vvdp.design.quantities import KINDS, LABELS, Quantities, Setup, quantities, setup
@@ -317,10 +317,11 @@ def _check_variables(system: System, bounds: Sequence[Bound], faults: list[Fault
 def _unusable_points(point: Point) -> list[Fault]:
     at, place = point.setup, point.system.name
     if not at.flow > 0.0:
-        return [Fault(place, 0, "operation.pump_speed", f"no equilibrium speed: the pump delivers {at.flow:g} m^3/s")]
+        message = f"no equilibrium speed: the pump delivers {with_unit(at.flow, FLOW)}"
+        return [Fault(place, 0, "operation.pump_speed", message)]
     if not at.load_pressure > at.tank_pressure:
         load, tank = (with_unit(p, PRESSURE_LEVEL) for p in (at.load_pressure, at.tank_pressure))
-        return [Fault(place, 0, "load", f"the load at {load} is not above the tank at {tank}")]
+        return [Fault(place, 0, "load", f"the load at {load} must be greater than the tank at {tank}")]
     return []
 
 
@@ -412,7 +413,7 @@ def _bound(variable: Variable, sides: Mapping[str, float], now: float, faults: l
             message = f"{between}; expected whole numbers, and there is none between"
     ends = " to ".join(value_text(float(end), kind) for end in (low, high))
     if not message and not low > 0.0:
-        message = f"{ends}; both ends must be above zero"
+        message = f"{ends}: both ends must be greater than 0"
     elif not message and not low <= high:
         message = f"{ends} leaves nothing between"
     if message:
@@ -441,7 +442,7 @@ def cycle_points(path: Path, system: System, faults: list[Fault]) -> list[tuple[
     for number, row in enumerate(rows, 1):
         place, settings, weight = f"{path}: point {number}", dict[str, Any](), row.get("weight", 1.0)
         if isinstance(weight, bool) or not isinstance(weight, int | float) or not 0.0 < weight < np.inf:
-            faults.append(Fault(place, 0, "weight", f"{weight!r}; expected a number above zero"))
+            faults.append(Fault(place, 0, "weight", f"{weight!r} must be a number greater than 0"))
             continue
         for key, value in _dotted_key(row).items():
             if key.startswith("valve.") or "." not in key:

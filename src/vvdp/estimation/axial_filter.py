@@ -11,7 +11,6 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import (
     NUMBER,
     Angle,
@@ -31,6 +30,7 @@ from vvdp.base.kinds import (
     Velocity,
 )
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import maximum
 from vvdp.estimation.duty import DutyEstimate
 from vvdp.estimation.noise_basis import TURN, NoiseBasis, basis_slope, function_count, turned_variance, write_basis
@@ -144,12 +144,13 @@ class PollutionModel(Params):
     optical_delay: Duration = 0.0
 
     def check(self) -> None:
-        for name in ("sensor_deviation", "coefficient_drift", "duty_deviation"):
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(
-                    f"PollutionModel.{name}: 0; no sensor is without noise and no pollution without change, and at 0 "
-                    "the covariance is no longer positive; expected above 0"
-                )
+        require_positive(
+            self,
+            "sensor_deviation",
+            "coefficient_drift",
+            "duty_deviation",
+            why="at 0 the covariance is no longer positive definite",
+        )
 
 
 def axial_start(plant_mean: Array, plant_deviations: Array, pollution: PollutionModel) -> AxialMemory:

@@ -14,6 +14,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, AngularVariance, Count, DutyRatio, Kind, Ratio, RatioDrift, Time
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse, refuse_together, require_positive
 from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import sector
 from vvdp.estimation.between_edges import believed_at, heard_plainly, inflate
@@ -72,16 +73,13 @@ class Fusion(Params):
 
     def check(self) -> None:
         if not self.sections >= 1.0:
-            raise ParameterError(f"Fusion.sections: {self.sections:g}; expected 1 or more")
-        if not (self.pressure_variance > 0.0 and self.duty_sensor_variance > 0.0):
-            raise ParameterError(
-                f"Fusion: pressure_variance {self.pressure_variance:g} rad^2 and duty_sensor_variance "
-                f"{self.duty_sensor_variance:g}; no sensor is exact, expected both above 0"
-            )
+            refuse(self, "sections", "must be at least 1")
+        require_positive(self, "pressure_variance", "duty_sensor_variance", why="no sensor is exact")
         if self.filter.ripple_order > 0.0:
-            raise ParameterError(
-                f"Fusion.filter: a ripple of order {self.filter.ripple_order:g}; with the pressure none can be "
-                "estimated, expected ripple_order = 0"
+            refuse_together(
+                self,
+                f"ripple_order of its filter: {self.filter.ripple_order:g} must be 0; with the pressure no ripple can "
+                "be estimated",
             )
 
 

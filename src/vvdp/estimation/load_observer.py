@@ -9,10 +9,10 @@ Source  ours, docs/models/displacement-control.md, where a function names no oth
 
 from typing import NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Force, Mass, Position, Rate, Time, Velocity, ViscousFriction
 from vvdp.base.params import Params
 from vvdp.base.powers import expm1
+from vvdp.base.rules import require_positive
 
 SLOW = 1e-3
 """Decay over a sample, b h/m, below which the transition is worked out as a series [1]."""
@@ -31,9 +31,7 @@ class LoadObserver(Params):
     sample_period: Time
 
     def check(self) -> None:
-        for name in ("moving_mass", "observer_rate", "load_rate", "sample_period"):
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(f"LoadObserver.{name}: {getattr(self, name):g}; expected a value above 0")
+        require_positive(self, "moving_mass", "observer_rate", "load_rate", "sample_period")
 
 
 class LoadMemory(NamedTuple):

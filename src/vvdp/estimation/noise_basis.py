@@ -10,9 +10,9 @@ from math import erf
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, Count
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse, refuse_together
 
 TURN = 2.0 * np.pi
 
@@ -32,14 +32,13 @@ class NoiseBasis(Params):
     def check(self) -> None:
         whole = self.harmonics % 1.0 == 0.0 and self.bumps % 1.0 == 0.0
         if not (whole and (self.harmonics >= 1.0 or self.bumps >= 2.0)) or self.bumps == 1.0:
-            raise ParameterError(
-                f"NoiseBasis: {self.harmonics:g} harmonics and {self.bumps:g} bumps; expected whole numbers, at least "
-                "1 harmonic or 2 bumps"
+            refuse_together(
+                self,
+                f"{self.harmonics:g} harmonics and {self.bumps:g} bumps must be whole numbers, at least 1 harmonic or "
+                "2 bumps",
             )
         if not 0.0 < self.bump_width < 0.5 * TURN:
-            raise ParameterError(
-                f"NoiseBasis.bump_width: {self.bump_width:g} rad; expected between 0 and half a turn, {0.5 * TURN:.4g}"
-            )
+            refuse(self, "bump_width", "must lie between 0 and 180 deg, half a revolution")
 
 
 def fourier_basis(harmonics: int) -> NoiseBasis:

@@ -14,7 +14,8 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Mass, Stiffness, Time, ViscousFriction
+from vvdp.base.kinds import SPEED, Mass, Stiffness, Time, ViscousFriction
+from vvdp.base.rules import require_positive_value
 
 WARN_BELOW = 0.01
 """Margin below which an observer has little to go by."""
@@ -59,8 +60,7 @@ def check_noise(spool_speed: float, harmonics: float) -> None:
 
     spool_speed  [rad/s]
     """
-    if not 0.0 < spool_speed < np.inf:
-        raise ParameterError(f"spool speed: {spool_speed:g} rad/s; expected one above zero")
+    require_positive_value("spool speed", spool_speed, SPEED)
     if not (1 <= harmonics <= MOST_HARMONICS and float(harmonics).is_integer()):
         raise ParameterError(f"harmonics: {harmonics:g}; expected a whole number, 1 to {MOST_HARMONICS}")
 

@@ -8,9 +8,9 @@ Source  ours, docs/models/pressure-fusion.md, where a function names no other.
 
 from typing import NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Count, Fraction, Pressure, PressureDifference, Time
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 from vvdp.base.select import clip, maximum, minimum
 
 LOW_SHARE = 0.05
@@ -38,17 +38,11 @@ class PressureEdges(Params):
 
     def check(self) -> None:
         if not 0.0 < self.level_share < 1.0:
-            raise ParameterError(f"PressureEdges.level_share = {self.level_share:g}; expected between 0 and 1")
+            refuse(self, "level_share", "must lie between 0 and 1")
         room = min(self.level_share, 1.0 - self.level_share)
         if not self.hysteresis < room:
-            raise ParameterError(
-                f"PressureEdges.hysteresis = {self.hysteresis:g} reaches a plateau; expected less than {room:g}"
-            )
-        if not (self.least_swing > 0.0 and self.level_time > 0.0):
-            raise ParameterError(
-                f"PressureEdges: least_swing {self.least_swing:g} Pa and level_time {self.level_time:g} s; "
-                "expected both above zero"
-            )
+            refuse(self, "hysteresis", f"must be less than {room:g}, or it reaches a plateau")
+        require_positive(self, "least_swing", "level_time")
 
 
 class PressureSample(NamedTuple):

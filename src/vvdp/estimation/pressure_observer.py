@@ -9,9 +9,10 @@ Source  ours, docs/models/axial-observer.md, where a function names no other.
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import BulkModulus, Length, Position, PressureDifference, Time, Velocity, Volume
+from vvdp.base.display import value_text
+from vvdp.base.kinds import TIME, BulkModulus, Length, Position, PressureDifference, Time, Velocity, Volume
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 from vvdp.estimation.axial_filter import (
     AxialEstimate,
     AxialMemory,
@@ -58,19 +59,17 @@ class PressureObserver(Params):
     stop_position: Position
 
     def check(self) -> None:
-        drifts = (self.position_drift, self.velocity_drift, self.pressure_drift, self.pressure_deviation)
-        if not (min(drifts) > 0.0 and self.sample_period > 0.0 and self.chamber_volume > 0.0):
-            raise ParameterError(
-                "PressureObserver: drifts, pressure_deviation, sample_period and chamber_volume have to be above 0"
-            )
+        drifts = ("position_drift", "velocity_drift", "pressure_drift", "pressure_deviation")
+        require_positive(self, *drifts, "sample_period", "chamber_volume")
         d = self.drive
         stiff = d.stiffness + d.area * d.area * self.bulk_modulus / self.chamber_volume
         swing = self.sample_period * np.sqrt(stiff / d.moving_mass)
         if not swing <= MOST_SWING:
-            raise ParameterError(
-                f"PressureObserver.sample_period: {self.sample_period:g} s, but spool and oil swing with "
-                f"{swing / self.sample_period:.4g} rad/s; expected at most "
-                f"{MOST_SWING * self.sample_period / swing:.3g} s"
+            most = value_text(MOST_SWING * self.sample_period / swing, TIME)
+            refuse(
+                self,
+                "sample_period",
+                f"must be at most {most}: spool and oil swing with {swing / self.sample_period:.4g} 1/s",
             )
 
 

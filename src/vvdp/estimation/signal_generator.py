@@ -12,8 +12,9 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import NUMBER, Area, Length, Number, Position, Speed, Time
+from vvdp.base.kinds import NUMBER, TIME, Area, Length, Number, Position, Speed, Time
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive, require_positive_value
 from vvdp.estimation.axial_filter import AxialEstimate, AxialSeen
 from vvdp.estimation.noise_basis import TURN
 
@@ -37,12 +38,9 @@ class GeneratorDesign(Params):
     stop_position: Position = 0.0
 
     def check(self) -> None:
-        if not (self.sensor_deviation > 0.0 and self.position_drift > 0.0 and self.generator_drift > 0.0):
-            raise ParameterError(
-                f"GeneratorDesign: sensor_deviation {self.sensor_deviation:g} m, position_drift "
-                f"{self.position_drift:g} m, generator_drift {self.generator_drift:g} m; expected all above 0: the "
-                "generator's eigenvalues lie on the unit circle, without drift its gains die"
-            )
+        require_positive(
+            self, "sensor_deviation", "position_drift", "generator_drift", why="without process noise a gain falls to 0"
+        )
         samples_in_period(self.noise_period, self.sample_period)
 
 
@@ -67,8 +65,7 @@ class GeneratorMemory(NamedTuple):
 
 def samples_in_period(noise_period: float, sample_period: float) -> int:
     """N = T/T_s [1]. Raises ParameterError where that is no whole number of at least 2; both [s]."""
-    if not sample_period > 0.0:
-        raise ParameterError(f"a sample every {sample_period:g} s; expected a period above 0")
+    require_positive_value("sample period", sample_period, TIME)
     ratio = noise_period / sample_period
     count = round(ratio)
     if count < 2 or abs(ratio - count) > 1e-6 * count:

@@ -3,10 +3,10 @@
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import FlowCoefficient, PressureDifference, Time
 from vvdp.base.modes import between
 from vvdp.base.params import Params
+from vvdp.base.rules import field_text, refuse, require_positive
 from vvdp.base.select import clip
 from vvdp.hydraulics.series import first_share
 
@@ -27,14 +27,11 @@ class CompensatedThrottle(Params):
     opening_time: Time
 
     def check(self) -> None:
-        for name in ("conductance", "compensator_conductance", "transition_pressure", "opening_time"):
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(f"CompensatedThrottle.{name}: 0; expected more than zero")
-        if not 0.0 < self.override_pressure <= self.metering_drop:
-            raise ParameterError(
-                f"CompensatedThrottle.override_pressure: {self.override_pressure:g} Pa; expected one above zero and "
-                f"not above the metering drop, {self.metering_drop:g} Pa"
-            )
+        require_positive(
+            self, "conductance", "compensator_conductance", "transition_pressure", "opening_time", "override_pressure"
+        )
+        if not self.override_pressure <= self.metering_drop:
+            refuse(self, "override_pressure", f"must be at most metering_drop, {field_text(self, 'metering_drop')}")
 
 
 def metering_share(opening: float, compensator_opening: float, valve: CompensatedThrottle) -> float:

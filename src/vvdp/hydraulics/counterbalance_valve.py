@@ -5,7 +5,7 @@ Source  ours, docs/models/components.md, where a function names no other.
 
 from vvdp.base.kinds import PressureDifference, Ratio
 from vvdp.base.modes import between
-from vvdp.base.params import require_positive
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip
 from vvdp.hydraulics.balanced_valve import BalancedValve
 from vvdp.hydraulics.flow import rated_root

@@ -3,9 +3,9 @@
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Area, Conductance, Length, Mass
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.hydraulics.ports import Wall
 
 
@@ -36,8 +36,7 @@ class Cylinder(Plunger):
 
     def check(self) -> None:
         super().check()
-        if self.area_b <= 0.0:
-            raise ParameterError("Cylinder.area_b: 0 m^2; expected an area above zero, or a Plunger")
+        require_positive(self, "area_b", why="with one chamber it is a plunger")
         require_positive(self, "stroke")
 
 

@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 from vvdp.base.kinds import FlowCoefficient, Fraction, Kink, PressureDifference, SignedFraction, Time
 from vvdp.base.modes import between
-from vvdp.base.params import Params, refuse, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 from vvdp.base.select import clip
 
 

@@ -7,7 +7,8 @@ from typing import Annotated, NamedTuple
 
 from vvdp.base.kinds import Conductance, Flow, Kind, Mass, PressureDifference
 from vvdp.base.modes import side
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import maximum, select
 
 DIRT_CONTENT = Kind("dirt content", "kg/m^3", 0.0, 10.0, "0.005 kg/m^3")

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.kinds import Count, Flow, Fraction, PressureDifference, Time
-from vvdp.base.params import Params, refuse, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 from vvdp.base.select import clip, select
 from vvdp.hydraulics.flow import rated_edge_flow
 

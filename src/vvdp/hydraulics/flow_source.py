@@ -3,7 +3,8 @@
 from typing import NamedTuple
 
 from vvdp.base.kinds import Flow, Fraction, Time
-from vvdp.base.params import Params, refuse, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 from vvdp.base.select import select
 
 

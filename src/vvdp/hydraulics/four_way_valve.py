@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from vvdp.base.kinds import FlowCoefficient, Fraction, Kink, PressureDifference, SignedFraction
 from vvdp.base.modes import between
-from vvdp.base.params import field_text, refuse, require_positive
+from vvdp.base.rules import field_text, refuse, require_positive
 from vvdp.base.select import clip, select
 from vvdp.hydraulics.proportional_spool import ProportionalSpool
 

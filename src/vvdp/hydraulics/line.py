@@ -8,7 +8,8 @@ from typing import Protocol
 import numpy as np
 
 from vvdp.base.kinds import Length, Ratio
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip, maximum
 from vvdp.fluid.mixture import FluidState
 

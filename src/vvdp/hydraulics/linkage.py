@@ -20,7 +20,8 @@ from vvdp.base.kinds import (
     Velocity,
     ViscousFriction,
 )
-from vvdp.base.params import Params, refuse, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 from vvdp.base.select import maximum, select
 from vvdp.hydraulics.friction import smooth_sign
 from vvdp.hydraulics.ports import RodState, ShaftState

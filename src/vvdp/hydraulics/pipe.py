@@ -9,7 +9,8 @@ import numpy as np
 
 from vvdp.base.conservation import Stored
 from vvdp.base.kinds import BulkModulus, Compliance, Count, Fraction, Length, Ratio
-from vvdp.base.params import Params, refuse, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 from vvdp.fluid.mixture import FluidState
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.line import line_volume

@@ -3,10 +3,10 @@
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Flow, Opening, Pressure, PressureDifference, Time
 from vvdp.base.modes import side
-from vvdp.base.params import Params, refuse, require_less, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_less, require_positive
 from vvdp.base.select import maximum, minimum, select
 from vvdp.hydraulics.flow import rated_edge_flow
 from vvdp.hydraulics.opening import lagged_rate
@@ -27,8 +27,7 @@ class ReliefValve(Params):
     reseat_drop: PressureDifference = 0.0
 
     def check(self) -> None:
-        if self.cracking_pressure <= 0.0:
-            raise ParameterError("ReliefValve.cracking_pressure: 0 Pa absolute; expected a level above the tank's")
+        require_positive(self, "cracking_pressure")
         require_positive(self, "rated_flow")
         if self.override_pressure <= 0.0 < self.opening_time:
             refuse(self, "opening_time", "must be 0 if override_pressure is 0 (an ideal valve)")

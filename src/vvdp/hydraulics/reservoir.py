@@ -18,8 +18,9 @@ from vvdp.base.kinds import (
     Volume,
 )
 from vvdp.base.modes import side
-from vvdp.base.params import Params, refuse, require_less, require_positive
+from vvdp.base.params import Params
 from vvdp.base.powers import power
+from vvdp.base.rules import refuse, require_less, require_positive
 from vvdp.base.select import clip, select
 from vvdp.hydraulics.rod import GRAVITY
 

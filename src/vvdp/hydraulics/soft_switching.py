@@ -3,8 +3,8 @@
 Source  ours, docs/models/soft-switching.md, where a function names no other.
 """
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Area, Compliance, Fraction, Polytropic, Volume
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip
 from vvdp.hydraulics.volume import Vessel
 
@@ -26,10 +26,8 @@ class SwitchChamber(Vessel):
 
     def check(self) -> None:
         super().check()
-        if not 0.0 < self.release_opening <= 1.0:
-            raise ParameterError(f"SwitchChamber.release_opening: {self.release_opening:g}; expected above 0, up to 1")
-        if self.gas_volume <= 0.0:
-            raise ParameterError("SwitchChamber.gas_volume: 0 m^3; expected a volume that gives way to the oil")
+        require_positive(self, "release_opening")
+        require_positive(self, "gas_volume", why="without gas nothing gives way to the oil")
 
 
 def released_area(tank_opening: float, chamber: SwitchChamber) -> float:

@@ -10,7 +10,8 @@ import numpy as np
 from vvdp.base.display import value_text
 from vvdp.base.kinds import LENGTH, Area, Fraction, Frequency, Kink, Length, Mode, Position, Ratio, Velocity
 from vvdp.base.modes import side
-from vvdp.base.params import Params, refuse, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 from vvdp.base.select import clip, minimum, select
 
 STOP_DAMPING = 50.0

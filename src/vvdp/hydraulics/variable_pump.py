@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 from vvdp.base.kinds import Fraction, Pressure, PressureDifference, Time
 from vvdp.base.modes import between
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip, maximum, minimum
 
 

@@ -9,6 +9,8 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, ParameterError, unusable
+from vvdp.base.kinds import FREQUENCY
+from vvdp.base.rules import require_positive_value
 from vvdp.base.units import is_unit
 
 # Factor and divisor apart: 5 ms is 5 / 1000, rounded once, and not 5 * 0.001.
@@ -41,8 +43,7 @@ class ClockChoice:
     def check(self) -> None:
         """Raises ParameterError for a choice that contradicts itself."""
         if self.rate is not None:
-            if not (np.isfinite(self.rate) and self.rate > 0.0):
-                raise ParameterError(f"sample rate {self.rate:g} Hz; expected a positive number")
+            require_positive_value("sample rate", self.rate, FREQUENCY)
             if self.time is not None:
                 raise ParameterError(f"both a time channel ({self.time!r}) and a sample rate ({self.rate:g} Hz)")
         if self.unit is not None and self.unit not in _SECONDS:

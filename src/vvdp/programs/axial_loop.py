@@ -7,7 +7,6 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import (
     Angle,
     Count,
@@ -24,6 +23,7 @@ from vvdp.base.kinds import (
     Velocity,
 )
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import maximum
 from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step
 from vvdp.estimation.axial_filter import KNOWN_ANGLE, NO_DUTY, AxialEstimate, AxialSeen, Phase, PollutionModel
@@ -96,8 +96,7 @@ class AxialObserverTable(Params):
     velocity_drift: Velocity = 0.0
 
     def check(self) -> None:
-        if not self.sample_period > 0.0:
-            raise ParameterError("AxialObserverTable.sample_period: 0 s; expected a time above zero")
+        require_positive(self, "sample_period")
         pollution_model(self, 1.0)  # here, where the line of the table is known
 
 

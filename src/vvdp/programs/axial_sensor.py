@@ -6,6 +6,7 @@ from typing import Annotated, NamedTuple
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import ANGLE, FRACTION, POSITION, RATIO, Count, Fraction, Length, Position, Time
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse_rows
 from vvdp.network.program import ProgramType
 from vvdp.programs.generic import GenericProgram
 from vvdp.sensing.axial_sensor import (
@@ -46,7 +47,7 @@ class AxialSensorTable(Params):
             axial_sensor_of(self)  # here, where the line of the table is known
         except ParameterError as problem:
             field, _, message = str(problem).partition(": ")
-            raise ParameterError(f"AxialSensorTable.{_KEYS.get(field, field)}: {message}") from None
+            refuse_rows(self, _KEYS.get(field, field), message)
 
 
 _KEYS = {

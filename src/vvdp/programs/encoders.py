@@ -3,7 +3,8 @@
 from typing import NamedTuple
 
 from vvdp.base.kinds import Angle, AngularVariance, Count, Fraction, Ratio, SignedFraction, Speed, Time
-from vvdp.base.params import Params, refuse
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse
 from vvdp.base.signal import signal_value
 from vvdp.estimation.estimator import Estimate, to_estimate
 from vvdp.estimation.event_filter import event_filter_step

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, Flow, Fraction, Position, PositionSignal, Speed, Time
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.signal import signal_value
 from vvdp.control.feedforward_pi import FeedforwardPI, PIMemory, pi_start, pi_step
 from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest
@@ -67,8 +67,7 @@ class DriveBelief(GerotorBelief):
 
     def check(self) -> None:
         super().check()
-        if not self.lag > 0.0:
-            raise ParameterError("DriveBelief.lag: 0 s; no motor follows at once, expected above 0")
+        require_positive(self, "lag", why="no motor follows at once")
 
 
 class GerotorLoop(Params):

@@ -136,8 +136,8 @@ def _checked_frequencies(frequencies: Sequence[float], pwm: float) -> Array:
     asked = np.array(list(frequencies), float)
     if not asked.size or np.any(asked <= 0.0) or np.any(asked > 0.5 * pwm):
         raise ParameterError(
-            f"frequencies {', '.join(f'{f:g}' for f in asked)} Hz; expected some above 0 and up to half the PWM "
-            f"frequency, {0.5 * pwm:.4g} Hz"
+            f"frequencies {', '.join(f'{f:g}' for f in asked)} Hz; expected some greater than 0 Hz and up to half the "
+            f"PWM frequency, {0.5 * pwm:.4g} Hz"
         )
     return asked
 

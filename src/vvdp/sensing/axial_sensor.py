@@ -14,8 +14,9 @@ from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import ANGLE, FRACTION, POSITION, RATIO, Angle, Fraction, Length, Position, Time
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse_rows, require_rising
 from vvdp.base.select import clip
-from vvdp.numerics.piecewise import check_rising, piecewise_linear
+from vvdp.numerics.piecewise import piecewise_linear
 from vvdp.sensing.instrument import Instrument, InstrumentMemory, instrument_start, instrument_step
 
 
@@ -28,9 +29,7 @@ class Pollution(Params):
 
     def check(self) -> None:
         if len(self.amplitudes) != len(self.phases):
-            raise ParameterError(
-                f"Pollution.phases: {len(self.phases)} for {len(self.amplitudes)} amplitudes; expected one each"
-            )
+            refuse_rows(self, "phases", f"{len(self.phases)} for {len(self.amplitudes)} amplitudes; expected one each")
 
 
 class LightCurve(Params):
@@ -41,18 +40,21 @@ class LightCurve(Params):
 
     def check(self) -> None:
         if len(self.positions) < 2 or len(self.positions) != len(self.light):
-            raise ParameterError(
-                f"LightCurve.light: {len(self.light)} rows for {len(self.positions)} positions; expected one for each "
-                "of at least two"
+            refuse_rows(
+                self,
+                "light",
+                f"{len(self.light)} rows for {len(self.positions)} positions; expected one for each of at least two",
             )
-        check_rising("LightCurve.positions", self.positions)
+        require_rising(self, "positions")
         sign = -1.0 if self.light[-1] < self.light[0] else 1.0
         for row in range(1, len(self.light)):
             if not sign * (self.light[row] - self.light[row - 1]) > 0.0:
-                raise ParameterError(
-                    f"LightCurve.light: row {row + 1} has {self.light[row]:g} after {self.light[row - 1]:g}, from "
-                    f"{self.light[0]:g} to {self.light[-1]:g} in all; a position can be told only where the light "
-                    "falls or rises from row to row"
+                refuse_rows(
+                    self,
+                    "light",
+                    f"row {row + 1}, {self.light[row]:g} after {self.light[row - 1]:g}, must keep to the direction "
+                    f"from {self.light[0]:g} to {self.light[-1]:g}: a position follows only from light that rises or "
+                    "falls throughout",
                 )
 
 

@@ -117,13 +117,14 @@ class Encoder(Params):
         narrow, w = min(sector_widths(self.wheel)), ramp_width(self.spot)
         if not w < narrow:
             raise ParameterError(
-                f"a spot of {self.spot.width:g} m covers {w:.4g} rad of the wheel, its narrowest sector has "
-                f"{narrow:.4g} rad; expected a spot narrower than every sector"
+                f"spot.width: {1e3 * self.spot.width:g} mm covers {np.degrees(w):.4g} deg of the wheel; it must be "
+                f"narrower than the narrowest sector, {np.degrees(narrow):.4g} deg"
             )
         if not 1.0 <= self.counter_bits <= 48.0 or self.counter_bits % 1.0:
             raise ParameterError(f"counter_bits = {self.counter_bits:g}; expected a whole number from 1 to 48")
         if not abs(self.faults.eccentricity) < 1.0:
-            raise ParameterError(f"an eccentricity of {self.faults.eccentricity:g} rad; expected less than 1 rad")
+            angle = np.degrees(self.faults.eccentricity)
+            raise ParameterError(f"faults.eccentricity: {angle:.4g} deg must be less than 57.3 deg (1 rad)")
 
 
 class EncoderMemory(NamedTuple):

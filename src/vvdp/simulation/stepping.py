@@ -8,6 +8,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Ratio, Time
 from vvdp.base.params import Params
+from vvdp.base.rules import field_text, refuse, require_positive
 
 
 class Method(Enum):
@@ -38,11 +39,9 @@ class Stepping(Params):
     method: Method = Method.AUTOMATIC
 
     def check(self) -> None:
-        for name in ("until", "sample_period", "longest_step", "record_interval", "window_interval"):
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(f"{name} = {getattr(self, name):g} s; expected more than 0 s")
+        require_positive(self, "until", "sample_period", "longest_step", "record_interval", "window_interval")
         if not self.until > self.begin:
-            raise ParameterError(f"until = {self.until:g} s; expected a time after begin, {self.begin:g} s")
+            refuse(self, "until", f"must be greater than begin, {field_text(self, 'begin')}")
         if not 1e-13 <= self.relative_tolerance <= 1e-2:
             raise ParameterError(f"relative_tolerance = {self.relative_tolerance:g}; expected 1e-13 to 0.01")
         lasts = self.until - self.begin

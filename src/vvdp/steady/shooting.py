@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
+from vvdp.base.rules import POSITIVE
 from vvdp.simulation.batch import BatchRun, simulate_batch
 from vvdp.simulation.crew import never
 from vvdp.simulation.link import quiet
@@ -96,7 +97,9 @@ def periodic_states(
     Source  ours, docs/models/periodic-states.md
     """
     if len(periods) != len(cases) or not all(p > 0.0 for p in periods):
-        raise ParameterError(f"{len(cases)} cases with periods {list(periods)}; expected a period above 0 s for each")
+        raise ParameterError(
+            f"{len(cases)} cases with periods {list(periods)} s; each case has a period, which {POSITIVE}"
+        )
     unknown = _unknowns(cases[0])
     scale = np.array([kind.scale if kind else 1.0 for _, _, kind in leaves(cases[0].state)])[unknown]
     stepping = replace(stepping, relative_tolerance=min(stepping.relative_tolerance, TOLERANCE))

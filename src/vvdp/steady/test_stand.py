@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import DutyRatio, Pressure, Speed, Temperature
+from vvdp.base.kinds import SPEED, DutyRatio, Pressure, Speed, Temperature
+from vvdp.base.rules import require_positive_value
 from vvdp.base.signal import constant
 from vvdp.fluid.oil import density, film_viscosity
 from vvdp.hydraulics.orifice import Orifice, orifice_area_for
@@ -203,6 +203,5 @@ def stand(system: System, verb: str = "rig") -> Stand:
     """
     bench = rotary_bench(system, verb).hold()
     speed = bench.operation.pump_speed.base
-    if not speed > 0.0:
-        raise ParameterError(f"operation.pump_speed = {speed:g} rad/s; expected more than 0 rad/s on a test stand")
+    require_positive_value("operation.pump_speed", speed, SPEED)
     return Stand(bench)

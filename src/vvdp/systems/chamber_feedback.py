@@ -7,8 +7,8 @@ Source  ours, docs/models/axial-control.md, where a function names no other.
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.signal import signal_value
 from vvdp.control.backstepping import backstepping_law
 from vvdp.control.chamber import ChamberReading
@@ -38,8 +38,7 @@ class VelocityFilter(Params):
     velocity_rate: Rate
 
     def check(self) -> None:
-        if not self.velocity_rate > 0.0:
-            raise ParameterError(f"{type(self).__name__}.velocity_rate: 0 1/s; expected a rate above 0")
+        require_positive(self, "velocity_rate")
 
 
 class RawFeedback(VelocityFilter):

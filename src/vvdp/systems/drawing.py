@@ -24,7 +24,8 @@ from vvdp.base.kinds import (
     Velocity,
     Volume,
 )
-from vvdp.base.params import Params, field_names, without_class
+from vvdp.base.params import Params, field_names
+from vvdp.base.rules import without_class
 from vvdp.base.signal import Signal
 from vvdp.base.tables import (
     Sourced,

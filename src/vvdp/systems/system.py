@@ -15,7 +15,8 @@ from vvdp.base.display import readable
 from vvdp.base.errors import ConfigError, Fault, NetworkError, ParameterError
 from vvdp.base.kinds import Ratio, Time
 from vvdp.base.manifest import Directory
-from vvdp.base.params import Params, without_class
+from vvdp.base.params import Params
+from vvdp.base.rules import without_class
 from vvdp.base.signal import Signal
 from vvdp.base.tables import (
     Sourced,

@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Count, Force, Fraction, Position, Pressure, SignedFraction
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse
 from vvdp.base.select import select
 from vvdp.components.directional_valves import ThrottledDirectionalValve
 from vvdp.components.flow_control_units import add_flow_control_unit
@@ -63,9 +63,9 @@ class FlowControlUnit(OnOffValve):
     def check(self) -> None:
         super().check()
         if self.valves < 1.0 or self.valves != round(self.valves):
-            raise ParameterError(f"FlowControlUnit.valves: {self.valves:g}; expected a whole number from 1 on")
+            refuse(self, "valves", "must be a whole number of at least 1")
         if self.equal_sizes not in (0.0, 1.0):
-            raise ParameterError(f"FlowControlUnit.equal_sizes: {self.equal_sizes:g}; expected 0 or 1")
+            refuse(self, "equal_sizes", "must be 0 or 1")
 
     @property
     def parts(self) -> tuple[UnitValve, ...]:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from vvdp.base.errors import ConfigError, Fault, ParameterError
-from vvdp.base.params import without_class
+from vvdp.base.rules import without_class
 from vvdp.base.tables import nearest
 from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.hydraulics.friction import RodFriction

@@ -25,6 +25,7 @@ from vvdp.base.kinds import (
     Velocity,
 )
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip
 from vvdp.control.reference import Rate, Reference, ReferenceFilter, reference_at_rest, reference_step
 from vvdp.network.program import ProgramType
@@ -60,9 +61,7 @@ class LoopTable(Params):
     supply_level: PressureDifference = 6e5
 
     def check(self) -> None:
-        for name in ("gain_margin", "sample_period", "pressure_rate", "change_time"):
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(f"LoopTable.{name}: 0; expected more than zero")
+        require_positive(self, "gain_margin", "sample_period", "pressure_rate", "change_time")
 
 
 class RivalLoop(Params):

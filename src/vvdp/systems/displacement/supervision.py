@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import (
     Area,
     Count,
@@ -28,6 +27,7 @@ from vvdp.base.kinds import (
 )
 from vvdp.base.params import Params
 from vvdp.base.powers import expm1
+from vvdp.base.rules import require_less, require_positive
 from vvdp.base.select import maximum
 from vvdp.base.signal import signal_value
 from vvdp.control.capacities import CircuitPressures, CylinderModel, capacities, return_flow, sides
@@ -101,14 +101,8 @@ class Supervision(Params):
             ),
             *("spring_difference", "spool_error", "lowest_spool_speed", "lowest_pump_share"),
         )
-        for name in limits:
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(f"Supervision.{name}: 0; expected a value above 0")
-        if not self.lowest_pressure < self.highest_pressure:
-            raise ParameterError(
-                f"Supervision.lowest_pressure: {self.lowest_pressure:g} Pa is not below the highest, "
-                f"{self.highest_pressure:g} Pa"
-            )
+        require_positive(self, *limits)
+        require_less(self, "lowest_pressure", "highest_pressure")
 
 
 class SpoolSpring(Params):
