@@ -92,7 +92,7 @@ class Run(RecordedRun):
     def plot(self, *names: str) -> "Figure":
         """A figure of charts or series by name; the course of the run without names.
 
-        `names` tells all of them. Raises ConfigError for a name that is neither, or charts without a common axis.
+        `names` shows all of them. Raises ConfigError for a name that is neither, or charts without a common axis.
         """
         from vvdp.report.chosen import chosen_chart
         from vvdp.report.plot import new_figure

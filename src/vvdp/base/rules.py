@@ -1,7 +1,7 @@
 """Rules that values keep, and the words in which one that does not is refused: one rule, one wording.
 
 A message names the key, the value in the unit in which people write it, and the rule: "rated_flow: 0 lpm must be
-greater than 0". It begins with the class of the values, for scripts; what is said of a file leaves the class out.
+greater than 0". It begins with the class of the values, for scripts; what is stated of a file leaves the class out.
 """
 
 import math
@@ -18,7 +18,7 @@ POSITIVE = "must be greater than 0"
 
 
 def shown_value(value: Any, kind: Kind | None) -> str:
-    """A value [SI], or the list of some, with its unit as a person reads it."""
+    """A value [SI], or the list of some, with its unit as people read it."""
     if isinstance(value, tuple):
         return ", ".join(shown_value(each, kind) for each in value) or NOTHING
     if isinstance(value, Signal):
@@ -27,7 +27,7 @@ def shown_value(value: Any, kind: Kind | None) -> str:
 
 
 def field_text(values: object, key: str) -> str:
-    """A value of a parameter class with its unit, as a person reads it."""
+    """A value of a parameter class with its unit, as people read it."""
     return shown_value(getattr(values, key), field_kinds(type(values))[key])
 
 
@@ -93,5 +93,5 @@ def refused_field(problem: ParameterError, cls: type) -> tuple[str, str]:
 
 
 def without_class(message: str) -> str:
-    """A refusal of values of any parameter class, for a person who knows the key and not the class."""
+    """A refusal of values of any parameter class, for a user who knows the key and not the class."""
     return re.sub(r"\A[A-Z]\w*(?:\.(?=\w+: )|: )", "", message)

@@ -51,7 +51,7 @@ class Sourced:
     where: str = ""
     note: str = ""
     range: tuple[float, float] | None = None
-    """Between which values [SI] it lies, where the file says so."""
+    """Between which values [SI] it lies, where the file states this."""
 
     @property
     def setting(self) -> str:
@@ -66,13 +66,13 @@ class Sourced:
 
     @property
     def remark(self) -> str:
-        """The range and the note, for a person."""
+        """The range and the note, for a user."""
         ends = "" if self.range is None else " to ".join(value_text(end, self.kind) for end in self.range)
         return "; ".join(filter(None, (ends, self.note)))
 
     @property
     def display_text(self) -> str:
-        """The value as a person reads it."""
+        """The value as people read it."""
         if isinstance(self.value, Signal):
             return describe_signal(self.value, self.kind)
         values = self.value if isinstance(self.value, tuple) else (self.value,)
@@ -402,7 +402,7 @@ def _signal(fields: Mapping[str, Any], kind: Kind) -> Signal:
 
 
 def describe_signal(value: Signal, kind: Kind) -> str:
-    """A signal as a person reads it."""
+    """A signal as people read it."""
     if value.is_constant:
         return value_text(value.base, kind)
     low, high = value.extremes
@@ -449,7 +449,7 @@ def nearest(word: str, known: Iterable[str]) -> str:
 
 
 def write_new(path: Path, text: str, *, force: bool) -> None:
-    """Writes a file for a person to go on with, never over another without `force`. Raises ConfigError."""
+    """Writes a file for a user to go on with, never over another without `force`. Raises ConfigError."""
     try:
         with path.open("w" if force else "x", encoding="utf-8", newline="\n") as file:
             file.write(text)

@@ -21,7 +21,7 @@ _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*
 _GAUGE_SUFFIX = {"barg": "bar", "psig": "psi"}
 _ABSOLUTE_SUFFIX = {"bara": "bar", "psia": "psi"}
 _OFFSET_UNITS = {"degC": "delta_degC", "degF": "delta_degF"}
-# Names, products, quotients, and one small power on a name. Pint alone would work out `m^9^9^9` for hours.
+# Names, products, quotients, and one small power on a name. Pint alone would calculate `m^9^9^9` for hours.
 _UNIT_TEXT = re.compile(r"(?:[^\W\d]|[%°*/()\s1]|(?<=[^\W\d])(?:\^|\*\*)[-+]?\d\d?(?:\.\d+)?)+")
 
 
@@ -36,7 +36,7 @@ def _registry() -> Any:
 
 
 def _unit(text: str) -> Any:
-    """Pint's unit for what a person wrote (`mm2` and `m^3/s` as well as `mm**2`)."""
+    """Pint's unit for what a user wrote (`mm2` and `m^3/s` as well as `mm**2`)."""
     powers = re.sub(r"(?<=[A-Za-z])(\d)", r"**\1", text)
     if not _UNIT_TEXT.fullmatch(powers):
         raise ValueError(f"{text!r} is not a unit")

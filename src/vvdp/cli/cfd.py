@@ -129,7 +129,7 @@ def grids(
     method: Method,
     work: Work,
 ) -> None:
-    """Compute a part of the valve on three grids and tell how far the drop is off.
+    """Compute a part of the valve on three grids and show how far the drop is off.
 
     Observed order, extrapolation and grid convergence index. With another finest grid, those below it are coarser
     still. Rerun the same command to resume; what is finished is not

@@ -81,7 +81,7 @@ def period(
 ) -> None:
     """Compute a PWM period of the turning spool.
 
-    The mesh of the spool's oil slides along the nozzles, which its barriers open and shut: effective area and torque
+    The mesh of the spool's oil slides along the nozzles, which its barriers open and closed: effective area and torque
     over the angle. Rerun the same command to resume; what is finished is not computed again.
     """
     require_solids()

@@ -142,7 +142,7 @@ def _circuits() -> Iterator[tuple[str, str, str]]:
         try:
             function = network_function(name, Path())
             tables = ", ".join(f"[{key}]" if slot.optional else key for key, slot in table_slots(function).items())
-        except Exception as problem:  # of somebody else's package
+        except Exception as problem:  # of someone else's package
             yield name, "", f"cannot be used: {problem}"
             continue
         yield name, tables, (function.__doc__ or "").strip().partition("\n")[0]

@@ -34,11 +34,11 @@ def observability(
     of: Annotated[str, typer.Option("--of", metavar="ROD", help="What moves along its axis, where several do.")] = "",
     output: Output,
 ) -> None:
-    """Tell at which spool speeds the axial sensor can see.
+    """Show at which spool speeds the axial sensor can see.
 
     Its noise repeats itself with every turn. Where a harmonic of it has the natural frequency of what moves, the two
-    cannot be told apart. The margin is worked out over spool speed for several numbers of harmonics, with the friction,
-    and with the pressure of the chamber measured as well.
+    cannot be distinguished. The margin is calculated over spool speed for several numbers of harmonics, with the
+    friction, and with the pressure of the chamber measured as well.
     """
     from vvdp.base.files import result_directory
     from vvdp.design.observability import observability as worked_out

@@ -158,7 +158,7 @@ def _simulate(loaded: "System", output: Output, ways: Ways, command: str) -> Non
 
 
 def _with_ranges(run: "RecordedRun", wanted: bool | None) -> "RecordedRun":
-    """The run with its ranges where they are `wanted` and there are any, or quickly made where nobody says."""
+    """The run with its ranges where they are `wanted` and there are any, or quickly made by default."""
     from vvdp.cli.screen import say
     from vvdp.runs.ranges import MOST_EVALUATIONS, expected_evaluations, run_ranges, with_ranges
 
@@ -215,7 +215,7 @@ def _print(run: "RecordedRun", changes: "tuple[Move, ...]") -> None:
     tell(f"{found['steps']:.0f} steps in {seconds:.2f} s; {assumed} values of the system are assumed")
     _print_ranges(run)
     for text in run.meta.get("remarks", ()):
-        tell(f"remark: {text}")
+        tell(f"note: {text}")
     if changes:
         table = grid("at a tenth of the tolerance", "change", right=("change",))
         for move in changes[:MOST_CHANGES]:

@@ -28,7 +28,7 @@ from vvdp.systems.displacement.rival_circuits import SINKS
 MARGIN = 2e5
 """By how much a low side may fall below what holds it [Pa]."""
 LOST = 5e-3
-"""An error beyond which a circuit is said not to follow [m]."""
+"""An error beyond which a circuit is stated not to follow [m]."""
 MANNER = (
     "Every circuit moves the same cylinder, mass, friction and load through the same duty cycle, behind the same "
     "reference filter, with a position loop of one form: velocity fed forward, a gain on the error that keeps the same "
@@ -52,7 +52,7 @@ FIGURES: Mapping[str, tuple[Kind, str, Callable[[CircuitScore], float]]] = {
     "power_received_W": (MEAN_POWER, "received", lambda s: s.received),
     "loss_friction_W": (MEAN_POWER, "friction of the rod", lambda s: s.friction),
     "stored_power_W": (MEAN_POWER, "stored", lambda s: s.stored),
-    "efficiency": (EFFICIENCY, "delivered over drawn less returned", lambda s: s.delivered / (s.drawn - s.returned)),
+    "efficiency": (EFFICIENCY, "delivered over drawn minus returned", lambda s: s.delivered / (s.drawn - s.returned)),
     "pressure_max_Pa": (GAUGE_PRESSURE, "highest", lambda s: s.pressure_max),
     "pressure_min_Pa": (GAUGE_PRESSURE, "low side, lowest", lambda s: s.pressure_min),
     "charge_pressure_Pa": (GAUGE_PRESSURE, "charge pressure", lambda s: s.charge),
@@ -72,7 +72,7 @@ SHOWN = (
     "pressure_min_Pa",
 )
 PARTS = {"power_delivered_W": "to the load", "power_returned_W": "back to the drive"} | dict(SINKS)
-"""Where power goes, and what a person calls it, in the order in which it is drawn."""
+"""Where power goes, and what a user calls it, in the order in which it is drawn."""
 COLOURS = (
     Colour.GREEN,
     Colour.OLIVE,
@@ -179,7 +179,7 @@ def _trace_tables(found: CircuitComparison) -> Iterator[tuple[str, Table]]:
             "time_s": Column(trace.time, DURATION, "time", "t"),
             "reference_m": Column(trace.reference, POSITION, "reference"),
             "position_m": Column(trace.position, POSITION, "position"),
-            "error_m": Column(trace.position - trace.reference, POSITION, "position less reference"),
+            "error_m": Column(trace.position - trace.reference, POSITION, "position minus reference"),
             "pressure_a_Pa": Column(trace.pressure_a, GAUGE_PRESSURE, "pressure of chamber A"),
             "pressure_b_Pa": Column(trace.pressure_b, GAUGE_PRESSURE, "pressure of chamber B"),
         }
@@ -248,7 +248,7 @@ def _error_chart(name: str, duty: Duty, circuits: list[str]) -> Chart:
     path = Line(x="time_s", y="reference_m", label="reference", colour=Colour.INK)
     panels = (
         Lines(lines=(path,), label="reference", height=0.7),
-        Lines(lines=errors, label="position less reference", height=1.3),
+        Lines(lines=errors, label="position minus reference", height=1.3),
         *(
             Lines(
                 lines=tuple(

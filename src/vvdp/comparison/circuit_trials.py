@@ -98,9 +98,9 @@ def compare_circuits(
 ) -> CircuitComparison:
     """What every circuit comes to on every duty.
 
-    `engine` says where the runs are made, `progress` hears how many are done, of all. Ctrl-C ends the comparison after
-    the current runs, at once the second time, and keeps what is done. Raises ParameterError where there is nothing to
-    compare, and for a duty that a circuit cannot follow, before any run.
+    `engine` says where the runs are made, `progress` receives how many are done, of all. Ctrl-C ends the comparison
+    after the current runs, at once the second time, and keeps what is done. Raises ParameterError where there is
+    nothing to compare, and for a duty that a circuit cannot follow, before any run.
     """
     if not duties or not circuits:
         raise ParameterError(f"{len(duties)} duty cycles and {len(circuits)} circuits; expected at least one of each")

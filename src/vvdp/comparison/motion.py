@@ -118,7 +118,7 @@ class Ripple:
 
     @property
     def step(self) -> None:
-        """None: it swings for ever."""
+        """None: it swings indefinitely."""
 
     def speed(self, time: Array) -> Array:
         """Speed at `time` [rad/s].
@@ -165,7 +165,7 @@ class Ramps:
 
     @property
     def by_flow(self) -> Lag:
-        """The speed at first, for ever."""
+        """The speed at first, indefinitely."""
         return steady(self.speeds[0])
 
     @property
@@ -195,5 +195,5 @@ class Ramps:
 
 
 def steady(speed: float) -> Lag:
-    """A shaft that turns at `speed` [rad/s] for ever."""
+    """A shaft that turns at `speed` [rad/s] indefinitely."""
     return Lag(speed, speed, 0.0, 1.0)

@@ -47,7 +47,7 @@ class Adaptation(Params):
 
 
 class AdaptationMemory(NamedTuple):
-    """What is added to the load as otherwise believed, the mass, and the compressibility 1/beta."""
+    """What is added to the load as estimated otherwise, the mass, and the compressibility 1/beta."""
 
     load_correction: Force
     moving_mass: Mass
@@ -55,7 +55,9 @@ class AdaptationMemory(NamedTuple):
 
 
 class Excitation(NamedTuple):
-    """What the parameters are learned from: the load as otherwise believed, e_v, r', F_H - F_v, F_v' and L = S/beta."""
+    """What the parameters are learned from: the load as estimated otherwise, e_v, r', F_H - F_v, F_v' and L =
+    S/beta.
+    """
 
     load_force: Force
     velocity_error: Velocity

@@ -85,7 +85,7 @@ class DisplacementMemory(NamedTuple):
 
 class DisplacementDemand(NamedTuple):
     """What is asked of the drives: `direction` of the directional valve (1 extends, 0 is closed), `opening` of the
-    return valve, `flow` of the pump. The rest tells how it came about.
+    return valve, `flow` of the pump. The rest shows how it came about.
 
     `effort` is U*, `force_error` F_H - F_v, `saturated` 1 where the opening is at an end.
     """

@@ -1,4 +1,5 @@
-"""By how much a flow that is looked up in a map is off, told by where it goes: into the swept volume and the pressure.
+"""Error of a flow that is looked up in a map, estimated from where the flow goes: into the swept volume and the
+pressure.
 
 Source  ours, docs/models/displacement-control.md, where a function names no other.
 """

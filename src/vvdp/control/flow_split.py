@@ -62,12 +62,12 @@ def authority(capacity: Capacities, full_return: float) -> Authority:
 
 
 def split_start() -> SplitMemory:
-    """The memory before the first sample: no flow, the variance that it has where the effort tells nothing."""
+    """The memory before the first sample: no flow, the variance that it has where the effort shows nothing."""
     return SplitMemory(0.0, 0.5)
 
 
 def sensitivity(authority: Authority, settings: FlowSplit) -> float:
-    """c = Q_J/R_J (H/(G Psi))^2 [1]: how well the effort tells the flow."""
+    """c = Q_J/R_J (H/(G Psi))^2 [1]: how well the effort shows the flow."""
     ratio = settings.flow_deviation * authority.per_flow / (settings.opening_deviation * authority.per_opening)
     return ratio * ratio
 

@@ -1,4 +1,4 @@
-"""Where the spool is that a chamber pushes against a spring: a periodic Kalman filter that knows the chamber pressure.
+"""Observer of the spool position, chamber drive: a periodic Kalman filter with the chamber pressure as input.
 
 The measured pressure is the input; between two samples it is taken as a line, for which the transition of the damped
 oscillator is exact. Derived in docs/models/axial-observer.md.

@@ -1,7 +1,7 @@
 """Whether edges are commensurate with the sampling, so that part of the angle's error hides from every estimator.
 
 Edges that are only sampled fall at a place within the sampling period that cannot be seen. When p edges take exactly q
-samples, only p different places occur, for ever, and their mean error does not die out. Derived in
+samples, only p different places occur, indefinitely, and their mean error does not die out. Derived in
 docs/models/simple-estimators.md, "Edges in step with the samples".
 
 Source  ours, docs/models/simple-estimators.md, where a function names no other.

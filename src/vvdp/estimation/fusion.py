@@ -193,7 +193,7 @@ def fusion_start(settings: Fusion, time: float, angle: float, speed: float) -> F
 
 
 def fusion_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) -> tuple[FusionMemory, FusionEstimate]:
-    """Memory and estimate after a sample. The pressure is listened to once the encoder has told the angle.
+    """Memory and estimate after a sample. The pressure is listened to once the encoder has given the angle.
 
     The Kalman filter for x = (theta, omega, phi, d, l). An encoder edge has H = [1, 0, 0, 0, 0] and concerns angle and
     speed as if they were alone: the event filter handles it, and the wave follows with the same innovation. A pressure
@@ -221,7 +221,7 @@ def fusion_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) 
 
 
 def _turns(memory: FusionMemory, time: float, settings: Fusion) -> bool:
-    """Whether the pressure tells that the spool turns: then an encoder that is silent says nothing."""
+    """Whether the pressure shows that the spool turns: then an encoder that is silent says nothing."""
     pitch = 2.0 * np.pi / settings.sections
     since = (time - memory.doubts.pressure_time) * maximum(memory.filter.belief.speed, settings.filter.lowest_speed)
     turns: bool = memory.doubts.pressure_time > memory.filter.last.time and since < PATIENT_PITCHES * pitch
@@ -423,7 +423,7 @@ def _innovation_variance(covariance: Array, observation: Array, variance: float)
 
 
 def _counted_on(memory: EventFilterMemory, settings: EventFilter) -> EventFilterMemory:
-    """The memory when the pressure has told an encoder's loss the angle: wheel edges half a sector back have passed.
+    """The memory when the pressure has given the angle of a lost encoder: wheel edges half a sector back have passed.
 
     The encoder's next edge is then no counterpart of one before the loss, nor could a manoeuvre have begun there.
     """

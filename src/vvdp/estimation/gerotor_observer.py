@@ -1,7 +1,7 @@
-"""Where the spool is that a gerotor pump moves: a periodic Kalman filter that knows the flow.
+"""Observer of the spool position, gerotor drive: a periodic Kalman filter with the flow as input.
 
 x' = Q/A_s, the flow taken as a line between two samples. The integral of the position is no state of it: no
-measurement tells it. Derived in docs/models/axial-observer.md.
+measurement shows it. Derived in docs/models/axial-observer.md.
 
 Source  ours, docs/models/axial-observer.md, where a function names no other.
 """

@@ -1,6 +1,8 @@
-"""What the pollution of the axial sensor is made of: functions of the spool angle, periodic with a turn, of mean zero.
+"""What the periodic sensor error of the axial sensor is made of: functions of the spool angle, periodic with a turn,
+of mean zero.
 
-A pollution that is periodic in time has a clock's phase for the angle. Derived in docs/models/axial-observer.md.
+A periodic sensor error that is periodic in time has a clock's phase for the angle. Derived in
+docs/models/axial-observer.md.
 
 Source  ours, docs/models/axial-observer.md, where a function names no other.
 """
@@ -117,7 +119,7 @@ def from_centre(phase: float, number: int, basis: NoiseBasis) -> float:
 
 
 def basis_slope(phase: float, basis: NoiseBasis, mean: Array, row: Array, first: int) -> float:
-    """By how much the pollution changes with the phase [m/rad].
+    """By how much the periodic sensor error changes with the phase [m/rad].
 
     mean, row  coefficients and values of the functions, both from place `first` on
     """

@@ -27,8 +27,8 @@ class PressureEdges(Params):
 
     `level_share` places the crossing level between the plateaus; an edge counts once the pressure is `hysteresis`
     times the swing beyond it. Where the plateaus are less than `least_swing` apart there are no edges; noise has to
-    stay below it. A plateau moves by at most one swing within `level_time`; edges are told from four times that after
-    the start.
+    stay below it. A plateau moves by at most one swing within `level_time`; edges are reported from four times that
+    after the start.
     """
 
     level_share: Fraction
@@ -70,7 +70,7 @@ class PressureEdgesMemory(NamedTuple):
 
 
 class PressureReading(NamedTuple):
-    """What a sample of the pressure tells: as `Reading`, with rising meaning tank to load, and the levels.
+    """What a sample of the pressure shows: as `Reading`, with rising meaning tank to load, and the levels.
 
     `pressure_edge_time` may lie a few samples back. Where `pressure_edges` is 0 the three fields after it mean
     nothing.

@@ -1,6 +1,6 @@
 """Where the spool is, with the chamber pressure as a state that is measured as well.
 
-P' = beta/V (Q - A x'): the flow that fills the chamber tells the velocity without the optical sensor, and the loss of
+P' = beta/V (Q - A x'): the flow that fills the chamber shows the velocity without the optical sensor, and the loss of
 observability at the spring's own frequency disappears. Derived in docs/models/axial-observer.md.
 
 Source  ours, docs/models/axial-observer.md, where a function names no other.
@@ -39,7 +39,7 @@ MOST_SWING = 2.0
 
 
 class PressureObserver(Params):
-    """The periodic Kalman filter of the chamber drive that reckons with the flow into the chamber.
+    """The periodic Kalman filter of the chamber drive that calculates with the flow into the chamber.
 
     The chamber holds `chamber_volume` at position 0, with oil of `bulk_modulus` in it. Its pressure is measured to
     `pressure_deviation` and drifts by `pressure_drift` a sample, for what bulk modulus and flow are off.

@@ -1,7 +1,8 @@
 """Two observers with constant gains for the gerotor drive: the discrete signal generator, and a lumped filter.
 
-The generator remembers a whole period of the pollution, sample by sample, but for the one that follows from its mean of
-zero; the lumped filter takes the pollution for noise. Derived in docs/models/axial-observer.md.
+The generator remembers a whole period of the periodic sensor error, sample by sample, but for the one that follows
+from its mean of zero; the lumped filter takes the periodic sensor error for noise. Derived in
+docs/models/axial-observer.md.
 
 Source  ours, docs/models/axial-observer.md, where a function names no other.
 """
@@ -21,8 +22,9 @@ from vvdp.estimation.noise_basis import TURN
 SAME = 1e-4
 """Share by which the turn of a spool may differ from the period that a generator is made for [1]; assumed.
 
-A generator of 20 states remembers some 20 turns: the pollution is then where it was within 0.01 rad. At 2e-2
-the error is 25 times the stated one (230 um, 9.3 um): up to 8e-4 it is smaller than that, at 1e-4 an eighth of it."""
+A generator of 20 states remembers some 20 turns: the periodic sensor error is then where it was within 0.01 rad. At
+2e-2 the error is 25 times the stated one (230 um, 9.3 um): up to 8e-4 it is smaller than that, at 1e-4 an eighth of
+it."""
 
 
 class GeneratorDesign(Params):
@@ -163,7 +165,7 @@ def generator_observer_step(
 
 
 class LumpedObserver(Params):
-    """A filter of first order, which takes the pollution for white noise; `bandwidth` is its gain L."""
+    """A filter of first order, which takes the periodic sensor error for white noise; `bandwidth` is its gain L."""
 
     area: Area
     sample_period: Time

@@ -180,7 +180,7 @@ def bridged_step(memory: Nothing, row: Between, walk: SpeedWalk) -> tuple[Nothin
     """The belief at an instant between two edges; it takes floats or arrays.
 
     With s = since/h and r = 1 - s the mean is the cubic through both angles with both speeds as slopes; what
-    neither edge tells has the covariance q [[h^3 s^3 r^3/3, h^2 s^2 r^2 (r - s)/2], [., h s r (1 - 3 s r)]].
+    neither edge shows has the covariance q [[h^3 s^3 r^3/3, h^2 s^2 r^2 (r - s)/2], [., h s r (1 - 3 s r)]].
 
     Source  ours, docs/models/smoother.md
     """

@@ -91,7 +91,7 @@ class ThresholdMemory(NamedTuple):
 
 class AdaptedThreshold(NamedTuple):
     """What is believed at a sample, the threshold as adapted, the one to give to the comparator from the next sample on
-    (with dither), and the range within which thresholds cannot be told apart [unit of the signal]."""
+    (with dither), and the range within which thresholds cannot be distinguished [unit of the signal]."""
 
     estimate: Estimate
     threshold: float

@@ -185,7 +185,7 @@ def nozzle_reach(shape: ValveShape, valve: RotaryValve) -> float:
 
 
 def nozzle_lag(shape: ValveShape, valve: RotaryValve) -> float:
-    """Angle by which a nozzle's mouth lies ahead of its root on the rail's centre line [rad].
+    """Lead angle of a nozzle's mouth over its root on the rail's centre line [rad].
 
     Source  ours, docs/models/geometry.md
     """

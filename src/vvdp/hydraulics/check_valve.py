@@ -60,7 +60,7 @@ def check_opening(pressure_drop: float, check: CheckPoppet) -> float:
 
 
 def check_opening_compiled(pressure_drop: float, check: CheckPoppet) -> float:
-    """The same as `check_opening`, which it replaces in compiled code: nothing is worked out where no valve is fitted.
+    """The same as `check_opening`, which it replaces in compiled code: nothing is calculated where no valve is fitted.
 
     pressure_drop  in the direction of the valve [Pa]
     """
@@ -82,7 +82,7 @@ def check_side(pressure_drop: float, check: CheckPoppet) -> float:
 
 
 def check_side_compiled(pressure_drop: float, check: CheckPoppet) -> float:
-    """The same as `check_side`, which it replaces in compiled code: nothing is worked out where no valve is fitted.
+    """The same as `check_side`, which it replaces in compiled code: nothing is calculated where no valve is fitted.
 
     pressure_drop  in the direction of the valve [Pa]
     """

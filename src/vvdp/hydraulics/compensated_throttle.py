@@ -14,8 +14,8 @@ from vvdp.hydraulics.series import first_share
 class CompensatedThrottle(Params):
     """Conductances fully open, of the throttle and of the compensator before it.
 
-    The compensator is shut from the drop `metering_drop` over the throttle on, and fully open `override_pressure` below
-    it; it follows with the time constant `opening_time`. The flow turns linear in the drop over both below about
+    The compensator is closed from the drop `metering_drop` over the throttle on, and fully open `override_pressure`
+    below it; it follows with the time constant `opening_time`. The flow turns linear in the drop over both below about
     `transition_pressure`.
     """
 
@@ -53,7 +53,7 @@ def compensator_lift(drop: float, valve: CompensatedThrottle) -> float:
 
 
 def compensator_side(drop: float, valve: CompensatedThrottle) -> float:
-    """Whether a compensator is to be shut, in between or fully open [1], see `base.modes.between`.
+    """Whether a compensator is to be closed, in between or fully open [1], see `base.modes.between`.
 
     drop  over its throttle [Pa]
     """

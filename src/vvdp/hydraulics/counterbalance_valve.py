@@ -72,7 +72,7 @@ def two_way_flow(pressure_drop: float, opening: float, valve: SequenceValve) -> 
 
 
 def reverse_side(pressure_drop: float, valve: SequenceValve) -> float:
-    """Whether the check valve is shut, in between or fully open [1]; see `base.modes.between`.
+    """Whether the check valve is closed, in between or fully open [1]; see `base.modes.between`.
 
     pressure_drop  inlet less outlet [Pa]
     """

@@ -27,7 +27,7 @@ class Cylinder(Plunger):
 
     A piston on an equal rod either way has two equal areas. `leakage_conductance` is that past the piston. The
     volumes that its ports join are what is left at the ends, with the hoses; what the piston has swept comes on top.
-    `stroke` tells how much that is in chamber B, and holds no rod.
+    `stroke` shows how much that is in chamber B, and holds no rod.
     """
 
     area_b: Area

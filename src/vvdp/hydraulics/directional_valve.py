@@ -30,7 +30,7 @@ class DirectionalValve(Params):
 
 
 class EdgeSides(NamedTuple):
-    """Whether the edges are shut, in between or fully open; `base.modes.between`."""
+    """Whether the edges are closed, in between or fully open; `base.modes.between`."""
 
     forward: Kink
     backward: Kink
@@ -72,7 +72,7 @@ def edge_openings(position: float, valve: DirectionalValve) -> EdgeOpenings:
 
 
 def edge_sides(position: float, valve: DirectionalValve) -> EdgeSides:
-    """Whether the forward and the backward edges are shut, in between or fully open [1].
+    """Whether the forward and the backward edges are closed, in between or fully open [1].
 
     position  y, from -1 to 1 [1]
     """

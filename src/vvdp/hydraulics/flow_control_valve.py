@@ -14,7 +14,7 @@ from vvdp.hydraulics.flow import rated_edge_flow
 class FlowControlValve(Params):
     """Passes `rated_flow`, fully open, from `minimum_drop` on, and a share `flow_rise` more at `maximum_drop`.
 
-    Below the minimum drop the compensator is fully open, above the maximum drop as far shut as it goes, and the valve
+    Below the minimum drop the compensator is fully open, above the maximum drop as far closed as it goes, and the valve
     is a plain throttle.
     """
 

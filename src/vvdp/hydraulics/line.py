@@ -112,7 +112,7 @@ def line_friction_drop(flow: float, density: float, viscosity: float, line: Roun
 def line_friction_power(
     flow: float, a: FluidState, b: FluidState, density: float, viscosity: float, line: RoundLine
 ) -> float:
-    """Power that wall friction in a line turns to heat [W]: Q dp_f(Q), Q = sigma z, never negative.
+    """Power that wall friction in a line dissipates [W]: Q dp_f(Q), Q = sigma z, never negative.
 
     flow       z, from a to b; see `flow_scale` [m^3/s]
     a, b       oil at its ends

@@ -114,7 +114,7 @@ class LinkForce(NamedTuple):
 
 
 class RoadForce(NamedTuple):
-    """Force of a road on a vehicle, and the part that turns to heat."""
+    """Force of a road on a vehicle, and the dissipated part."""
 
     force: Force
     loss: Power
@@ -198,7 +198,7 @@ def arm_stretch(shaft: ShaftState, rod: RodState, arm: Arm) -> float:
 
 
 def road_force(velocity: float, road: RoadLoad) -> RoadForce:
-    """Force of a road on a vehicle in its direction [N], and the part of its power that turns to heat [W].
+    """Force of a road on a vehicle in its direction [N], and the dissipated part of its power [W].
 
     -m g sin(slope) - m g c_r cos(slope) sgn(v) - rho c_d A v |v|/2
 

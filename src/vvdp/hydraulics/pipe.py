@@ -1,4 +1,4 @@
-"""A long line in pieces, for its waves, and the stretch of its wall.
+"""A long line in pieces, for its waves, and the compliance of its wall.
 
 Source  ours, docs/models/components.md, where a function names no other.
 """
@@ -138,7 +138,7 @@ def damping_flow(a: FluidState, b: FluidState, density: float, pipe: LinePipe) -
 
 
 def damping_flow_compiled(a: FluidState, b: FluidState, density: float, pipe: LinePipe) -> float:
-    """The same as `damping_flow`, which it replaces in compiled code: none is worked out where there is none.
+    """The same as `damping_flow`, which it replaces in compiled code: none is calculated where there is none.
 
     Arguments as there.
     """

@@ -140,7 +140,7 @@ def motor_limit(shaft_speed: float, motor: ElectricMotor) -> float:
 
 
 def copper_loss(torque: float, motor: ElectricMotor) -> float:
-    """Power that the windings of an electric motor turn to heat [W]: P_Cu (T/T_max)^2.
+    """Power that the windings of an electric motor dissipate [W]: P_Cu (T/T_max)^2.
 
     torque  T [N m]
     """

@@ -38,7 +38,7 @@ class EndStop(Params):
 
 
 class StopForce(NamedTuple):
-    """What the end stops do to the rod: `force` in the direction of the position; `loss`, power turned to heat."""
+    """What the end stops do to the rod: `force` in the direction of the position; `loss`, power dissipated."""
 
     force: Force
     loss: Power

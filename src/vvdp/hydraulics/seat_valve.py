@@ -1,4 +1,4 @@
-"""Two-way seat valve that is opened and shut by a command: unloading and dump valves.
+"""Two-way seat valve that is opened and closed by a command: unloading and dump valves.
 
 Source  ours, docs/models/components.md, where a function names no other.
 """

@@ -25,7 +25,7 @@ class ShuttleValve(Params):
 
 
 def ball_share(pressure_difference: float, shuttle: ShuttleValve) -> float:
-    """Where the ball stands, before it is held between its seats [1]: 0 shuts port a, 1 shuts port b.
+    """Where the ball stands, before it is held between its seats [1]: 0 closes port a, 1 closes port b.
 
     1/2 + (P_a - P_b)/(2 dP_c)
 

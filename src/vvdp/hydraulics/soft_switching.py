@@ -1,4 +1,5 @@
-"""What switches a three-way valve softly beside its check valve: a chamber that is locked while the tank port is shut.
+"""What switches a three-way valve softly beside its check valve: a chamber that is locked while the tank port is
+closed.
 
 Source  ours, docs/models/soft-switching.md, where a function names no other.
 """
@@ -13,8 +14,8 @@ class SwitchChamber(Vessel):
     """A small accumulator that takes the pump flow while the tank port is partly open, and gives it back through the
     tank port once that is fully open.
 
-    Its piston is locked while the tank port is shut, and released as that opens to `release_opening`. The defaults are
-    assumed.
+    Its piston is locked while the tank port is closed, and released as that opens to `release_opening`. The defaults
+    are assumed.
     """
 
     oil_volume: Volume = 1e-6
@@ -31,7 +32,7 @@ class SwitchChamber(Vessel):
 
 
 def released_area(tank_opening: float, chamber: SwitchChamber) -> float:
-    """Area through which oil enters or leaves the chamber [m^2]: none while the tank port is shut.
+    """Area through which oil enters or leaves the chamber [m^2]: none while the tank port is closed.
 
     tank_opening  open fraction of the tank port [1]
     """

@@ -62,7 +62,7 @@ class SpoolEnds(NamedTuple):
 
 
 class PortSides(NamedTuple):
-    """Whether the ports are shut or open; `base.modes.side`."""
+    """Whether the ports are closed or open; `base.modes.side`."""
 
     first: Kink
     second: Kink
@@ -144,7 +144,8 @@ def port_areas(position: float, valve: SwitchingValve) -> PortAreas:
 
 
 def port_sides(position: float, valve: SwitchingValve) -> PortSides:
-    """Whether the two ports are shut or open [1]; at the ends of the stroke, where one is fully open, the spool stops.
+    """Whether the two ports are closed or open [1]; at the ends of the stroke, where one is fully open, the spool
+    stops.
 
     position  x [m]
     """

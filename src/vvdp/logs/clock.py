@@ -55,7 +55,7 @@ class ClockChoice:
             raise unusable(path, f"has a clock ({clock}); a sample rate of {self.rate:g} Hz contradicts it")
 
     def unit_of(self, path: Path, name: str, written: str) -> tuple[str, str | None]:
-        """The unit of the time channel `name`, and a remark where it had to be taken for granted."""
+        """The unit of the time channel `name`, and a note where it had to be taken for granted."""
         if match := _SINCE.fullmatch(written):
             written = match[1]
         if written:
@@ -70,7 +70,7 @@ class ClockChoice:
 
 
 def no_clock(path: Path, what: str, names: str) -> ConfigError:
-    """The error for numbers that nobody knows the time of."""
+    """The error for numbers without a known time."""
     return unusable(path, f"{what} has no clock; name the time channel, or give the sample rate; channels are {names}")
 
 

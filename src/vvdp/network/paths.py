@@ -107,7 +107,7 @@ class Places:
         done[name] = None
 
     def _needs(self, name: str) -> Iterator[str]:
-        """The nodes and parts that have to be worked out before one."""
+        """The nodes and parts that have to be calculated before one."""
         part = self.network.parts.get(name)
         for source in sources_of(self.network.nodes[name]) if part is None else part.inputs.values():
             for path in paths_of(source):
@@ -139,7 +139,7 @@ class Places:
 
     @cached_property
     def turning(self) -> frozenset[str]:
-        """Names of the driven shafts whose angle somebody needs."""
+        """Names of the driven shafts whose angle is needed."""
         ports = {
             part.nodes[port]
             for part in self.network.parts.values()
@@ -374,7 +374,7 @@ def _part_quantities(part: Part) -> "dict[str, Quantity]":
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a path leads to: its text in the circuit, its kind, what has to be worked out before, and where a program
+    """What a path leads to: its text in the circuit, its kind, what has to be calculated before, and where a program
     finds it; empty where that is nothing and nowhere.
     """
 

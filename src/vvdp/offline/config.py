@@ -86,7 +86,7 @@ class InletPressure:
 
 @dataclass(frozen=True)
 class Estimation:
-    """All that an estimation from a log is told."""
+    """All options of an estimation from a log."""
 
     source: Wave | Counts | Stamps
     filter: EventFilter
@@ -181,7 +181,7 @@ def _read(table: Table, options: Sequence[Option]) -> _Given:
 
 
 def _entries(table: Table, name: str, options: Sequence[Option]) -> dict[str, Any]:
-    """What is given of a table; an option that names a channel of edges chooses the sensor anew."""
+    """What is given of a table; an option that names a channel of edges chooses the sensor again."""
     content = table.content.get(name, {})
     entries = dict(content) if isinstance(content, Mapping) else {}
     own = {option.key.partition(".")[2]: option.value for option in options if option.key.startswith(f"{name}.")}

@@ -137,8 +137,8 @@ class Fit(NamedTuple):
 
 
 def _first_edges(passed: Passed) -> Chosen:
-    """Whether nothing before an edge tells where it should be: a stop or a lost sensor is no noise, nor are edges that
-    are numbered anew after one."""
+    """Whether nothing before an edge shows where it should be: a stop or a lost sensor is no noise, nor are edges that
+    are numbered again after one."""
     steps = np.diff(passed.times)
     silent = (steps > SILENT * np.median(steps)) | (np.abs(np.diff(passed.numbers)) > SILENT)
     return np.concatenate([[True], (np.diff(passed.pieces) != 0.0) | silent])
@@ -193,9 +193,9 @@ class Likelihood:
 
     @property
     def variance_floor(self) -> float:
-        """The edge variance below which nothing can be told [rad^2]: (omega dt)^2/12 from the step in which the times
-        are written, what the rounding of angles makes, the standard error sqrt(2/n) of the part from sampling, and what
-        one edge tells that is as far off as those of a pattern that was taken off."""
+        """The edge variance below which nothing can be determined [rad^2]: (omega dt)^2/12 from the step in which
+        the times are written, what the rounding of angles makes, the standard error sqrt(2/n) of the part from
+        sampling, and what one edge shows that is as far off as those of a pattern that was taken off."""
         n = self.passed.times.size
         rounding = max(float(np.spacing(np.max(np.abs(self.passed.angles)))) ** 2, self._learnt)
         if self.sampling_variance > 0.0:
@@ -274,7 +274,7 @@ def fit(likelihood: Likelihood) -> Fit:
 
     The search runs over ln R_2, above its floor, and ln(q T^3/R), with R the whole variance of an edge. That is n^-4 at
     least: the filter's time constant (R T/q)^(1/4) is then as long as n edges, and the speed constant as far as they
-    tell.
+    show.
 
     Source  ours, docs/logs.md
     """
@@ -350,7 +350,7 @@ def speed_errors(likelihood: Likelihood, taken: Noise, true: Noise) -> Errors:
 
 
 def _after_two(h: float, R: float, q: float) -> AngleSpeed:
-    """What two edges tell."""
+    """What two edges show."""
     return AngleSpeed(0.0, 0.0, R, R / h, 2.0 * R / (h * h) + q * h / 3.0)
 
 
@@ -360,7 +360,7 @@ class Explained:
 
     used: Noise
     advised: Noise
-    """What to set: the fit, and what of the pattern the filter is not told of as noise."""
+    """What to set: the fit, and what of the pattern the filter is not informed of as noise."""
     plain: Fit
     """The likeliest settings if the wheel is as it was described."""
     wheel: Fit | None
@@ -368,7 +368,9 @@ class Explained:
     offsets: Array
     """By how much each edge of that wheel lies further on, less what the ripple makes of it [rad]."""
     ripple: SpeedRipple | None
-    """Of the speed, locked to the turn; edges cannot tell it from a wheel with these offsets. None: none stands out."""
+    """Of the speed, locked to the turn; edges cannot distinguish it from a wheel with these offsets. None: none
+    stands out.
+    """
     candidates: tuple[Candidate, ...]
     """Ripples that the edges may show, if a pattern repeats with the turn: those that fit alike."""
     settings_gain: float
@@ -460,7 +462,7 @@ def fitted_filter(settings: EventFilter, told: Explained) -> EventFilter:
 def careful_drift(ripple: SpeedRipple, edge_variance: float, period: float) -> float:
     """The drift [1/s] with which a filter that meets an edge every `period` [s] knows a ripple as well as the log does.
 
-    Of edges that tell a part with r = 2 N^2 R, a walk of the drift P^2/(T (P + r)) is known to P just before each.
+    Of edges that show a part with r = 2 N^2 R, a walk of the drift P^2/(T (P + r)) is known to P just before each.
 
     edge_variance  R [rad^2]
 
@@ -573,7 +575,7 @@ def _candidates(likelihood: Likelihood, placed: Fit, offsets: Array, first: int)
 
 
 def _careful_density(likelihood: Likelihood, fitted: Fit, used: Noise) -> float:
-    """Where the speed was constant as far as the log tells, the largest q, not above the one in use, that costs no
+    """Where the speed was constant as far as the log shows, the largest q, not above the one in use, that costs no
     speed error worth a word: it will not always be, and a filter that is sure of its speed goes on through a stop."""
     q, R = fitted.noise
     density = used.acceleration_density

@@ -188,7 +188,7 @@ def wanted_motion(task: ChamberTask) -> Reference:
 
 
 def believed_motion(task: ChamberTask) -> ChamberReading:
-    """What a law is told of the drive."""
+    """What a law receives of the drive."""
     return ChamberReading(task.position, task.velocity, task.pressure)
 
 

@@ -87,7 +87,7 @@ def filter_settings(table: WheelFilter) -> EventFilter:
 
 class WatchedAngle(NamedTuple):
     """What an event filter believes of a shaft, as in `Estimate`; `slip` is the part of the angle's variance that no
-    later edge can tell: jumps by whole sectors."""
+    later edge can show: jumps by whole sectors."""
 
     angle: Angle
     speed: Speed

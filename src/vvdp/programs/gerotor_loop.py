@@ -41,7 +41,9 @@ from vvdp.sensing.encoder import Shaft
 from vvdp.sensing.instrument import InstrumentMemory
 
 ALWAYS_SEEN = 2.0
-"""Observability margin of a position that a known flow moves: no pollution of mean zero looks like it [1]."""
+"""Observability margin of a position that a known flow moves: no periodic sensor error of mean zero looks like it
+[1].
+"""
 
 
 class GerotorPlace(NamedTuple):
@@ -54,7 +56,7 @@ class GerotorPlace(NamedTuple):
 
 
 class GerotorSequence(AxialSequence):
-    """The [axial_sequence] table of a drive that no pressure tells its stop: for the home time `homing_command` drives
+    """The [axial_sequence] table of a drive that no pressure shows its stop: for the home time `homing_command` drives
     it backward."""
 
     homing_command: Fraction
@@ -85,7 +87,7 @@ class GerotorLoop(Params):
 
 
 class WatchedGerotor(Params):
-    """The same with the spool's angle told by an encoder."""
+    """The same with the spool's angle given by an encoder."""
 
     watch: WatchSettings
     loop: GerotorLoop
@@ -164,7 +166,7 @@ def gerotor_view(
 
     Until it is controlled the drive is taken to be at its stop, and its flow to move nothing.
 
-    phase   of the pollution, as the spool's angle is known
+    phase   of the periodic sensor error, as the spool's angle is known
     wanted  position [m]
     """
     sensor, signal = axial_sensor_step(
@@ -228,7 +230,7 @@ def watched_gerotor_start(settings: WatchedGerotor) -> WatchedGerotorMemory:
 def watched_gerotor_step(
     t: float, memory: WatchedGerotorMemory, place: GerotorPlace, settings: WatchedGerotor
 ) -> tuple[WatchedGerotorMemory, AxialCommand]:
-    """Program: encoder and event filter tell the spool's angle."""
+    """Program: encoder and event filter give the spool's angle."""
     shaft = Shaft(place.time, place.angle, place.speed)
     watch, estimate = watch_step(t, memory.watch, shaft, settings.watch)
     wanted = signal_value(t, settings.loop.wanted)

@@ -260,8 +260,9 @@ def _bode_chart(table: Table, pwm: float) -> Chart:
     return Chart(
         name="frequency-response",
         caption="Gain and phase of the delivered flow over a sinusoidal duty ratio, relative to the static gain; "
-        "dotted: half the PWM frequency, beyond which no frequency can be told from its mirror image. Near a third of "
-        "the PWM frequency, left out, the second harmonic of the flow folds back upon the frequency itself.",
+        "dotted: half the PWM frequency, beyond which no frequency can be distinguished from its mirror image. "
+        "Near a third of "
+        "the PWM frequency, left out, the second harmonic of the flow folds back onto the frequency itself.",
         table="frequency",
         panels=(
             _bode_panel(table, pwm, "gain_dB", "gain", (-6.0, 3.0)),

@@ -66,7 +66,7 @@ def run_result(run: RecordedRun) -> Result:
 def course(run: RecordedRun, shown: Collection[str] | None = None) -> tuple[list[Chart], dict[str, Table]]:
     """The charts of the course of a run, without losses and findings, and the tables that they show.
 
-    Of charts whose names are not among `shown`, nothing is worked out.
+    Of charts whose names are not among `shown`, nothing is calculated.
     """
     extras, bench = run.system.extras, _bench(run)
     tables = {SERIES: recorded_series(run)}
@@ -136,7 +136,7 @@ def _losses(run: RecordedRun, tables: dict[str, Table]) -> list[Chart]:
     put_in = sum(power for _, power in power_lines(run.system, run.summary) if power > 0.0)
     labels = tuple(line.component.replace("_", " ") for line in parts)
     tables["powers-component"] = bar_table("component", {"mean": tuple(p.loss for p in parts)}, labels, put_in)
-    caption = "Mean power turned to heat by each component over the averaging window; shares are of the power put in."
+    caption = "Mean power dissipated by each component over the averaging window; shares are of the input power."
     return [loss_chart(tables["powers-component"], caption)]
 
 

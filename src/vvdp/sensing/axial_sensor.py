@@ -59,10 +59,11 @@ class LightCurve(Params):
 
 
 class AxialSensor(Params):
-    """Light curve and calibration, pollution at the lower and at the upper end of the calibration, and instrument.
+    """Light curve and calibration, periodic sensor error at the lower and at the upper end of the calibration, and
+    instrument.
 
-    Between the ends the pollution goes over from one to the other. The instrument measures the share of light: its
-    offset is a bias, its faults are a frozen and a lost signal.
+    Between the ends the periodic sensor error goes over from one to the other. The instrument measures the share of
+    light: its offset is a bias, its faults are a frozen and a lost signal.
     """
 
     curve: LightCurve
@@ -81,7 +82,7 @@ class SpoolPlace(NamedTuple):
 
 
 class AxialReading(NamedTuple):
-    """One sample of the axial sensor: the position that its calibration tells, and the share of light."""
+    """One sample of the axial sensor: the position that its calibration shows, and the share of light."""
 
     time: Time
     position: Position
@@ -104,7 +105,7 @@ def pollution_at(angle: float, pollution: Pollution) -> float:
 
 
 def seen_position(position: float, angle: float, sensor: AxialSensor) -> float:
-    """Position whose light comes off the spool [m], with the pollution there.
+    """Position whose light comes off the spool [m], with the periodic sensor error there.
 
     position  of the spool [m]
     angle     of the spool [rad]
@@ -123,7 +124,7 @@ def light_at(position: float, curve: LightCurve) -> float:
 
 
 def calibrated_position(light: float, calibration: LightCurve) -> float:
-    """Position that a calibration tells [m]; beyond its ends, the end.
+    """Position that a calibration shows [m]; beyond its ends, the end.
 
     light  share that comes back [1]
     """
@@ -157,9 +158,9 @@ def calibrate(positions: Array, light: Array) -> LightCurve:
 
 
 def recorded_pollution(record: Array, harmonics: int) -> Pollution:
-    """The pollution that a turn recorded against a hard stop shows: its first harmonics, without the mean.
+    """The periodic sensor error that a turn recorded against a hard stop shows: its first harmonics, without the mean.
 
-    Raises ParameterError where the record is too short to tell them.
+    Raises ParameterError where the record is too short to show them.
 
     record  positions seen at even angles from 0 over a turn, shape (samples,) [m]
     """

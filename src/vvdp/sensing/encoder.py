@@ -39,7 +39,7 @@ class Shaft(NamedTuple):
 
 
 class Acquisition(Params):
-    """How the time of an edge is told: `SAMPLED`, `INTERPOLATED`, or by a unit made with `capture_unit`."""
+    """How the time of an edge is reported: `SAMPLED`, `INTERPOLATED`, or by a unit made with `capture_unit`."""
 
     interpolated: Fraction
     captured: Fraction
@@ -47,7 +47,7 @@ class Acquisition(Params):
 
 
 SAMPLED = Acquisition(interpolated=0.0, captured=0.0, resolution=0.0)
-"""Only the counter at the samples tells: the edge lies somewhere in the interval."""
+"""Only the counter at the samples shows: the edge lies somewhere in the interval."""
 
 INTERPOLATED = Acquisition(interpolated=1.0, captured=0.0, resolution=0.0)
 """The photodiode's wave is sampled, and a line through the samples on both sides of the threshold gives the time."""
@@ -101,7 +101,7 @@ NO_FAULTS = Faults(
 class Encoder(Params):
     """Code wheel, light spot, comparator with `threshold` and `hysteresis` (shares of the light), counter, faults.
 
-    `noise` is the standard deviation of the light at the comparator, drawn anew for each edge.
+    `noise` is the standard deviation of the light at the comparator, drawn again for each edge.
     """
 
     wheel: CodeWheel

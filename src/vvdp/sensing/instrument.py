@@ -22,7 +22,7 @@ Measured = Annotated[float, MEASURED]
 class Instrument(Params):
     """What an instrument makes of a value; each part is switched off by 0, and all values are in its SI unit.
 
-    It follows the value with the time constant `lag`, adds `offset` and a noise of deviation `noise`, drawn anew for
+    It follows the value with the time constant `lag`, adds `offset` and a noise of deviation `noise`, drawn again for
     each sample, rounds to a multiple of `resolution` and shows no more than `range_low` to `range_high`. From
     `bias_begin` to `bias_end` it adds `bias` as well; its reading stays as it is from `freeze_begin` to `freeze_end`,
     and is `dropout_reading` from `dropout_begin` to `dropout_end`.

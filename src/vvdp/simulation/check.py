@@ -251,12 +251,12 @@ def _call(what: str, function: Callable[..., Any], expected: str, *arguments: An
         raise
     except Exception as problem:
         raise RunError(
-            f"{what}, {_name(function)}, cannot be worked out: {_explain(problem)}{_place(problem)}"
+            f"{what}, {_name(function)}, cannot be calculated: {_explain(problem)}{_place(problem)}"
         ) from None
 
 
 def _explain(problem: Exception) -> str:
-    """What a Python error means for a person who wrote a circuit."""
+    """What a Python error means for a user who wrote a circuit."""
     text = str(problem)
     if isinstance(problem, AttributeError) and names(problem.obj):
         hint = nearest(str(problem.name), names(problem.obj))

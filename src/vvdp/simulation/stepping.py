@@ -23,7 +23,7 @@ class Stepping(Params):
     """How long and how finely a run is stepped and recorded.
 
     The whole run is recorded every `record_interval`, its last `window` every `window_interval` as well. Conditions,
-    and programs without a period of their own, are worked out every `sample_period`. Means are taken from
+    and programs without a period of their own, are calculated every `sample_period`. Means are taken from
     `average_from` on, with None not at all.
     """
 

@@ -232,7 +232,7 @@ class Drawer(ProgramDrawer):
         return [(name, part) for name, part in found.items() if isinstance(part, Mapping)]
 
     def _validly_named_parts(self, net: Network, table: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
-        """The parts of a table whose name can be given; of another one nothing but its name is told."""
+        """The parts of a table whose name can be given; of another one nothing but its name is reported."""
         for name, part in self._parts(table):
             path = f"{table}.{name}"
             self._try(path, partial(net.check_name, name))
@@ -256,7 +256,7 @@ class Drawer(ProgramDrawer):
         return types[word]
 
     def _type_hint(self, path: str, types: Mapping[str, Any]) -> str:
-        """What is said of a part without a type: perhaps the name of another one is meant."""
+        """What is stated of a part without a type: perhaps the name of another one is meant."""
         table, _, name = path.partition(".")
         others = [other for other, part in self._parts(table) if "type" in part]
         return "has no type" + (suggestion(name, others) or nearest("", list(types)))
@@ -337,7 +337,7 @@ class Drawer(ProgramDrawer):
         self._place(net, name, path, part)
 
     def _has_own_keys(self, path: str, part: Mapping[str, Any], types: Mapping[str, PartType]) -> bool:
-        """Whether the keys of a part are not those of another type; unknown ones are told."""
+        """Whether the keys of a part are not those of another type; unknown ones are reported."""
         word = str(part["type"])
         if meant := other_type(word, part, types):
             self._fault(path, meant)

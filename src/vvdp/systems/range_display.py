@@ -66,7 +66,7 @@ def range_table(ranges: Ranges, known: Known) -> Table:
 
 
 def end_listing(ranges: Ranges, known: Known) -> Listing:
-    """Every value that has a range, and each number at its lower and at its upper end, as a person reads it."""
+    """Every value that has a range, and each number at its lower and at its upper end, as people read it."""
     rows = []
     for place, row in enumerate(ranges.rows):
         pairs = ((known[key][0], ranges.ends[key][place]) for key in ranges.nominal)
@@ -122,7 +122,7 @@ def _left_out(ranges: Ranges) -> str:
 
 
 def value_words(row: Sourced) -> str:
-    """What a person calls a value: its key, and the table that it stands in."""
+    """What a user calls a value: its key, and the table that it stands in."""
     name = re.sub(r"^(viscosity)_(\d+)$", r"\1 at \2 °C", row.key)
     return f"{name} of the {row.table.rpartition('.')[2]}".replace("_", " ")
 

@@ -189,7 +189,7 @@ class System:
         return replace(self, circuit=build_circuit(network), tables=tables, redrawn=True)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """A system travels to other processes as its text: its functions are written anew where it arrives."""
+        """A system travels to other processes as its text: its functions are written again where it arrives."""
         return _build_network, (self.table, self.name, self.folder.absolute(), self.tables if self.redrawn else None)
 
 

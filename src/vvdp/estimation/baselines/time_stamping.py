@@ -113,7 +113,7 @@ def time_stamping_step(
 ) -> tuple[TimeStampingMemory, Estimate]:
     """The estimate at a sample: the polynomial and its derivative there.
 
-    It is fitted anew at each edge, with the degree m that the edges known so far allow. The angle stays within the
+    It is fitted again at each edge, with the degree m that the edges known so far allow. The angle stays within the
     sector that is counted, the speed between 0 and m sector / (time since the last edge), which a steady acceleration
     from any speed keeps: nothing runs away without edges.
 

@@ -109,7 +109,7 @@ class SpoolBelief(NamedTuple):
 
 
 class TorqueChange(NamedTuple):
-    """The sums of innovations that tell when the torque changes, and when both were 0 last."""
+    """The sums of innovations that show when the torque changes, and when both were 0 last."""
 
     rise: float
     fall: float

@@ -1,4 +1,4 @@
-"""Whether pump, valves and cylinder can follow a cycle at all: told before a run, with numbers.
+"""Whether pump, valves and cylinder can follow a cycle at all: reported before a run, with numbers.
 
 Source  ours, docs/models/displacement-chapter6.md, where a function names no other.
 """

@@ -1,4 +1,4 @@
-"""The cycle that a cylinder is to follow: there and back in straight lines, or one of a person's own, point by point.
+"""The cycle that a cylinder is to follow: there and back in straight lines, or one of a user's own, point by point.
 
 Source  ours, docs/models/displacement-control.md
 """

@@ -84,7 +84,7 @@ def cycle_point(time: float, cycle: DutyCycle) -> CyclePoint:
 class CycleDemand(NamedTuple):
     """What a cycle asks of what feeds its cylinder, piece by piece: how long, which flow, which pressure over the tank.
 
-    A load that overruns asks for no pressure, and neither does a rod at rest, whose valve is shut.
+    A load that overruns asks for no pressure, and neither does a rod at rest, whose valve is closed.
     """
 
     time: Array  # [s]

@@ -83,7 +83,7 @@ class MachineBelief(Params):
 
 
 class LoadObserverTable(Params):
-    """The [load_observer] table: how fast its three errors fade, and the load that is told follows."""
+    """The [load_observer] table: how fast its three errors fade, and the reported load follows."""
 
     observer_rate: Rate
     load_rate: Rate
@@ -246,7 +246,7 @@ def instruments(table: CylinderSensors) -> dict[str, Instrument]:
 
 def add_outer_loop(net: Network, loop: MachineLoop, sensors: CylinderSensors, paths: MachinePaths) -> None:
     """Add the program that controls the cylinder. It comes before the axial one, which thus follows it at once; it is
-    told itself what that one said a sample before."""
+    which receives itself what that one reported a sample before."""
     reads = {
         "time": "t",
         "position": paths.position,

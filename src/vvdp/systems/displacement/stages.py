@@ -10,9 +10,9 @@ from vvdp.base.params import Params
 from vvdp.base.rules import refuse, require_positive
 
 HOME, SPIN, LEARN, PRECHARGE, CONTROL, HOLD, RETURN, REST, EMERGENCY = (float(number) for number in range(9))
-"""Phases: the spool goes to its stop; the pump turns it until its angle is known; the pollution is learned at the stop;
-the line is charged; the cylinder follows its reference; it holds the last one; the spool returns to its stop; all is
-off; the machine is de-energised for good."""
+"""Phases: the spool goes to its stop; the pump turns it until its angle is known; the periodic sensor error is
+learned at the stop; the line is charged; the cylinder follows its reference; it holds the last one; the spool
+returns to its stop; all is off; the machine is de-energised for good."""
 
 PHASES = ("home", "spin", "learn", "precharge", "control", "hold", "return", "rest", "emergency")
 """What the phases are called, in the order of their numbers."""
@@ -55,7 +55,7 @@ class Progress(NamedTuple):
 
     homed          1 once the spool has rested at its stop
     known          1 while the spool's angle is known
-    learned        1 once the pollution is learned
+    learned        1 once the periodic sensor error is learned
     line_pressure  [Pa]
     supply         pressure of the chamber that is filled first [Pa]
     above_stop     of the spool, as estimated [m]
