@@ -8,10 +8,10 @@ import pytest
 
 from vvdp.estimation.observability import (
     Plant,
-    unobservable_speeds,
     margin_with_pressure,
     natural_frequency,
     observability_margin,
+    unobservable_speeds,
 )
 
 PAGE = " ".join((Path(__file__).parents[2] / "docs" / "models" / "observability.md").read_text("utf-8").split())

@@ -8,10 +8,10 @@ from vvdp.estimation.observability import (
     Grammian,
     Plant,
     analytic_grammian,
-    unobservable_speeds,
     natural_frequency,
     observability_margin,
     rank,
+    unobservable_speeds,
     without_noise,
 )
 

@@ -11,7 +11,6 @@ from vvdp.estimation.observability import (
     analytic_grammian,
     check_noise,
     is_observable,
-    unobservable_speeds,
     margin_with_pressure,
     natural_frequency,
     numeric_grammian,
@@ -19,6 +18,7 @@ from vvdp.estimation.observability import (
     rank,
     scaled_dynamics,
     smallest_eigenvalue,
+    unobservable_speeds,
     without_noise,
 )
 

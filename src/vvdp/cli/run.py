@@ -195,6 +195,7 @@ def _print(run: "RecordedRun", changes: "tuple[Move, ...]") -> None:
     from vvdp.cli.screen import console, grid, tell, warn
     from vvdp.runs.tables import screen_listings
     from vvdp.simulation.balance import LIMIT
+    from vvdp.systems.assumed import assumed_words
     from vvdp.systems.overview import period, warnings
 
     out, found = console(), run.summary
@@ -211,8 +212,7 @@ def _print(run: "RecordedRun", changes: "tuple[Move, ...]") -> None:
     if "trusted" in found:
         energy, oil = found["energy_residual"], found["mass_residual"]
         tell(f"balances: energy {energy:.1e}, oil {oil:.1e} of the throughput (limit {LIMIT:.0e})")
-    seconds, assumed = float(run.meta["seconds"]), len(run.system.assumptions)
-    tell(f"{found['steps']:.0f} steps in {seconds:.2f} s; {assumed} values of the system are assumed")
+    tell(f"{found['steps']:.0f} steps in {float(run.meta['seconds']):.2f} s; {assumed_words(run.system.assumptions)}")
     _print_ranges(run)
     for text in run.meta.get("remarks", ()):
         tell(f"note: {text}")

@@ -16,13 +16,13 @@ from vvdp.estimation.observability import (
     WARN_BELOW,
     check_noise,
     is_observable,
-    unobservable_speeds,
     margin_with_pressure,
     natural_frequency,
     numeric_grammian,
     observability_margin,
     rank,
     scaled_dynamics,
+    unobservable_speeds,
 )
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke, shades
 from vvdp.results.result import Column, Finding, Grade, Result, Table, numbers_of

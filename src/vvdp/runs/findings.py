@@ -10,6 +10,7 @@ from vvdp.results.result import Badge, Finding, Grade
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.balance import LIMIT
 from vvdp.simulation.outcome import SETTLED
+from vvdp.systems.assumed import assumed_words
 from vvdp.systems.bench import RotaryBench
 from vvdp.systems.bench_validity import efficiency_doubt
 from vvdp.systems.overview import expects_steady_state, impossible_part, loss_lines, node_lines, power_lines
@@ -40,7 +41,7 @@ def badges(run: RecordedRun) -> Iterator[Badge]:
         yield Badge("motor overloaded", Grade.BAD) if over else Badge("motor within its rating", Grade.GOOD)
     if run.has("stiff_method"):
         yield Badge("stiff method at the end")
-    yield Badge(f"{len(run.system.assumptions)} assumed values")
+    yield Badge(assumed_words(run.system.assumptions))
 
 
 def warnings(run: RecordedRun) -> Iterator[Finding]:
@@ -181,8 +182,8 @@ def in_words(run: RecordedRun) -> str:
     taken = -sum(power for power in powers.values() if power < 0.0)
     lost = sorted(loss_lines(run.system, run.summary), key=lambda line: -line.loss)
     words = f"From {begin} to {end} the circuit took in {_power(put_in)}"
-    words += f" and gave {_power(taken)} to the outside" if taken > 0.0 else ""
-    words += f"; its components turned {_power(sum(line.loss for line in lost))} to heat"
+    words += f" and gave {_power(taken)} to its load" if taken > 0.0 else ""
+    words += f"; its components dissipated {_power(sum(line.loss for line in lost))}"
     if lost and lost[0].loss > 0.0:
         words += f", most of it, {_power(lost[0].loss)}, in {lost[0].component}"
     pressures = [line for line in node_lines(run.system, run.summary) if line.quantity == "pressure"]

@@ -28,7 +28,7 @@ WORDS = (
     "further."
 )
 CAPTION = (
-    "What the results rest on: how far each number moves where one value lies at either end of its range, all others "
+    "What the results depend on: how far each number moves where one value lies at either end of its range, all others "
     "as they are. The upright line is the system as it is."
 )
 
@@ -38,7 +38,7 @@ def result_with_ranges(result: Result, ranges: Ranges, known: Known, before: str
     if not ranges.rows:
         return result
     charts = {RESTS_ON: range_chart(ranges, known)} if any(map(ranges.moves, ranges.nominal)) else {}
-    section = Section(title="What the results rest on", words=(WORDS,), shows=(SPANS, *charts, ENDS))
+    section = Section(title="What the results depend on", words=(WORDS,), shows=(SPANS, *charts, ENDS))
     place = next((at for at, each in enumerate(result.sections) if each.title == before), len(result.sections))
     return replace(
         result,
@@ -62,7 +62,7 @@ def range_table(ranges: Ranges, known: Known) -> Table:
         ends, (kind, label) = ranges.ends[key], known[key]
         for place, end in enumerate(("low", "high")):
             columns[_column(key, kind, end)] = Column(ends[:, place], kind, f"{label}, {end} end")
-    return Table(title="What the results rest on", columns=columns, is_data=True)
+    return Table(title="What the results depend on", columns=columns, is_data=True)
 
 
 def end_listing(ranges: Ranges, known: Known) -> Listing:

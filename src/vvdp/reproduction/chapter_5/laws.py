@@ -20,8 +20,8 @@ from vvdp.control.storage import pressure_balance, pressure_storage
 from vvdp.control.tuning import backstepping_certificate
 from vvdp.estimation.observability import (
     analytic_grammian,
-    unobservable_speeds,
     observability_margin,
+    unobservable_speeds,
     without_noise,
 )
 from vvdp.reproduction.chapter_5.chamber import HELIX, TURN, known_drive, middle_compliance
