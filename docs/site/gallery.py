@@ -57,7 +57,7 @@ PUMP_NUMBERS = (
 HELD_NUMBERS = (
     Number("position against the reference, rms", "spool_position_error_rms_m", LENGTH, "um"),
     Number("error of the estimate, rms", "spool_estimate_error_rms_m", LENGTH, "um"),
-    Number("pollution of the sensor, rms", "pollution_rms_m", LENGTH, "um"),
+    Number("periodic sensor error of the sensor, rms", "pollution_rms_m", LENGTH, "um"),
 )
 MACHINE_NUMBERS = (
     Number("largest error against the filtered reference", "tracking_error_max_m", LENGTH, "mm"),
@@ -227,7 +227,7 @@ ENTRIES: Mapping[str, Entry] = {
         ),
     ),
     "shuttle-circuit": Entry(
-        "A closed circuit: a pump over centre between both chambers, a shuttle valve joins the low side to a charge "
+        "A closed circuit: an overcentre pump between both chambers, a shuttle valve joins the low side to a charge "
         "pump. [Compared](circuits-compared.md)",
         (DRAWN, CHARGE, LOWEST_B),
     ),
@@ -236,7 +236,7 @@ ENTRIES: Mapping[str, Entry] = {
         (DRAWN, CHARGE, LOWEST_B),
     ),
     "four-valve-circuit": Entry(
-        "An open circuit: four 2-way valves join a pump over centre to either chamber. "
+        "An open circuit: four 2-way valves join an overcentre pump to either chamber. "
         "[Compared](circuits-compared.md)",
         (DRAWN, HIGHEST_B, LOWEST_B),
     ),

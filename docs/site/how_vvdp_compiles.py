@@ -29,7 +29,7 @@ The flow through an orifice, without its docstring:
 ```
 
 The generator reads this text (`ast`, never bytecode), the text of every function that it calls, and the
-constants of its module. Parameters are a record; what is known beforehand is calculated now.
+constants of its module. Parameters are a record; what is known before is calculated now.
 
 ## 2. The typed tree
 

@@ -47,7 +47,7 @@ def test_a_slow_way_there_and_back_ends_at_the_same_numbers(system, first):
 
 
 def test_what_cannot_be_carried_on(system, first, tmp_path):
-    with pytest.raises(RunError, match=r"expected more than 0\.1 s"):
+    with pytest.raises(RunError, match=r"must be greater than 0\.1 s"):
         first.carried_on(system, until="0.05 s")
     with pytest.raises(RunError, match="another model"):
         first.carried_on(vvdp.load("buck-converter"), until="0.2 s")

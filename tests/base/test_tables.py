@@ -8,6 +8,7 @@ from tests.words import wording
 from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.kinds import FractionSignal, Length, PressureSignal, Ratio, SpeedSignal, TemperatureSignal
 from vvdp.base.params import Params
+from vvdp.base.rules import require_less
 from vvdp.base.signal import Signal, signal_value
 from vvdp.base.tables import Sourced, Table, build, describe_signal, parsed_table, read_table, with_settings
 
@@ -142,10 +143,13 @@ def test_the_forms_of_a_signal() -> None:
             {"sine": "50 bar", "amplitude": "5 bar", "frequency": "600 rpm"},
             wording.files.is_not_a.format(quantity="a frequency"),
         ),
-        ({"sine": "1 bar", "amplitude": "5 bar", "frequency": "1 Hz"}, wording.files.outside_from.format(low=0)),
+        (
+            {"sine": "1 bar", "amplitude": "5 bar", "frequency": "1 Hz"},
+            "is outside -1.01325 bar (0 bara)",
+        ),
         (
             {"table": [["0 s", "1 bar"], ["1 s", "20000 bar"], ["1 s", "1 bar"]]},
-            wording.files.outside_from.format(low=0),
+            wording.files.outside_from.format(low="-1.01325"),
         ),
         ({}, wording.files.nothing_given),
         ([1, 2], wording.files.is_not_a.format(quantity="a pressure level")),
@@ -203,11 +207,13 @@ def test_a_signal_that_leaves_its_range_is_a_fault_of_its_own_line_or_option() -
     text = '[operation]\nfirst = "5 mm"\nshare = {sine = "0.5", amplitude = "5", frequency = "1 Hz"}\n'
     faults = refused_signals(parsed_table(text, "a"))
     assert faults == [
-        "a:3: operation.share: " + wording.files.outside_range.format(value=-4.5, low=0, high="1 for a fraction")
+        "a:3: operation.share: "
+        + wording.files.outside_range.format(value="between -4.5 and 5.5, sine of 1 Hz", low=0, high="1 for a fraction")
     ]
     table = with_settings(parsed_table('[operation]\nfirst = "5 mm"\n', "a"), [f"operation.{text.splitlines()[2]}"])
     assert refused_signals(table) == [
-        "--set: operation.share: " + wording.files.outside_range.format(value=-4.5, low=0, high="1 for a fraction")
+        "--set: operation.share: "
+        + wording.files.outside_range.format(value="between -4.5 and 5.5, sine of 1 Hz", low=0, high="1 for a fraction")
     ]
 
 
@@ -267,3 +273,25 @@ def test_what_changes_over_time_has_no_range() -> None:
     with pytest.raises(ConfigError, match=wording.files.value_that_changes):
         signal("share", entry)
     assert signal("share", {"value": "0.3", "range": ["0.1", "0.5"]}).base == 0.3
+
+
+class Span(Params):
+    lower: Length
+    upper: Length
+
+    def check(self) -> None:
+        require_less(self, "lower", "upper")
+
+
+@pytest.mark.parametrize(
+    ("lower", "message"),
+    [
+        ("20 mm", "20 mm must be less than upper, 10 mm"),
+        ("1 inch", "'1 inch' = 25.4 mm must be less than upper, 10 mm"),
+    ],
+)
+def test_a_value_is_refused_in_the_unit_of_the_file(lower, message):
+    faults = []
+    given = {"lower": {"value": lower, "status": "assumed"}, "upper": "10 mm"}
+    build(Span, given, "span", Table("a", {}, {}), faults)
+    assert [str(fault) for fault in faults] == [f"a: span.lower: {message}"]

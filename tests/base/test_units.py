@@ -117,7 +117,7 @@ def test_gauge_and_absolute_are_one_atmosphere_apart(number: float) -> None:
         ("5 bara", kinds.PRESSURE_DIFFERENCE, wording.files.has_no.format(unit="bara")),
         ("5 psig", kinds.PRESSURE_DIFFERENCE, wording.files.has_no.format(unit="psig")),
         ("5 barg", kinds.BULK_MODULUS, wording.files.has_no.format(unit="barg")),
-        ("-2 bar", kinds.PRESSURE_LEVEL, wording.files.outside_from.format(low=0)),
+        ("-2 bar", kinds.PRESSURE_LEVEL, wording.files.outside_from.format(low="-1.01325")),
         ("40", kinds.TEMPERATURE, wording.files.has_no_unit),
         (40, kinds.TEMPERATURE, wording.files.has_no_unit),
         ("100", kinds.PRESSURE_LEVEL, wording.files.level_example.format(example="100 bar")),

@@ -128,7 +128,7 @@ def test_every_key_of_the_period_is_described(result, keys_as_described):
 def test_what_is_not_above_zero_is_refused(option, text, tmp_path):
     said = say("prototype", option, text, "--out", str(tmp_path / "new"), verb="period")
     assert said.code == 2
-    assert wording.cfd.value_above_zero in said.err
+    assert wording.files.greater_than_zero in said.err
 
 
 def test_pictures_are_of_angles_at_which_the_oil_is_fast():

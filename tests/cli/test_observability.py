@@ -135,8 +135,8 @@ def test_a_person_reads_the_speeds(vvdp, here, is_shown):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (("--speed", "-3 rev/s"), "--speed: " + wording.observability.speed_above_zero.format(speed="-3 rev/s")),
-        (("--speed", "0 rpm"), "--speed: " + wording.observability.speed_above_zero.format(speed="0 rpm")),
+        (("--speed", "-3 rev/s"), "--speed: " + wording.files.must_be_greater_than_zero.format(value="'-3 rev/s'")),
+        (("--speed", "0 rpm"), "--speed: " + wording.files.must_be_greater_than_zero.format(value="'0 rpm'")),
         (("--speed", "22.5"), "--speed: '22.5' " + wording.files.has_no_unit),
         (("--speed", "22.5 Hz"), "--speed"),
         (("--harmonics", "0"), "harmonics: " + wording.observability.harmonics.format(value=0, low=1, high=200)),
@@ -144,7 +144,7 @@ def test_a_person_reads_the_speeds(vvdp, here, is_shown):
         (("--of", "spool"), wording.observability.none_of_these.format(part="spool", parts="drive_slide")),
         (
             ("--set", "nodes.spool.speed=0 rpm"),
-            "--speed: " + wording.observability.speed_at_start.format(speed="0 rad/s", system="axial-chamber"),
+            "--speed: " + wording.observability.speed_at_start.format(speed="0 rpm", system="axial-chamber"),
         ),
     ],
 )

@@ -30,4 +30,4 @@ def test_a_word_lists_what_has_it_in_its_name(vvdp):  # noqa: F811
 def test_a_word_that_nothing_has_names_what_is_alike(vvdp):  # noqa: F811
     answer = vvdp("list", "orifce")
     assert answer.code == 2
-    assert answer.err == "list: orifce: nothing has this in its name; did you mean 'orifice'?\n"
+    assert answer.err == "list: orifce: nothing has this in its name or description; did you mean 'orifice'?\n"

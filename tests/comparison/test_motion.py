@@ -95,7 +95,7 @@ def test_what_the_flow_alone_would_do():
 @pytest.mark.parametrize(
     ("motion", "told"),
     [
-        (lambda: Lag(0.0, 1.0, 0.0, 0.0), wording.compare.time_constant.format(value="0 s")),
+        (lambda: Lag(0.0, 1.0, 0.0, 0.0), wording.compare.time_constant.format(value="0 ms")),
         (lambda: Ripple(10.0, 1.0, 3.0), wording.compare.ripple_by.format(amplitude=1)),
         (lambda: Ramps((0.5, 1.0), (1.0, 2.0)), wording.compare.times_increase),
     ],

@@ -270,5 +270,5 @@ def test_gerotor_takes_what_its_passages_and_the_friction_lose():
 
 
 def test_start_beyond_an_end_is_refused():
-    with pytest.raises(ParameterError, match=r"0.03 m lies outside the ends of the stroke, -0.0062 to 0.027 m"):
+    with pytest.raises(ParameterError, match=r"30 mm must lie within the stroke, -6.2 to 27 mm"):
         add_gerotor_drive(Network(UsualOil()), DRIVE, MAP, constant(0.0), 0.03)

@@ -109,8 +109,11 @@ def test_power_of_a_machine_changes_its_sign_overcentre():
 @pytest.mark.parametrize(
     ("change", "told"),
     [
-        ({"speeds": (100.0, 50.0, 150.0, 200.0, 250.0, 300.0)}, "row 2 has 50"),
-        ({"settings": (0.0, 0.5, 0.8, 1.0)}, "must start above 0"),
+        (
+            {"speeds": (100.0, 50.0, 150.0, 200.0, 250.0, 300.0)},
+            "row 2, 477.465 rpm, must be greater than row 1, 954.93 rpm",
+        ),
+        ({"settings": (0.0, 0.5, 0.8, 1.0)}, "must be greater than 0: an efficiency at 0"),
         ({"volumetric_efficiencies": (0.9,)}, "1 values; expected 144"),
         ({"mechanical_efficiencies": (0.0,) * 144}, "must be greater than 0"),
     ],

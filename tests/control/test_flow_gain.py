@@ -51,5 +51,5 @@ def test_it_rests_while_the_valve_moves() -> None:
 
 
 def test_bounds_that_leave_out_the_map_itself_are_refused() -> None:
-    with pytest.raises(ParameterError, match="bounds about 1"):
+    with pytest.raises(ParameterError, match=r"1 must lie between lowest, 0\.4, and highest, 0\.9"):
         FlowGain(filter_rate=10.0, gain_rate=1.0, lowest=0.4, highest=0.9, least_flow=1e-5, settling_time=0.2)

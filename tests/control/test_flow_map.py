@@ -47,7 +47,7 @@ def test_beyond_the_map_its_ends_hold():
 
 
 def test_a_map_that_falls_is_refused():
-    with pytest.raises(ParameterError, match="row 3 has"):
+    with pytest.raises(ParameterError, match="row 3, 6 lpm, must be at least row 2, 12 lpm"):
         FlowMap(duty_ratios=(0.0, 0.5, 1.0), line_pressures=(1e5, 2e5), flows=(0.0, 2e-4, 1e-4, 0.0, 1e-4, 2e-4))
     with pytest.raises(ParameterError, match="5 flows for 3 duty ratios and 2 pressures"):
         FlowMap(duty_ratios=(0.0, 0.5, 1.0), line_pressures=(1e5, 2e5), flows=(0.0, 2e-4, 1e-4, 0.0, 1e-4))

@@ -85,5 +85,5 @@ def test_published_trapezoid():
 
 
 def test_a_filter_that_never_moves_is_refused():
-    with pytest.raises(ParameterError, match="expected above 0"):
+    with pytest.raises(ParameterError, match="must be greater than 0"):
         ReferenceFilter(filter_rate=0.0)

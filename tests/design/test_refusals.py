@@ -247,7 +247,7 @@ def test_a_valve_that_never_switches_has_no_transition_loss(duty):
 def test_no_flow_is_refused_by_every_question(designing, question):
     code, _, err = designing(question, "prototype", "--set", "operation.pump_speed=0 rpm")
     assert code == 2
-    assert err.count(wording.design.no_equilibrium_flow.format(flow="0 m^3/s")) == 1
+    assert err.count(wording.design.no_equilibrium_flow.format(flow="0 lpm")) == 1
     assert "Traceback" not in err
 
 

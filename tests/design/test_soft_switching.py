@@ -64,7 +64,9 @@ def test_a_chamber_that_gives_no_room_is_refused():
     values = {"oil_volume": 1e-6, "hose_compliance": 0.0, "precharge_pressure": 1e6, "gas_exponent": 1.4}
     with pytest.raises(ParameterError, match=wording.design.gives_no_room):
         SwitchChamber(**values, gas_volume=0.0, mouth_area=1e-4)
-    with pytest.raises(ParameterError, match="release_opening: " + wording.design.above_zero.format(value=0)):
+    with pytest.raises(
+        ParameterError, match="release_opening: " + wording.files.must_be_greater_than_zero.format(value=0)
+    ):
         SwitchChamber(**values, gas_volume=1e-5, mouth_area=1e-4, release_opening=0.0)
 
 

@@ -71,5 +71,5 @@ def test_messages_that_are_explained_exist():
         text for line in re.findall(r"^\| (.*?) \|", page, re.MULTILINE) for text in re.findall(r"`([^`]+)`", line)
     ]
     for message in shown:
-        for piece in re.split(r"\.\.\.|'[xy]'|\d+(?= values)|[\d.]+ %", message):
+        for piece in re.split(r"\.\.\.|'[xy]'|\d+ (?=assumed)|: \d+ of (?=the)|[\d.]+ %", message):
             assert piece.strip() in sources, piece

@@ -8,10 +8,10 @@ import pytest
 
 from vvdp.estimation.observability import (
     Plant,
-    lost_speeds,
     margin_with_pressure,
     natural_frequency,
     observability_margin,
+    unobservable_speeds,
 )
 
 PAGE = " ".join((Path(__file__).parents[2] / "docs" / "models" / "observability.md").read_text("utf-8").split())
@@ -30,7 +30,7 @@ def test_table_of_margins():
 
 def test_natural_frequency_and_lost_speeds():
     assert f"$\\gamma$ = {GAMMA:.2f} rad/s, {GAMMA / TURN:.3f} Hz" in PAGE
-    speeds = [f"{f:.3f}" for f in lost_speeds(GAMMA, 5) / TURN]
+    speeds = [f"{f:.3f}" for f in unobservable_speeds(GAMMA, 5) / TURN]
     assert f"lost at {', '.join(speeds[:4])} and {speeds[4]} rev/s" in PAGE
 
 

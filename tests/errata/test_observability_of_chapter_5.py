@@ -8,10 +8,10 @@ from vvdp.estimation.observability import (
     Grammian,
     Plant,
     analytic_grammian,
-    lost_speeds,
     natural_frequency,
     observability_margin,
     rank,
+    unobservable_speeds,
     without_noise,
 )
 
@@ -100,7 +100,7 @@ def test_noise_block_takes_a_whole_turn(told):
 
 
 def test_rank_drops_by_two(told):
-    speeds = lost_speeds(GAMMA, 5)
+    speeds = unobservable_speeds(GAMMA, 5)
     assert ", ".join(f"{f:.3f}" for f in speeds / TURN) in told
     for omega in speeds:
         found = analytic_grammian(GAMMA, omega, 5)

@@ -248,5 +248,5 @@ def test_compiled_step_is_the_plain_one(duty_replays):
 
 
 def test_a_pump_that_stands_still_is_refused():
-    with pytest.raises(ParameterError, match="above zero"):
+    with pytest.raises(ParameterError, match="must be greater than 0"):
         DutyWave(valve=VALVE, flow=0.0, density=DENSITY, tank_pressure=TANK)

@@ -328,11 +328,11 @@ def test_settings_that_contradict_are_refused():
         replace(PUBLISHED, edge_variance=0.0)
     with pytest.raises(ParameterError, match=r"manoeuvre_edges: 0\.5"):
         replace(PUBLISHED, manoeuvre_edges=0.5)
-    with pytest.raises(ParameterError, match=r"below the acceleration_density of 0\.25"):
+    with pytest.raises(ParameterError, match=r"must be at least acceleration_density, 0\.25 rad"):
         replace(PUBLISHED, manoeuvre_density=0.1)
-    with pytest.raises(ParameterError, match="looks the same after less than a turn"):
+    with pytest.raises(ParameterError, match="looks the same after less than a revolution"):
         replace(PUBLISHED, index_turns=2.0)
-    with pytest.raises(ParameterError, match="ripple of 3 periods a turn"):
+    with pytest.raises(ParameterError, match="ripple of order 3"):
         replace(PUBLISHED, ripple_order=3.0)
     assert PUBLISHED.index_turns == 0.0
     assert event_filter(INDEXED).index_turns == 2.0

@@ -552,7 +552,7 @@ def test_nothing_is_nan_before_the_first_edge():
 def test_settings_without_noise_are_refused():
     with pytest.raises(ParameterError, match="no sensor is exact"):
         replace(SETTINGS, pressure_variance=0.0)
-    with pytest.raises(ParameterError, match="1 or more"):
+    with pytest.raises(ParameterError, match="at least 1"):
         replace(SETTINGS, sections=0.0)
 
 

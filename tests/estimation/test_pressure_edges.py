@@ -176,6 +176,6 @@ def test_settings_that_contradict_are_refused():
         PressureEdges(level_share=0.3, hysteresis=0.3, least_swing=1e5, level_time=0.1)
     with pytest.raises(ParameterError, match="between 0 and 1"):
         PressureEdges(level_share=1.0, hysteresis=0.0, least_swing=1e5, level_time=0.1)
-    with pytest.raises(ParameterError, match="above zero"):
+    with pytest.raises(ParameterError, match="must be greater than 0"):
         PressureEdges(level_share=0.5, hysteresis=0.1, least_swing=0.0, level_time=0.1)
     assert 0.0 < HIGH_SHARE < 1.0

@@ -245,7 +245,11 @@ def test_largest_gap_of_known_places():
 
 @pytest.mark.parametrize(
     ("change", "said"),
-    [({"gain": 2.0}, "stable below 2"), ({"ramp_slope": 0.0}, "influence"), ({"lowest": 1.0}, "below")],
+    [
+        ({"gain": 2.0}, "less than 2, or the adaptation is unstable"),
+        ({"ramp_slope": 0.0}, "influence"),
+        ({"lowest": 1.0}, "less than highest, 0.98"),
+    ],
 )
 def test_settings_that_cannot_work_are_refused(change, said):
     with pytest.raises(ParameterError, match=said):

@@ -192,7 +192,10 @@ def test_every_key_of_a_fit_is_described(fit, write, keys_as_described):
         ),
         ("flow,pressure_drop_Pa\n1,2\n", ":2: flow: '1' " + wording.files.has_no_unit),
         ("# rig 3\nflow [lpm],pressure_drop_Pa\n1,2\n3\n", ":4: pressure_drop_Pa: " + wording.fit.empty_cell),
-        ("flow [lpm],pressure_drop [bar]\n1,2\n0,x\n", ":3: flow [lpm]: " + wording.fit.more_than_zero.format(value=0)),
+        (
+            "flow [lpm],pressure_drop [bar]\n1,2\n0,x\n",
+            ":3: flow [lpm]: " + wording.files.must_be_greater_than_zero.format(value="'0'"),
+        ),
         (
             "flow [lpm],pressure_drop [bar]\n1,2\n0,x\n",
             ":3: pressure_drop [bar]: " + wording.logs.not_a_number.format(value="x bar"),

@@ -74,9 +74,12 @@ def test_temperatures_may_be_an_array(make_oil):
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
-        ({"viscosity_100": 44.178e-6}, "44.178 cSt at 40 degC does not exceed 44.178"),
-        ({"viscosity_40": 0.4e-6, "viscosity_100": 0.2e-6}, "0.2 cSt is too thin"),
-        ({"reference_pressure": 0.0}, "must be an absolute pressure above zero"),
+        (
+            {"viscosity_100": 44.178e-6},
+            "44.178 cSt at 40 degC must be greater than viscosity_100 at 100 degC, 44.178 cSt",
+        ),
+        ({"viscosity_40": 0.4e-6, "viscosity_100": 0.2e-6}, "0.2 cSt must be greater than 0.3 cSt"),
+        ({"reference_pressure": 0.0}, "must be greater than 0 bara"),
         ({"air_fraction": 0.6}, "Oil.air_fraction"),
         ({"polytropic_exponent": 0.9}, "Oil.polytropic_exponent"),
     ],

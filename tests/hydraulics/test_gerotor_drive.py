@@ -74,8 +74,8 @@ def test_calibration_goes_through_its_rows_and_back():
 @pytest.mark.parametrize(
     ("commands", "flows", "told"),
     [
-        ((-1.0, 0.0, 1.0), (-1e-5, 1e-6, 0.0), r"flows: row 3 has 0; expected a value not below that of row 2, 1e-06"),
-        ((-1.0, 0.5, 0.5), (-1e-5, 0.0, 1e-5), r"commands: row 3 has 0.5; expected a value above that of row 2, 0.5"),
+        ((-1.0, 0.0, 1.0), (-1e-5, 1e-6, 0.0), r"flows: row 3, 0 lpm, must be at least row 2, 0.06 lpm"),
+        ((-1.0, 0.5, 0.5), (-1e-5, 0.0, 1e-5), r"commands: row 3, 0.5, must be greater than row 2, 0.5"),
         ((-1.0, 1.0), (0.0,), "flows: 1 rows for 2 commands"),
     ],
 )

@@ -28,7 +28,7 @@ def stamped(order, amplitude, jitter=0.0, turns=250, sectors=8):
 
 @pytest.fixture
 def load_edges():
-    """An estimation from edges, of a wheel with 8 sectors unless told otherwise."""
+    """An estimation from edges, of a wheel with 8 sectors by default."""
 
     def load(**keys):
         keys = {"sensor__edges": "edge", "sensor__sectors": 8} | keys

@@ -90,6 +90,7 @@ def resize(browser, width):
 def opened_charts(browser, page):
     """Opens a page with all its charts; their names."""
     browser.open(page)
+    browser.ask("document.querySelectorAll('details.fold').forEach((each) => { each.open = true; })")
     return browser.ask(
         "document.getElementById('chart-data') ? vvdpCharts.then((all) => {"
         " const names = JSON.parse(document.getElementById('chart-data').textContent).charts.map((each) => each.name);"
@@ -106,8 +107,8 @@ def check_page(browser, page):
     figures = browser.ask("[...document.querySelectorAll('figcaption b')].map((each) => each.textContent)")
     assert figures == [f"Figure {count}." for count in range(1, len(figures) + 1)]
     links = browser.ask("[...document.querySelectorAll('nav.contents a')].map((each) => each.getAttribute('href'))")
-    headings = browser.ask("[...document.querySelectorAll('h2')].map((each) => '#' + each.id)")
-    assert links and links == [each for each in headings if each != "#references"]
+    headings = browser.ask("[...document.querySelectorAll('section[id]')].map((each) => '#' + each.id)")
+    assert links and links == headings
     assert len(set(headings)) == len(headings)
     for scheme in ("dark", "light"):
         browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
@@ -118,11 +119,32 @@ def check_page(browser, page):
         assert browser.ask(SCROLLS) == 0, width
     check_paper(browser)
     check_phone(browser, page)
+    check_lead(browser, page)
     said = [each["entry"] for each in browser.named("Log.entryAdded")]
     assert [each for each in said if each["source"] != "rendering"] == []  # that is the driver, on WebGL in software
     assert browser.named("Runtime.exceptionThrown") + browser.named("Runtime.consoleAPICalled") == []
     asked = {each["request"]["url"].split(":")[0] for each in browser.named("Network.requestWillBeSent")}
     assert asked <= {"file", "data"}
+
+
+def check_lead(browser, page):
+    """A page opens with its lead alone: at most twelve numbers, one figure, one box; links and print open the rest."""
+    resize(browser, 1000)
+    browser.open(page)
+    lead = "document.querySelector('body > section')"
+    assert browser.ask(f"{lead}.querySelectorAll('tbody tr:not(.group)').length") <= 12
+    assert browser.ask(f"{lead}.querySelectorAll('figure').length") <= 1
+    assert browser.ask("document.querySelectorAll('body > .notice').length") <= 2  # the other one says what is missing
+    folds = browser.ask("[...document.querySelectorAll('details.fold > section')].map((each) => each.id)")
+    shown = "(each) => each.checkVisibility({ contentVisibilityAuto: true }) && each.getBoundingClientRect().height > 0"
+    sections = "[...document.querySelectorAll('details.fold > section')]"
+    assert not browser.ask(f"{sections}.some({shown})")
+    if folds:
+        browser.ask(f"location.hash = '#{folds[-1]}'")
+        assert browser.ask("document.querySelectorAll('details.fold[open]').length") == 1
+        browser.call("Emulation.setEmulatedMedia", media="print")
+        assert browser.ask(f"{sections}.every((each) => each.getBoundingClientRect().height > 0)")
+        browser.call("Emulation.setEmulatedMedia", media="")
 
 
 def check_phone(browser, page):

@@ -106,7 +106,9 @@ def test_load_gets_what_is_delivered(against_orifice):
     assert load == pytest.approx(delivered, rel=5e-3)
 
 
-@pytest.mark.parametrize(("frequencies", "words"), [([0.0], "above 0"), ([40.0], wording.rig.half_pwm_frequency)])
+@pytest.mark.parametrize(
+    ("frequencies", "words"), [([0.0], "greater than 0 Hz"), ([40.0], wording.rig.half_pwm_frequency)]
+)
 def test_bad_frequencies_are_refused(source_stand, frequencies, words):
     with pytest.raises(ParameterError, match=words):
         dynamics(source_stand, (0.4, 0.6), frequencies)

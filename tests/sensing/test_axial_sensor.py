@@ -79,9 +79,9 @@ def test_mean_over_a_turn_is_the_calibration():
 @pytest.mark.parametrize(
     ("light", "told"),
     [
-        ((0.9, 0.5, 0.6, 0.3, 0.1), "row 3 has 0.6 after 0.5, from 0.9 to 0.1 in all"),
-        ((0.1, 0.3, 0.3, 0.5, 0.9), "row 3 has 0.3 after 0.3"),
-        ((0.5, 0.5, 0.5, 0.5, 0.5), "row 2 has 0.5 after 0.5"),
+        ((0.9, 0.5, 0.6, 0.3, 0.1), "row 3, 0.6 after 0.5, must keep to the direction from 0.9 to 0.1"),
+        ((0.1, 0.3, 0.3, 0.5, 0.9), "row 3, 0.3 after 0.3"),
+        ((0.5, 0.5, 0.5, 0.5, 0.5), "row 2, 0.5 after 0.5"),
     ],
 )
 def test_calibration_that_is_not_monotone_is_refused_with_its_row(light, told):

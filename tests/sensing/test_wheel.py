@@ -78,8 +78,8 @@ def test_a_turn_further_is_a_turn_of_edges_further(parts, angle):
         (lambda: equal_wheel(8, 0.95), "0.95 sectors"),
         (lambda: CodeWheel((0.0, 1.0, 2.0)), "3 edges"),
         (lambda: CodeWheel((0.0, 2.0, 1.0, 3.0)), "increasing"),
-        (lambda: CodeWheel((0.0, 7.0)), "below 2 pi"),
-        (lambda: wheel_of_widths([1.0, 0.0]), "above 0"),
+        (lambda: CodeWheel((0.0, 7.0)), "less than 360 deg"),
+        (lambda: wheel_of_widths([1.0, 0.0]), "each must be greater than 0"),
     ],
 )
 def test_what_is_no_wheel_is_refused(make, message):
@@ -105,5 +105,5 @@ def test_a_mirrored_index_by_hand():
 
 
 def test_a_wheel_that_begins_beyond_an_edge_has_no_mirror_image():
-    with pytest.raises(ParameterError, match="below 2 pi"):
+    with pytest.raises(ParameterError, match="less than 360 deg"):
         mirror_wheel(CodeWheel((0.5, 0.6, 2.0, 4.0)))

@@ -399,7 +399,7 @@ def test_everything_that_is_recorded_needs_a_kind():
 
 
 TIMES = [
-    ({"period": 0.0}, "period = 0 s; expected more than 0 s"),
+    ({"period": 0.0}, "period: 0 s must be greater than 0"),
     ({"period": 0.1, "latency": 0.2}, "latency = 0.2 s; expected 0 s to one period, 0.1 s"),
     ({"phase": -0.1}, "phase = -0.1 s; expected 0 s to below one period, 0.001 s"),
     ({"phase": 1e-3}, "phase = 0.001 s"),

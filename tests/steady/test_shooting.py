@@ -89,7 +89,7 @@ def test_pressure_that_cannot_be_held_has_a_reason(orifice_stand):
 def test_refuses_a_period_that_is_none(source_stand):
     here = source_stand.set_point
     case = source_stand.case(here, source_stand.means(here))
-    with pytest.raises(ParameterError, match="expected a period above 0 s"):
+    with pytest.raises(ParameterError, match="each case has a period, which must be greater than 0"):
         periodic_states(source_stand.model, [case], source_stand.stepping, [0.0])
 
 

@@ -125,7 +125,7 @@ def test_table_of_flows_that_falls_is_refused_with_its_line(tmp_path):
     told = refusal(text, tmp_path)
     assert (
         f"own.toml:{line}: components.drive.gerotor.flows: "
-        + wording.systems.not_below_row.format(row=4, value="1.5e-05", other=3)
+        + wording.systems.not_below_row.format(row=4, value="0.9 lpm", other=3)
         in told
     )
 

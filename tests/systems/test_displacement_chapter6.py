@@ -347,7 +347,10 @@ def test_faster_than_real_time():
                 limit="80 bar",
             ),
         ),
-        (["chamber_b.volume=0 cc"], "chamber_b.volume: " + wording.systems.pressure_would_jump.format(volume="0 m^3")),
+        (
+            ["chamber_b.volume=0 cc"],
+            "chamber_b.volume: " + wording.files.must_be_greater_than_zero.format(value="0 cc"),
+        ),
         (["pump.lag=0 s"], wording.files.must_be_greater_than_zero.format(value="0 ms")),
     ],
 )

@@ -239,16 +239,15 @@ CHAMBER = shipped_systems()["axial-chamber"]
 REFUSED = {
     "gain": (
         backstepping_text(CHAMBER, MILD | {"flow_gain": "2e-9 m^3/(s*Pa)"}),
-        "flow_gain: 2e-09 m^3/(s*Pa); the flow depends on the measured velocity with any pressure_weight, "
-        "k = 1.92; expected lambda_3 < A^2/(M lambda_p + K_v) = 1.04e-09 m^3/(s*Pa)",
+        "flow_gain: 2e-09 m^3/(s*Pa) must be less than A^2/(M lambda_p + K_v) = 1.0",
     ),
     "noise": (
         change(CHAMBER, "axial_observer", sensor_deviation="0 um"),
-        "sensor_deviation: " + wording.systems.no_noise.format(value=0),
+        "sensor_deviation: " + wording.files.must_be_greater_than_zero.format(value="0 mm"),
     ),
     "period": (
         change(CHAMBER, "axial_observer", sample_period="0 ms"),
-        "sample_period: " + wording.systems.expected_time_above.format(value="0 s"),
+        "sample_period: " + wording.files.must_be_greater_than_zero.format(value="0 ms"),
     ),
     "calibration": (
         change(CHAMBER, "axial_sensor", light="LIGHT").replace('"LIGHT"', '["96 %", "76 %", "80 %", "36 %", "16 %"]'),

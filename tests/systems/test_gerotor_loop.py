@@ -95,7 +95,7 @@ def test_what_is_refused():
         in told
     )
     for text in (SHIPPED, UNIT):
-        assert "lag: " + wording.systems.no_motor_follows.format(lag="0 s") in refusal(
+        assert "lag: " + wording.systems.no_motor_follows.format(lag="0 ms") in refusal(
             change(text, "calibration", lag="0 s")
         )
     assert "straight_flow" in refusal(change(SHIPPED, "calibration", straight_flow="2 lpm"))

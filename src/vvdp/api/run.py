@@ -92,7 +92,7 @@ class Run(RecordedRun):
     def plot(self, *names: str) -> "Figure":
         """A figure of charts or series by name; the course of the run without names.
 
-        `names` tells all of them. Raises ConfigError for a name that is neither, or charts without a common axis.
+        `names` shows all of them. Raises ConfigError for a name that is neither, or charts without a common axis.
         """
         from vvdp.report.chosen import chosen_chart
         from vvdp.report.plot import new_figure
@@ -112,7 +112,9 @@ class Run(RecordedRun):
         text = until if isinstance(until, str) else f"{until!r} s"
         longer = system.read_from(lasting(system.table, text))
         if not longer.stepping.until > self.done.end:
-            raise RunError(f"until {longer.stepping.until:g} s; expected more than {self.done.end:g} s")
+            raise RunError(
+                f"until: {longer.stepping.until:g} s must be greater than {self.done.end:g} s, where the run ends"
+            )
         done = simulate(longer.model, longer.case, longer.stepping, continue_from=self.done, stop=stop)
         found = recorded_run(longer, done)
         return Run(**{each.name: getattr(found, each.name) for each in fields(found)})

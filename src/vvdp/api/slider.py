@@ -1,4 +1,4 @@
-"""A slider over one value of a system, for notebooks: whole runs, made beforehand, whose curves follow."""
+"""A slider over one value of a system, for notebooks: whole runs, made before, whose curves follow."""
 
 import sys
 from dataclasses import dataclass, field

@@ -64,8 +64,8 @@ class System(systems.System):
     ) -> Run:
         """Simulates the system, until a time ("50 ms", a quantity, or a number [s]) or as long as its file says.
 
-        `progress` hears the simulated time [s] now and then. Where `stop` says so, or at Ctrl-C, it stops early and
-        keeps what was reached.
+        `progress` receives the simulated time [s] now and then. Where `stop` states this, or at Ctrl-C, it stops
+        early and keeps what was reached.
         """
         system = self
         if until is not None:

@@ -1,4 +1,4 @@
-"""The books that every circuit keeps: what went in, what was spent where, and what is in store."""
+"""The books that every circuit keeps: what went in, what was spent where, and what is stored."""
 
 from typing import Any, NamedTuple
 

@@ -1,4 +1,4 @@
-"""How a value is shown to a person: its unit, its digits, its words. Bar, lpm, rpm and degC are known here alone.
+"""How a value is shown to a user: its unit, its digits, its words. Bar, lpm, rpm and degC are known here alone.
 
 Inside the package every value is SI and every pressure level absolute; files are read by `units`. What leaves for a
 screen, a page or a figure passes through this module, so that a quantity looks the same wherever it is met.
@@ -93,7 +93,7 @@ def fixed_point(value: float, decimals: int) -> str:
 
 
 def long_time(seconds: float) -> str:
-    """A time that somebody has to wait, in words."""
+    """A waiting time, in words."""
     for size, unit in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
         if seconds >= 2.0 * size:
             return f"{seconds / size:.3g} {unit}"
@@ -106,7 +106,7 @@ def percent(share: float, decimals: int = 1) -> str:
 
 
 def plain(value: float, digits: int = 6) -> str:
-    """A number as a person writes it: no trailing zeros."""
+    """A number as people write it: no trailing zeros."""
     text = number(value, digits)
     mantissa, power, exponent = text.partition("·")
     if "." in mantissa:

@@ -1,4 +1,4 @@
-"""Everything that vvdp refuses, as exceptions that a person can act on."""
+"""Everything that vvdp refuses, as exceptions that a user can act on."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Files and result directories that are whole or absent, whatever happens to the process that writes them.
+"""Files and result directories that are complete or not there, whatever happens to the process that writes them.
 
 Everything is made under a name of its own, `.NAME.HOST-PROCESS-TOKEN.KIND`, synced, and renamed. It is locked while it
 is made, so that a later call on the same host knows what a dead process has left, and clears it away.
@@ -227,7 +227,7 @@ def _sibling_path(path: Path, token: str, kind: str) -> Path:
 
 
 def _is_abandoned(path: Path, process: int) -> bool:
-    """Whether nobody is at work on `path` any more; the lock speaks for processes that have numbers of their own."""
+    """Whether no process works on `path` any more; the lock speaks for processes that have numbers of their own."""
     try:
         os.kill(process, 0)
     except ProcessLookupError:

@@ -1,4 +1,4 @@
-"""The kinds of quantity: SI unit, plausible range, and how a person writes one.
+"""The kinds of quantity: SI unit, plausible range, and how a user writes one.
 
 A range says "plausible for hydraulics at all", not "right for this valve"; it is there to stop a slipped decimal or a
 forgotten conversion. `scale` is the size below which differences of a *state* of this kind no longer matter: the
@@ -17,7 +17,7 @@ from vvdp.base.signal import Signal
 class Kind:
     """Unit and plausible range of a quantity.
 
-    `units` lists the only units that a person may write, where conversion by dimension would be wrong or misleading.
+    `units` lists the only units that a user may write, where conversion by dimension would be wrong or misleading.
     `accumulates` marks a state that grows for as long as a run lasts (an angle, an energy): its error is judged
     against `scale` alone.
     """
@@ -38,7 +38,7 @@ class Kind:
 
     @property
     def display_unit(self) -> str:
-        """The unit in which a person is shown the value."""
+        """The unit in which a user is shown the value."""
         return self.example.partition(" ")[2]
 
     def fault(self, value: float) -> str | None:
@@ -131,7 +131,7 @@ COUPLING = Kind("rotational damping", "N*m*s", 0.0, 1e3, "0.01 N*m*s")
 NUMBER = Kind("number", "1", -1e300, 1e300, "0")
 """Of whatever a program counts with: the state of a generator, a flag, an evidence."""
 
-# Of results: what is found may have a sign or a size that nobody would prescribe.
+# Of results: what is found may have a sign or a size that no one would prescribe.
 GAUGE_PRESSURE = Kind("gauge pressure", "Pa", -1e9, 1e12, "100 bar", scale=1e5)
 """A pressure level that is kept as gauge already."""
 SIGNED_PRESSURE = Kind("signed pressure difference", "Pa", -1e12, 1e12, "5 bar", scale=1e5)
@@ -148,7 +148,7 @@ FLAG = Kind("flag", "1", 0.0, 1.0, "1")
 MODE = Kind("mode", "1", -1e300, 1e300, "1")
 """Where a law stands among its modes: the floor is the mode. Taken as an argument it is the mode that holds."""
 KINK = Kind("side of a kink", "1", -1e300, 1e300, "1")
-"""Like a mode that its law need not be told: rates go on over a kink, and only their slopes change."""
+"""Like a mode that its law does not need to know: rates go on over a kink, and only their slopes change."""
 
 Scalar: TypeAlias = float
 """A float in formulas. Arrays of one shape and CasADi symbols pass through the same text."""

@@ -166,7 +166,7 @@ def entry_of(path: Path, *, is_page: bool = False) -> Entry:
 def kind_fault(directory: Path, name: str) -> str:
     """Why a file below `directory` is not followed: a link on the way, no plain file; empty where it may, or is absent.
 
-    Links are refused since whoever made them would choose what is read or written elsewhere.
+    Links are refused since their author would choose what is read or written elsewhere.
     """
     *folders, _ = parts = name.split("/")
     for count in range(1, len(parts) + 1):
@@ -206,7 +206,7 @@ def refuse_foreign(directory: Path, named: Path, is_own: Callable[[Path], bool] 
     """Raises ConfigError where `directory` holds anything that vvdp did not write, or that has changed since.
 
     named   what the directory is called in messages
-    is_own  tells of a file that is not listed whether vvdp wrote it
+    is_own  reports a file that is not listed whether vvdp wrote it
     """
     foreign = list(_foreign(directory, is_own))
     if foreign:

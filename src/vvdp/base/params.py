@@ -1,9 +1,8 @@
 """Parameter classes: frozen, keyword-only, every field of a kind, every value checked when it is made."""
 
 import dataclasses
-import re
 from functools import cache
-from typing import Any, NoReturn, Union, dataclass_transform, get_args, get_origin, get_type_hints
+from typing import Any, Union, dataclass_transform, get_args, get_origin, get_type_hints
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Kind
@@ -44,50 +43,6 @@ def field_names(cls: type) -> list[str]:
 def default_values(cls: type) -> dict[str, Any]:
     """The fields of a parameter class that need not be given, with their values."""
     return {f.name: f.default for f in dataclasses.fields(cls) if f.default is not dataclasses.MISSING}
-
-
-def field_text(values: "Params", key: str) -> str:
-    """A value of a parameter class with its unit, as a person reads it."""
-    from vvdp.base.display import value_text
-
-    kind, value = field_kinds(type(values))[key], getattr(values, key)
-    return f"{value:g}" if kind is None else value_text(float(value), kind)
-
-
-def refuse(values: "Params", key: str, rule: str) -> NoReturn:
-    """Raise ParameterError: the value under a key, and the `rule` that it does not keep, "must be less than 6 mm"."""
-    raise ParameterError(f"{type(values).__name__}.{key}: {field_text(values, key)} {rule}")
-
-
-def require_positive(values: "Params", *keys: str) -> None:
-    """Raise ParameterError if one of the values is not greater than 0."""
-    for key in keys:
-        if not getattr(values, key) > 0.0:
-            refuse(values, key, "must be greater than 0")
-
-
-def require_less(values: "Params", key: str, limit: str) -> None:
-    """Raise ParameterError if the value under a key is not less than that under another one, the limit."""
-    if not getattr(values, key) < getattr(values, limit):
-        refuse(values, key, f"must be less than {limit}, {field_text(values, limit)}")
-
-
-def refused_field(problem: ParameterError, cls: type) -> tuple[str, str]:
-    """The field of `cls` that a refusal of its values names, empty without one, and what is wrong, without the class.
-
-    Classes write `Class.field: what`, `Class.field = value: what` or `Class.field what`, with the name of the class or
-    of one that it is derived from.
-    """
-    words = "|".join(each.__name__ for each in cls.__mro__)
-    match = re.fullmatch(rf"(?:{words})(?:\.(\w+))?(?:: | = | )(.*)", str(problem), re.DOTALL)
-    if match is None or (match[1] and match[1] not in field_kinds(cls)):
-        return "", str(problem)
-    return match[1] or "", match[2]
-
-
-def without_class(message: str) -> str:
-    """A refusal of values of any parameter class, for a person who knows the key and not the class."""
-    return re.sub(r"\A[A-Z]\w*(?:\.(?=\w+(?::| =| ))|: )", "", message)
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)

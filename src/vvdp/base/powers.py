@@ -1,4 +1,4 @@
-"""Powers and exponentials that compiled code works out in place, without a call of the C library.
+"""Powers and exponentials that compiled code calculates in place, without a call of the C library.
 
 For everything else these are the operators and functions of NumPy; `vvdp.simulation.in_place` has their instructions.
 """

@@ -1,4 +1,4 @@
-"""A value that a person prescribes over time: constant, step, ramp, sine, table, or a sum of them.
+"""A value that a user prescribes over time: constant, step, ramp, sine, table, or a sum of them.
 
 Every form is stored as one: a base value, changes that each take some time, and sines. A constant therefore costs
 nothing in the compiled loop, and the instants at which a signal has a corner are known in advance.

@@ -23,7 +23,8 @@ from vvdp.base import signal as signals
 from vvdp.base.display import value_text
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
 from vvdp.base.kinds import ANGLE, FREQUENCY, TIME, Kind
-from vvdp.base.params import Params, default_values, field_kinds, field_types, refused_field
+from vvdp.base.params import Params, default_values, field_kinds, field_types
+from vvdp.base.rules import refused_field
 from vvdp.base.signal import Signal
 from vvdp.base.units import parse, parsed_difference
 
@@ -50,7 +51,7 @@ class Sourced:
     where: str = ""
     note: str = ""
     range: tuple[float, float] | None = None
-    """Between which values [SI] it lies, where the file says so."""
+    """Between which values [SI] it lies, where the file states this."""
 
     @property
     def setting(self) -> str:
@@ -65,13 +66,13 @@ class Sourced:
 
     @property
     def remark(self) -> str:
-        """The range and the note, for a person."""
+        """The range and the note, for a user."""
         ends = "" if self.range is None else " to ".join(value_text(end, self.kind) for end in self.range)
         return "; ".join(filter(None, (ends, self.note)))
 
     @property
     def display_text(self) -> str:
-        """The value as a person reads it."""
+        """The value as people read it."""
         if isinstance(self.value, Signal):
             return describe_signal(self.value, self.kind)
         values = self.value if isinstance(self.value, tuple) else (self.value,)
@@ -298,8 +299,16 @@ def build(
         return cls(**values), rows
     except ParameterError as problem:
         key, message = refused_field(problem, cls)
+        message = _as_written(table.get(key), message)
         faults.append(fault_at(origin, f"{name}.{key}" if key else name, message))
         return None, rows
+
+
+def _as_written(entry: Any, message: str) -> str:
+    """A message that begins with a value, with the text of the file before it if that has another unit."""
+    text = entry.get("value") if isinstance(entry, Mapping) else entry
+    unit = str(text).strip().partition(" ")[2].strip()
+    return f"{text!r} = {message}" if isinstance(text, str) and unit and f" {unit} " not in f"{message} " else message
 
 
 def read_sourced(name: str, key: str, kind: Kind | None, known: Any, entry: Any) -> Sourced:
@@ -315,6 +324,9 @@ def read_sourced(name: str, key: str, kind: Kind | None, known: Any, entry: Any)
     value: float | Signal | tuple[float, ...]
     if known is Signal:
         value = _signal(fields, kind)
+        if any(map(kind.fault, value.extremes)):
+            low, high = value_text(kind.low, kind), value_text(kind.high, kind)
+            raise ParameterError(f"{describe_signal(value, kind)} is outside {low} to {high} for {kind.with_article}")
     elif get_origin(known) is tuple:
         value = _list(fields, kind)
     elif set(fields) == {"value"}:
@@ -390,7 +402,7 @@ def _signal(fields: Mapping[str, Any], kind: Kind) -> Signal:
 
 
 def describe_signal(value: Signal, kind: Kind) -> str:
-    """A signal as a person reads it."""
+    """A signal as people read it."""
     if value.is_constant:
         return value_text(value.base, kind)
     low, high = value.extremes
@@ -437,7 +449,7 @@ def nearest(word: str, known: Iterable[str]) -> str:
 
 
 def write_new(path: Path, text: str, *, force: bool) -> None:
-    """Writes a file for a person to go on with, never over another without `force`. Raises ConfigError."""
+    """Writes a file for a user to go on with, never over another without `force`. Raises ConfigError."""
     try:
         with path.open("w" if force else "x", encoding="utf-8", newline="\n") as file:
             file.write(text)

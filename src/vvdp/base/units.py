@@ -21,7 +21,7 @@ _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*
 _GAUGE_SUFFIX = {"barg": "bar", "psig": "psi"}
 _ABSOLUTE_SUFFIX = {"bara": "bar", "psia": "psi"}
 _OFFSET_UNITS = {"degC": "delta_degC", "degF": "delta_degF"}
-# Names, products, quotients, and one small power on a name. Pint alone would work out `m^9^9^9` for hours.
+# Names, products, quotients, and one small power on a name. Pint alone would calculate `m^9^9^9` for hours.
 _UNIT_TEXT = re.compile(r"(?:[^\W\d]|[%°*/()\s1]|(?<=[^\W\d])(?:\^|\*\*)[-+]?\d\d?(?:\.\d+)?)+")
 
 
@@ -36,7 +36,7 @@ def _registry() -> Any:
 
 
 def _unit(text: str) -> Any:
-    """Pint's unit for what a person wrote (`mm2` and `m^3/s` as well as `mm**2`)."""
+    """Pint's unit for what a user wrote (`mm2` and `m^3/s` as well as `mm**2`)."""
     powers = re.sub(r"(?<=[A-Za-z])(\d)", r"**\1", text)
     if not _UNIT_TEXT.fullmatch(powers):
         raise ValueError(f"{text!r} is not a unit")
@@ -72,8 +72,12 @@ def parse(text: object, kind: Kind) -> float:
     """
     number, unit = _split(text, kind)
     value = _to_si(number, unit, text, kind)
-    if fault := kind.fault(value):
-        raise ParameterError(f"{text!r} = {fault}" if unit else fault)
+    if not math.isfinite(value):
+        raise ParameterError(str(kind.fault(value)))
+    if not kind.low <= value <= kind.high:
+        zero, one = (_to_si(number, unit, text, kind) for number in (0.0, 1.0))
+        low, high = (f"{(bound - zero) / (one - zero):.6g}" for bound in (kind.low, kind.high))
+        raise ParameterError(f"{text!r} is outside {low} to {high} {unit}".rstrip() + f" for {kind.with_article}")
     return value
 
 

@@ -1,1 +1,1 @@
-"""Computational fluid dynamics of the valve: cases for OpenFOAM from its shape, their runs, and what they come to."""
+"""Computational fluid dynamics of the valve: cases for OpenFOAM from its shape, their runs, and their results."""

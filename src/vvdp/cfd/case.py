@@ -48,7 +48,7 @@ class Case(NamedTuple):
 
     @property
     def identity(self) -> str:
-        """What tells this case from any other: all its files, and its phases."""
+        """What distinguishes this case from any other: all its files, and its phases."""
         files = sorted({**self.mesh_files, **start_files(self)}.items())
         pace = () if self.step == STEADY else (self.step,)
         parts = (files, self.mesh_programs, self.monitors, self.phases, *pace)

@@ -63,7 +63,7 @@ def scale_radially(order: CentreOrder, diameter: float) -> CentreOrder:
 
 
 def turned_centre(order: CentreOrder) -> Domain:
-    """The oil of the centre section as it is meshed. Raises ParameterError where the nozzles are shut."""
+    """The oil of the centre section as it is meshed. Raises ParameterError where the nozzles are closed."""
     return turn_domain(centre_domain(order.shape, order.valve, order.angle, order.position, stub=order.stub))
 
 

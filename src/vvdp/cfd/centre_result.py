@@ -110,7 +110,7 @@ def centre_result(runs: Sequence[CentreRun], told: Told) -> Result:
 
 
 class _Power(NamedTuple):
-    """A drop Q^m/(k D^n): k [SI], m and n with half of their intervals, and the largest distance from it [Pa]."""
+    """A drop Q^m/(k D^n): k [SI], m and n with half of their intervals, and the largest residual [Pa]."""
 
     coefficient: float
     exponent: float

@@ -28,7 +28,7 @@ class CentreRun(NamedTuple):
 def run_centre(orders: Mapping[str, CentreOrder], directory: Path, engine: Engine, hear: Hear) -> tuple[CentreRun, ...]:
     """Computes orders by name, those of one shape, angle and grid on one mesh, or goes on with them; see `solve`.
 
-    Raises ParameterError where the nozzles are shut.
+    Raises ParameterError where the nozzles are closed.
     """
     made: dict[CentreOrder, Domain] = {}
     cases = []

@@ -14,7 +14,7 @@ LARGEST_IMBALANCE = 1e-3
 
 
 class History(NamedTuple):
-    """A run over its iterations: what it is judged by, as a drop [Pa] or a torque [N m]; what leaves by each patch.
+    """A run over its iterations: the monitored value, as a drop [Pa] or a torque [N m]; what leaves by each patch.
 
     Flows are in m^3/s, negative where oil enters.
     """
@@ -64,7 +64,7 @@ def judge(history: History, since: int, window: int) -> Judgement | None:
 def until_settled(history: History, since: int, window: int, tolerance: float) -> History:
     """A run up to where it had first settled, all of it where it has not.
 
-    What is found is then the same whenever somebody has looked, and however far the solver has gone on.
+    What is found is then the same at whatever time the run is looked at, and however far the solver has gone on.
     """
     first = int(np.searchsorted(history.iterations, since, side="right"))
     for end in range(first + 2 * window, len(history.iterations) + 1):
@@ -94,6 +94,6 @@ def require_sane(history: History, largest: float, log: Path) -> None:
     if wild.any():
         place = int(np.argmax(wild))
         raise RunError(
-            f"the run diverged: at iteration {history.iterations[place]:g} what it is judged by is "
+            f"the run diverged: at iteration {history.iterations[place]:g} the monitored value is "
             f"{history.value[place]:.3g}, and {largest:.3g} would be too much; see {log}"
         )

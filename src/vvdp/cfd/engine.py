@@ -65,13 +65,13 @@ def find_openfoam() -> OpenFoam:
 
 
 def _version(folder: Path) -> int:
-    """The version as simpleFoam tells it; openfoam.org counts differently, and its dictionaries differ."""
+    """The version as simpleFoam shows it; openfoam.org counts differently, and its dictionaries differ."""
     help_text = subprocess.run(
         ["simpleFoam", "-help"], capture_output=True, text=True, env={**os.environ, FOLDER: str(folder)}, check=False
     ).stdout
     match = re.search(r"OpenFOAM-\S*\s+\((\d{4})\)", help_text)
     if match is None:
         raise MissingProgramError(
-            f"simpleFoam does not tell a version of openfoam.com ({OLDEST} or later is needed): {INSTALL}"
+            f"simpleFoam does not show a version of openfoam.com ({OLDEST} or later is needed): {INSTALL}"
         )
     return int(match[1])

@@ -1,4 +1,4 @@
-"""Tables that OpenFOAM writes while it works, and what its mesh programs tell, read back."""
+"""Tables that OpenFOAM writes while it works, and what its mesh programs show, read back."""
 
 import re
 import shutil
@@ -99,11 +99,11 @@ class MeshCheck(NamedTuple):
 
 
 def read_mesh_check(text: str) -> MeshCheck:
-    """What checkMesh printed last. Raises RunError where it tells no number of cells."""
+    """What checkMesh printed last. Raises RunError where it shows no number of cells."""
     text = text[text.rfind("Mesh stats") :]
     cells = re.search(r"^\s+cells:\s+(\d+)", text, re.MULTILINE)
     if cells is None:
-        raise RunError("checkMesh tells no number of cells")
+        raise RunError("checkMesh shows no number of cells")
     angle = re.search(r"non-orthogonality Max: ([\d.eE+-]+)", text)
     skewness = re.search(r"Max skewness = ([\d.eE+-]+)", text)
     faults = re.findall(r"\*\*\*\s*(.*)", text)

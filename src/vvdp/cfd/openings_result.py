@@ -35,7 +35,7 @@ VERB = "cfd openings"
 STANDING = (
     "The spool stands still at each angle. At a positive angle the load's barriers close over the nozzles, coming from "
     "upstream of the oblique jets; at the negative one they open them. The effective opening is the flow over the root "
-    "of the total drop, over the same of open nozzles; the formula is the open share of the nozzles' area."
+    "of the total drop, over the same of open nozzles; the formula is the open fraction of the nozzles' area."
 )
 JETS = (
     "Exponent and asymmetry of the jets are fitted to the torque at constant flow, which the law has as a^-s times "
@@ -164,7 +164,7 @@ def _chart() -> Chart:
     )
     return Chart(
         name="opening-over-angle",
-        caption="Left: open share of the nozzles by formula, and as the flow finds it. Right: torque of the jets at "
+        caption="Left: open fraction of the nozzles by formula, and as the flow finds it. Right: torque of the jets at "
         "constant flow. Nozzles close at positive angles and open at negative ones.",
         table="angles",
         panels=(Lines(lines=openings, label="opening", low=0.0), Lines(lines=torques, label="torque", low=0.0)),

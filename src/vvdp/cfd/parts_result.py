@@ -34,7 +34,7 @@ SLEEVE, VALVE = "cfd sleeve", "cfd valve"
 RAIL, CENTRE, TURBINE = "rail and nozzles", "centre section", "outlet turbine"
 WITHOUT_SPOOL, WHOLE, SUM = "sleeve without spool", "whole valve", "sum of the sections"
 REMOVED = (
-    "On a test stand rail and nozzles are measured with the spool taken out: the jets enter the bore, which both "
+    "On a test rig rail and nozzles are measured with the spool taken out: the jets enter the bore, which both "
     "collectors drain. What bore and collectors add to the drop is the difference from the rail alone, whose nozzles "
     "end in a bore of one pressure."
 )

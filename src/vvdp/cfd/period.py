@@ -1,4 +1,4 @@
-"""A PWM period of the centre section: the spool turns, and its barriers shut and open the nozzles as they pass."""
+"""A PWM period of the centre section: the spool turns, and its barriers close and open the nozzles as they pass."""
 
 import math
 from functools import partial
@@ -46,7 +46,7 @@ class PeriodOrder(NamedTuple):
 
     @property
     def begin(self) -> float:
-        """Angle of the spool at which the period begins, its nozzles shut [rad]."""
+        """Angle of the spool at which the period begins, its nozzles closed [rad]."""
         return -math.pi / round(self.centre.valve.sections)
 
     @property
@@ -58,7 +58,7 @@ class PeriodOrder(NamedTuple):
 class PeriodRun(NamedTuple):
     """A period that was computed, step by step.
 
-    angle, opening      of the spool [rad]; open share of the nozzles by the formula [1]
+    angle, opening      of the spool [rad]; open fraction of the nozzles by the formula [1]
     entering, leaving   flow in and out [m^3/s]
     torque              on the spool [N m]; until the nozzles open, as at the end of the period
     """
@@ -80,7 +80,7 @@ def law_drop(order: CentreOrder) -> float:
 
 
 def turned_period(order: PeriodOrder) -> Domain:
-    """The oil as it is meshed. Raises ParameterError where the nozzles hardly shut."""
+    """The oil as it is meshed. Raises ParameterError where the nozzles hardly close."""
     centre = order.centre
     return turn_domain(sliding_domain(centre.shape, centre.valve, centre.position))
 
@@ -101,9 +101,9 @@ def period_case(order: PeriodOrder, domain: Domain) -> Case:
         "nozzles": slip(),
         **dict.fromkeys(turning, wall(entering, MOVING)),
         MOUTHS.open: meeting(entering),
-        MOUTHS.shut: wall(entering, rotation(centre.speed)),
+        MOUTHS.closed: wall(entering, rotation(centre.speed)),
         RIM.open: meeting(entering),
-        RIM.shut: wall(entering),
+        RIM.closed: wall(entering),
     }
     kinds = {name: patches[name].kind if name in patches else "patch" for name in domain.mesh.names}
     fine = centre_refinement(centre, domain)
@@ -114,12 +114,12 @@ def period_case(order: PeriodOrder, domain: Domain) -> Case:
         mesh_programs=(*PROGRAMS, *MEETING_PROGRAMS, ORDERING),
         patches=patches,
         monitors={
-            **flow_monitors((*ends, OUTLET, RIM.shut)),
+            **flow_monitors((*ends, OUTLET, RIM.closed)),
             **end_monitors(ends),
-            **torque_monitors((*turning, MOUTHS.shut), (RIM.shut,), density),
+            **torque_monitors((*turning, MOUTHS.closed), (RIM.closed,), density),
             FRAMES: frame_function(MIDDLE, _middle(order), STEPS // PICTURES),
         },
-        read_history=partial(read_total_drop, ends, (OUTLET, RIM.shut), density),
+        read_history=partial(read_total_drop, ends, (OUTLET, RIM.closed), density),
         fluid=centre.fluid,
         turbulence=centre.turbulence,
         start=entering,
@@ -136,7 +136,7 @@ def _middle(order: PeriodOrder) -> Plane:
 
 
 def run_period(order: PeriodOrder, directory: Path, engine: Engine, hear: Hear) -> PeriodRun:
-    """Computes a period, or goes on with it; see `solve`. Raises ParameterError where the nozzles hardly shut."""
+    """Computes a period, or goes on with it; see `solve`. Raises ParameterError where the nozzles hardly close."""
     case = NamedCase("", period_case(order, turned_period(order)))
     (solved,) = solve_series([case], _middle(order), directory, engine, hear)
     history, ends = solved.history, inlets(order.centre.valve)
@@ -151,6 +151,6 @@ def run_period(order: PeriodOrder, directory: Path, engine: Engine, hear: Hear) 
         angle=angle,
         opening=opening,
         entering=-np.sum([history.flows[end] for end in ends], axis=0),
-        leaving=history.flows[OUTLET] + history.flows[RIM.shut],
+        leaving=history.flows[OUTLET] + history.flows[RIM.closed],
         torque=np.where(opened, torque, torque[-1]),
     )

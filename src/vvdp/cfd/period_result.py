@@ -34,7 +34,8 @@ VERB = "cfd period"
 BALANCED = 0.01
 """Share of the flow that may get lost where meshes slide."""
 TURNING = (
-    f"The spool turns through one PWM period in {STEPS} steps, from rest with shut nozzles, under a total drop that is "
+    f"The spool turns through one PWM period in {STEPS} steps, from rest with closed nozzles, under a total "
+    "drop that is "
     "held. Its oil is a mesh that slides within the bore; mouths and pockets see each other as far as they cover each "
     "other, and are walls for the rest (cyclicACMI). Convection is upwind. Until the nozzles open, the torque is that "
     "of the period's end."
@@ -182,7 +183,8 @@ def _chart() -> Chart:
     )
     return Chart(
         name="period",
-        caption="Left: open share of the nozzles by formula, and as the flow finds it. Right: torque on the spool, and "
+        caption="Left: open fraction of the nozzles by formula, and as the flow finds it. Right: torque on the spool, "
+        "and "
         "that of the jets by the system's law for a spool at rest. Nozzles open at negative angles and close at "
         "positive ones.",
         table="angles",

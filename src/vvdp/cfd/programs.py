@@ -1,4 +1,4 @@
-"""One program of OpenFOAM at work in a case: started, watched, ended, and what went wrong told in a line."""
+"""One program of OpenFOAM at work in a case: started, watched, ended, and what went wrong, in a line."""
 
 import errno
 import os

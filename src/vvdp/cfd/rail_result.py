@@ -75,7 +75,7 @@ QUANTITIES = {
 
 
 class Told(NamedTuple):
-    """What is said of an order beside its numbers: names of system and grid, the oil in words, origins of lengths."""
+    """What is stated of an order beside its numbers: names of system and grid, the oil in words, origins of lengths."""
 
     system: str
     grid: str
@@ -282,7 +282,7 @@ def _findings(numbers: dict[str, float], order: RailOrder, run: RailRun) -> Iter
             remedy="The flow may be unsteady; its mean is an estimate.",
         )
     if numbers["mass_imbalance"] > LARGEST_IMBALANCE:
-        yield Finding(title="Not balanced", grade=Grade.WARNING, text="What leaves is not what enters.")
+        yield Finding(title="Not balanced", grade=Grade.WARNING, text="The mass balance is not satisfied.")
     worst = max(abs(area / mouth.opening - 1.0) for area, mouth in zip(run.mesh_areas, run.mouths, strict=True))
     if worst > LARGEST_AREA_ERROR:
         yield Finding(

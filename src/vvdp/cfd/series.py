@@ -34,7 +34,7 @@ MIDDLE = "middle"
 
 
 PROGRESS = "progress.json"
-"""How far a case is, as whoever computes it has noted."""
+"""How far a case is, as the process that computes it has noted."""
 ONE_BY_ONE = Batching(least=1, seconds=0.0)
 
 
@@ -113,7 +113,7 @@ def _read_note(folder: Path) -> Progress | None:
 
 @contextmanager
 def _listen(items: Sequence[_Item], names: Sequence[str], solved: Mapping[int, Solved], hear: Hear) -> Iterator[None]:
-    """Tells how far all cases are together, wherever they are computed, each time that one has left a note."""
+    """Shows how far all cases are together, wherever they are computed, each time that one has left a note."""
     for item in items:
         (item.folder / PROGRESS).unlink(missing_ok=True)
     most, ended = sum(item.most for item in items), threading.Event()

@@ -19,12 +19,12 @@ class Side(NamedTuple):
     """A side of two meshes that meet: its patch in the mesh as it is made, and what takes the patch's place.
 
     open  where it sees the other side
-    shut  where it does not, a wall
+    closed  where it does not, a wall
     """
 
     patch: str
     open: str
-    shut: str
+    closed: str
 
 
 def parting_files() -> dict[str, str]:
@@ -44,7 +44,7 @@ def parting_files() -> dict[str, str]:
 def meeting_files(one: Side, other: Side) -> dict[str, str]:
     """What lets two patches of one mesh see each other where they meet, by `MEETING_PROGRAMS`.
 
-    Each face of a patch becomes two: one that is open as far as the other side covers it, one that is shut for the
+    Each face of a patch becomes two: one that is open as far as the other side covers it, one that is closed for the
     rest (cyclicACMI).
     """
     actions: list[Mapping[str, Entry]] = []
@@ -54,25 +54,25 @@ def meeting_files(one: Side, other: Side) -> dict[str, str]:
             {"name": faces, "type": "faceSet", "action": "new", "source": "patchToFace", "patch": side.patch},
             {"name": side.patch, "type": "faceZoneSet", "action": "new", "source": "setToFaceZone", "faceSet": faces},
         ]
-    zones = {side.patch: _open_and_shut(side, facing) for side, facing in ((one, other), (other, one))}
+    zones = {side.patch: _open_and_closed(side, facing) for side, facing in ((one, other), (other, one))}
     chosen = {"system/topoSetDict": dictionary_text({"actions": tuple(actions)}, "topoSetDict")}
     return chosen | _baffle_files(zones, inside=False)
 
 
-def _open_and_shut(side: Side, facing: Side) -> Mapping[str, Entry]:
+def _open_and_closed(side: Side, facing: Side) -> Mapping[str, Entry]:
     """The patches of a side; slaves are asked for, and have no faces."""
     seeing: Mapping[str, Entry] = {
         "type": "cyclicACMI",
         "transform": "noOrdering",
         "neighbourPatch": facing.open,
-        "nonOverlapPatch": side.shut,
+        "nonOverlapPatch": side.closed,
     }
     # OpenFOAM wants the patch that sees before the wall that stands for its rest.
     return {
         "master": {"name": side.open, **seeing},
         "slave": {"name": side.open, "type": "patch"},
-        "master2": {"name": side.shut, "type": "wall"},
-        "slave2": {"name": side.shut, "type": "wall"},
+        "master2": {"name": side.closed, "type": "wall"},
+        "slave2": {"name": side.closed, "type": "wall"},
     }
 
 

@@ -63,7 +63,7 @@ Hear = Callable[[Progress], None]
 
 
 def solve(case: Case, folder: Path, openfoam: OpenFoam, cores: int, hear: Hear, mesh_of: Path | None = None) -> Solved:
-    """Computes a case in `folder`, from where an earlier call was interrupted; `hear` is told how far it is.
+    """Computes a case in `folder`, from where an earlier call was interrupted; `hear` is given how far it is.
 
     The mesh is copied from the folder `mesh_of` of another case with the same one, and made where there is none.
 
@@ -237,7 +237,7 @@ class _Solver:
             self.next_look = ended + max(LOOK, PAUSE * (ended - began))
 
     def look(self, phase: Phase) -> None:
-        """Tells how the run stands, and stops it where it has settled. Raises RunError where it diverges."""
+        """Shows how the run stands, and stops it where it has settled. Raises RunError where it diverges."""
         since = self.state.begun[phase.name]
         history = _history(self.case, self.folder)
         require_sane(history, self.case.largest, log_path(self.folder, solver(self.case.step)))

@@ -1,4 +1,4 @@
-"""Flows that are known in closed form, as cases nobody has fitted: they show what the numerics are worth."""
+"""Flows that are known in closed form, as cases without fitted values: they show what the numerics are worth."""
 
 import math
 from collections.abc import Callable, Mapping

@@ -27,7 +27,7 @@ class ClockedProgress(Progress):
 def reach_bar(
     screen: Console, end: float, words: Callable[[float], str]
 ) -> Iterator[tuple[Callable[[float], None], Callable[[str], None]]]:
-    """A bar that hears how much of `end` is reached, and notices, such as what is compiled before."""
+    """A bar that receives how much of `end` is reached, and notices, such as what is compiled before."""
     columns = TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn()
     with ClockedProgress(*columns, console=screen, transient=True) as bar:
         task = bar.add_task(words(0.0), total=None, seconds=0.0)

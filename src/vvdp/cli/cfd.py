@@ -129,7 +129,7 @@ def grids(
     method: Method,
     work: Work,
 ) -> None:
-    """Compute a part of the valve on three grids and tell how far the drop is off.
+    """Compute a part of the valve on three grids and show how far the drop is off.
 
     Observed order, extrapolation and grid convergence index. With another finest grid, those below it are coarser
     still. Rerun the same command to resume; what is finished is not
@@ -305,7 +305,7 @@ def _two_or_more(option: str, given: list[str], kind: "Kind") -> list[float]:
 
     found = sorted({parsed_option(option, text, kind) for text in given})
     if len(found) < 2 or not found[0] > 0.0:
-        raise ConfigError([Fault(option, 0, ", ".join(given), "expected two or more different values above zero")])
+        raise ConfigError([Fault(option, 0, ", ".join(given), "expected two or more different values greater than 0")])
     return found
 
 

@@ -81,7 +81,7 @@ def period(
 ) -> None:
     """Compute a PWM period of the turning spool.
 
-    The mesh of the spool's oil slides along the nozzles, which its barriers open and shut: effective area and torque
+    The mesh of the spool's oil slides along the nozzles, which its barriers open and closed: effective area and torque
     over the angle. Rerun the same command to resume; what is finished is not computed again.
     """
     require_solids()
@@ -100,10 +100,11 @@ def period(
 def _above_zero(option: str, text: str, kind: "Kind") -> float:
     """The value of an option. Raises ConfigError where it is not above zero."""
     from vvdp.base.errors import ConfigError, Fault
+    from vvdp.base.rules import POSITIVE
 
     value = parsed_option(option, text, kind)
     if not value > 0.0:
-        raise ConfigError([Fault(option, 0, text, "expected a value above zero")])
+        raise ConfigError([Fault(option, 0, text, POSITIVE)])
     return value
 
 

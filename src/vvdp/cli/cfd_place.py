@@ -129,7 +129,7 @@ def write_fitted(directory: Path, system: str, method: Method, found: Iterable[s
 
 
 class Place(NamedTuple):
-    """The directory of a study, the engine that carries it out, and what hears how far it is."""
+    """The directory of a study, the engine that carries it out, and receives how far it is."""
 
     directory: Path
     engine: "Engine"
@@ -151,7 +151,7 @@ def stretch(option: str, given: tuple[str, str, int], kind: "Kind", least: float
 
 
 def rail_order(chosen: Valve, method: Method, flow: str = "") -> "tuple[System, RailOrder, Told]":
-    """A system, what is to be computed of it at a flow, that of its pump by default, and what is said of it."""
+    """A system, what is to be computed of it at a flow, that of its pump by default, and what is stated of it."""
     from vvdp.base.kinds import FLOW
     from vvdp.cfd.case import Fluid
     from vvdp.cfd.rail import RailOrder
@@ -204,7 +204,7 @@ def _cells(grid: str) -> float:
 
 @contextmanager
 def _progress() -> "Iterator[Callable[[Progress], None]]":
-    """What is told how far a run is: a bar on a terminal, now and then a line elsewhere."""
+    """Receives how far a run is: a bar on a terminal, now and then a line elsewhere."""
     from vvdp.cli.progress import report_reach
     from vvdp.cli.screen import say
 

@@ -202,7 +202,7 @@ def estimators(
     directory = work.directory("compare-estimators")
     engine = work.engine(directory.parent)
     note = (
-        "errors are estimate less truth, rms over all runs, 95 % of each run and then their mean; "
+        "errors are estimate minus truth, rms over all runs, 95 % of each run and then their mean; "
         "lost in sectors, settling as the median\n"
     )
     contest = _Contest(
@@ -248,7 +248,7 @@ def controllers(
         result=controller_result,
         screen=screen_tables,
         contenders="controllers",
-        note="tracking is position less reference, estimate is estimate less position, both rms over all runs\n",
+        note="tracking is position minus reference, estimate is estimate less position, both rms over all runs\n",
     )
     _carry_out(contest, directory, work)
 

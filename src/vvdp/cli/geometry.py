@@ -109,7 +109,7 @@ def _order(loaded: "System", solids: Solids, settings: list[str]) -> "Order":
 
 
 def _make(directory: Path, loaded: "System", order: "Order", frames: int, output: Output) -> "Result":
-    """Makes all files of an order and the page; what they come to."""
+    """Makes all files of an order and the page; their results."""
     from vvdp.base.files import list_all, result_directory
     from vvdp.cli.screen import say, typed_command
     from vvdp.geometry.product import make_product

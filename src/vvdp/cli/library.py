@@ -18,6 +18,15 @@ def pages_of(words: Iterable[str]) -> "list[LibraryPage]":
     return [library_page(word) for word in words if word in COMPONENTS or word in PROGRAMS]
 
 
+def descriptions() -> dict[str, str]:
+    """The description of each component and program of the library by its type, in small letters."""
+    from vvdp.components.library import COMPONENTS
+    from vvdp.programs.library import PROGRAMS
+    from vvdp.systems.library_pages import library_page
+
+    return {kind: library_page(kind).description.lower() for kind in (*COMPONENTS, *PROGRAMS)}
+
+
 def print_page(page: "LibraryPage") -> None:
     """Prints all about a component or program: description, values, rules, a file that runs, and equations."""
     from vvdp.cli.screen import tell

@@ -1,6 +1,6 @@
 """`vvdp list`."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
@@ -63,28 +63,42 @@ def systems(
             {key: each.entries for key, each in chosen.items()} | {"described": [asdict(page) for page in pages]}
         )
         return
-    alone = {page.type for page in pages}
-    for key, each in chosen.items():
-        rows = [row for row in each.rows if key not in DESCRIBED or row[0] not in alone]
-        if rows:
-            _print(each._replace(rows=rows))
-    for page in pages:
-        print_page(page)
-    if any(chosen[key].rows for key in LIBRARY if key in chosen) and not pages:
+    if pages:
+        for page in pages:
+            print_page(page)
+        _name_others(chosen, {page.type for page in pages})
+        return
+    for each in chosen.values():
+        if each.rows:
+            _print(each)
+    if any(chosen[key].rows for key in LIBRARY if key in chosen):
         _print_hints()
 
 
+def _name_others(chosen: Mapping[str, Listed], shown: Collection[str]) -> None:
+    """What else has one of the words in its name, in a line."""
+    from vvdp.cli.screen import tell
+
+    others = dict.fromkeys(str(row[0]) for each in chosen.values() for row in each.rows if row[0] not in shown)
+    if others:
+        tell(f"\nOther names with these letters: {', '.join(others)}")
+
+
 def _having(listed: Mapping[str, Listed], words: Sequence[str]) -> dict[str, Listed]:
-    """The lists with only what has one of `words` in its name. Raises ConfigError with what is alike if nothing has."""
+    """The lists with only what has one of `words` in its name, or else in its description; ConfigError without any."""
     from vvdp.base.errors import ConfigError, Fault
     from vvdp.base.tables import suggestion
+    from vvdp.cli.library import descriptions
 
     chosen = {key: each.having(words) for key, each in listed.items()}
     if not any(each.rows for each in chosen.values()):
+        described = {kind for kind, text in descriptions().items() if any(word.lower() in text for word in words)}
+        rows = {key: [row for row in listed[key].rows if row[0] in described] for key in LIBRARY if key in listed}
+        chosen = {key: listed[key]._replace(rows=found) for key, found in rows.items()}
+    if not any(each.rows for each in chosen.values()):
         names = [row[0] for each in listed.values() for row in each.rows]
-        raise ConfigError(
-            [Fault("list", 0, word, f"nothing has this in its name{suggestion(word, names)}") for word in words]
-        )
+        message = "nothing has this in its name or description"
+        raise ConfigError([Fault("list", 0, word, f"{message}{suggestion(word, names)}") for word in words])
     return chosen
 
 
@@ -143,7 +157,7 @@ def _circuits() -> Iterator[tuple[str, str, str]]:
         try:
             function = network_function(name, Path())
             tables = ", ".join(f"[{key}]" if slot.optional else key for key, slot in table_slots(function).items())
-        except Exception as problem:  # of somebody else's package
+        except Exception as problem:  # of someone else's package
             yield name, "", f"cannot be used: {problem}"
             continue
         yield name, tables, (function.__doc__ or "").strip().partition("\n")[0]
@@ -167,8 +181,6 @@ def _own_systems(folder: Path) -> Iterator[tuple[str, str, str]]:
 
 
 LIBRARY = ("nodes", "components", "programs", "parts")
-DESCRIBED = ("components", "programs")
-"""Lists of which each entry has a page."""
 
 
 def _library_lists() -> dict[str, Listed]:

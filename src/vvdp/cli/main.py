@@ -158,7 +158,7 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def _run(arguments: list[str] | None) -> int:
-    """Runs a verb; its exit code. What went wrong is reported in lines that a person can act on."""
+    """Runs a verb; its exit code. What went wrong is reported in lines that a user can act on."""
     try:
         _verbs()(arguments, prog_name="vvdp")
     except SystemExit as end:
@@ -183,7 +183,7 @@ def _run(arguments: list[str] | None) -> int:
 
 
 def _tell(line: str, code: int) -> int:
-    with suppress(OSError):  # nobody can be told
+    with suppress(OSError):  # no one can be determined
         typer.echo(line, err=True)
     return code
 

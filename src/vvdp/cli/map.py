@@ -80,7 +80,7 @@ def map(  # noqa: A001 - the name of the verb
     directory = work.directory(f"{'analytic-' if analytic else ''}map-{loaded.name}")
     engine = work.engine(directory)
     if analytic and work.on != HERE:
-        raise unusable("--on", f"{work.on!r}; an analytic map is worked out at once, here")
+        raise unusable("--on", f"{work.on!r}; an analytic map is calculated at once, here")
     with map_directory(directory, simulated=not analytic, force=work.force):
         if analytic:
             found = analytic_map(held, axes, cores=work.cores, say=say)

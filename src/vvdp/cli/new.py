@@ -37,7 +37,7 @@ def new(
     parts = shipped_parts()
     shown = parts.get(source) or example_text(source)
     if shown is None:
-        load_system(source)  # a copy of something broken helps nobody
+        load_system(source)  # a copy of something broken helps no one
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
     if not path.stem.isprintable() or path.name == ".toml":
         raise unusable(path, "is no name for a system; use letters, digits and hyphens")

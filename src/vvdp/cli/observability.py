@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+from vvdp.base.display import value_text
 from vvdp.cli.options import (
     Case,
     Output,
@@ -33,11 +34,11 @@ def observability(
     of: Annotated[str, typer.Option("--of", metavar="ROD", help="What moves along its axis, where several do.")] = "",
     output: Output,
 ) -> None:
-    """Tell at which spool speeds the axial sensor can see.
+    """Show at which spool speeds the axial sensor can see.
 
     Its noise repeats itself with every turn. Where a harmonic of it has the natural frequency of what moves, the two
-    cannot be told apart. The margin is worked out over spool speed for several numbers of harmonics, with the friction,
-    and with the pressure of the chamber measured as well.
+    cannot be distinguished. The margin is calculated over spool speed for several numbers of harmonics, with the
+    friction, and with the pressure of the chamber measured as well.
     """
     from vvdp.base.files import result_directory
     from vvdp.design.observability import observability as worked_out
@@ -63,12 +64,13 @@ def _speed(system: str, text: str | None, own: float | None) -> float:
     """The spool speed of the option, else a system's own [rad/s]. Raises ConfigError without one above zero."""
     from vvdp.base.errors import ConfigError, Fault
     from vvdp.base.kinds import SPEED
+    from vvdp.base.rules import POSITIVE
 
     found = own if text is None else parsed_option("--speed", text, SPEED)
     if found is None:
         message = f"missing; {system} has no axial sensor on a shaft whose speed is prescribed"
         raise ConfigError([Fault("--speed", 0, "", message)])
     if not found > 0.0:
-        shown = repr(text) if text is not None else f"{found:g} rad/s at the start of {system}"
-        raise ConfigError([Fault("--speed", 0, "", f"{shown}; expected a speed greater than zero")])
+        shown = repr(text) if text is not None else f"{value_text(found, SPEED)} at the start of {system}"
+        raise ConfigError([Fault("--speed", 0, "", f"{shown} {POSITIVE}")])
     return found

@@ -204,7 +204,7 @@ def _directory(text: str) -> Path:
 
 
 def default_directory(name: str) -> Path:
-    """A directory under `results` that does not exist yet: where a command writes that is not told."""
+    """A directory under `results` that does not exist yet: where a command writes by default."""
     stem = f"{name}-{time.strftime('%Y%m%d-%H%M%S')}"
     directory, number = Path("results", stem), 1
     while directory.exists():

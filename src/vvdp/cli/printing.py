@@ -17,7 +17,7 @@ MOST_ROWS = 30
 
 
 def print_result(result: "Result", names: Sequence[str] | None = None) -> None:
-    """Prints a result as a person wants it; `names` are the listings and tables to print, all but data by default."""
+    """Prints a result as a user wants it; `names` are the listings and tables to print, all but data by default."""
     from vvdp.results.result import Grade
 
     out = console()
@@ -40,7 +40,7 @@ def print_result(result: "Result", names: Sequence[str] | None = None) -> None:
 
 
 def write_with_report(folder: "Path", result: "Result", system: str, *, no_report: bool) -> bool:
-    """Writes a result with its resolved `system`, and the page unless `no_report`; tells whether that is there."""
+    """Writes a result with its resolved `system`, and the page unless `no_report`; shows whether that is there."""
     from vvdp.cli.report import RESULT, add_report
     from vvdp.results.store import write_result
 
@@ -57,7 +57,7 @@ def show_result(
     names: Sequence[str] | None = None,
     more: Mapping[str, Any] = MappingProxyType({}),
 ) -> None:
-    """Prints a result that stands in `directory`: as one JSON object, or `names` and findings for a person.
+    """Prints a result that stands in `directory`: as one JSON object, or `names` and findings for a user.
 
     `names` are the listings and tables to print, all listings by default; `more` stands in the JSON object only.
     """

@@ -13,7 +13,7 @@ LINE_INTERVAL = 2.0
 
 @contextmanager
 def count_lines(what: str, seconds_each: float = 0.0) -> Iterator[Callable[[int, int], None]]:
-    """What hears how many of `what` are done, of all; the first time, and each further tenth, is a line at once.
+    """Receives how many of `what` are done, of all; the first time, and each further tenth, is a line at once.
 
     seconds_each  usual time of one [s], for saying before the first how long all will take; 0 if unknown
     """
@@ -57,7 +57,7 @@ def _about(seconds: float) -> str:
 
 
 def _time_left(elapsed: float, gone: float, still: float) -> str:
-    """How long the rest will take at the pace so far, in words; empty where none can be told."""
+    """How long the rest will take at the pace so far, in words; empty where none can be determined."""
     if not (gone > 0.0 and elapsed > 0.0):
         return ""
     seconds = still * elapsed / gone
@@ -65,17 +65,17 @@ def _time_left(elapsed: float, gone: float, still: float) -> str:
 
 
 class Reach(NamedTuple):
-    """What hears how far something is."""
+    """Receives how far something is."""
 
     move: Callable[[float], None]
-    """Hears how much is reached."""
+    """Receives how much is reached."""
     say: Callable[[str], None]
-    """Hears notices, such as what is compiled first."""
+    """Receives notices, such as what is compiled first."""
 
 
 @contextmanager
 def report_reach(end: float, words: Callable[[float], str]) -> Iterator[Reach]:
-    """What hears how much is reached, of `end`, which `words` puts into words.
+    """Receives how much is reached, of `end`, which `words` puts into words.
 
     The pace counts from the first time on: what is compiled before takes no part in it.
     """

@@ -72,7 +72,7 @@ def pressure_drop(
 ) -> None:
     """Measure pressure drop against flow, based on ISO 4411.
 
-    It is worked out at once, on one core whatever --cores says.
+    It is calculated at once, on one core whatever --cores says.
     """
     from vvdp.rigs.pressure_drop import pressure_drop as measured
 

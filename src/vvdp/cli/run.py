@@ -158,7 +158,7 @@ def _simulate(loaded: "System", output: Output, ways: Ways, command: str) -> Non
 
 
 def _with_ranges(run: "RecordedRun", wanted: bool | None) -> "RecordedRun":
-    """The run with its ranges where they are `wanted` and there are any, or quickly made where nobody says."""
+    """The run with its ranges where they are `wanted` and there are any, or quickly made by default."""
     from vvdp.cli.screen import say
     from vvdp.runs.ranges import MOST_EVALUATIONS, expected_evaluations, run_ranges, with_ranges
 
@@ -195,6 +195,7 @@ def _print(run: "RecordedRun", changes: "tuple[Move, ...]") -> None:
     from vvdp.cli.screen import console, grid, tell, warn
     from vvdp.runs.tables import screen_listings
     from vvdp.simulation.balance import LIMIT
+    from vvdp.systems.assumed import assumed_words
     from vvdp.systems.overview import period, warnings
 
     out, found = console(), run.summary
@@ -211,11 +212,10 @@ def _print(run: "RecordedRun", changes: "tuple[Move, ...]") -> None:
     if "trusted" in found:
         energy, oil = found["energy_residual"], found["mass_residual"]
         tell(f"balances: energy {energy:.1e}, oil {oil:.1e} of the throughput (limit {LIMIT:.0e})")
-    seconds, assumed = float(run.meta["seconds"]), len(run.system.assumptions)
-    tell(f"{found['steps']:.0f} steps in {seconds:.2f} s; {assumed} values of the system are assumed")
+    tell(f"{found['steps']:.0f} steps in {float(run.meta['seconds']):.2f} s; {assumed_words(run.system.assumptions)}")
     _print_ranges(run)
     for text in run.meta.get("remarks", ()):
-        tell(f"remark: {text}")
+        tell(f"note: {text}")
     if changes:
         table = grid("at a tenth of the tolerance", "change", right=("change",))
         for move in changes[:MOST_CHANGES]:

@@ -1,4 +1,4 @@
-"""What a person or a program sees: tables for one, JSON for the other."""
+"""What a user or a program sees: tables for one, JSON for the other."""
 
 import json
 import math
@@ -38,7 +38,7 @@ def grid(
 
 
 def tell(text: str, style: str = "") -> None:
-    """Prints a text for a person on stdout: on a terminal broken between words, elsewhere on one line."""
+    """Prints a text for a user on stdout: on a terminal broken between words, elsewhere on one line."""
     out = console()
     for line in text.split("\n"):
         parts = (

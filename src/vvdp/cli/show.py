@@ -89,6 +89,7 @@ def _entry(row: "Sourced") -> dict[str, Any]:
 
 def _print(system: "System") -> None:
     from vvdp.cli.screen import console, grid, tell
+    from vvdp.systems.assumed import assumed_words
 
     out = console()
     tell(f"{system.title}\n{system.name}, circuit {system.circuit_name}\n")
@@ -104,7 +105,7 @@ def _print(system: "System") -> None:
                 table.add_row(row.key, row.display_text, row.status, source, row.remark)
         out.print(table)
     assumed = system.assumptions
-    tell(f"{len(assumed)} of {len(system.rows)} values are assumed:", style="bold")
+    tell(f"{assumed_words(assumed)}; {len(system.rows)} values in all", style="bold")
     tell(", ".join(f"{row.table}.{row.key}" for row in assumed) or "none")
 
 

@@ -80,10 +80,11 @@ def _values(option: str, texts: list[str] | None, kind: "Kind") -> list[float]:
 def _flows(texts: list[str] | None, kind: "Kind", delivered: float) -> list[float | None]:
     """The flows of an option, none for what the pump of the system delivers."""
     from vvdp.base.errors import ConfigError, Fault
+    from vvdp.base.rules import POSITIVE
 
     flows = _values("--flow", texts, kind)
     faults = [
-        Fault("--flow", 0, "", f"{text!r}; expected a flow greater than zero")
+        Fault("--flow", 0, "", f"{text!r} {POSITIVE}")
         for text, value in zip(texts or (), flows, strict=True)
         if not value > 0.0
     ]

@@ -1,4 +1,4 @@
-"""What `vvdp valve` shows a person."""
+"""What `vvdp valve` shows a user."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -54,7 +54,7 @@ COLUMNS = (
 )
 """Columns for several points: label, key, kind."""
 KEYS = 2
-"""Leading columns that tell one row from another."""
+"""Leading columns that distinguish one row from another."""
 
 
 def _print_head(title: str, unit: ValveUnit, row: Mapping[str, Any]) -> None:

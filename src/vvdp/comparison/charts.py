@@ -34,7 +34,7 @@ def comparison_charts(found: Comparison, figures: Figures, tables: Mapping[str, 
 def _error_caption(quantity: str) -> str:
     caption = (
         f"Error of the {quantity} for every estimator in every scenario. Dot: root mean square over all runs; bar: "
-        "where 90 % of the runs lie, so that a dot beyond its bar tells of a few runs that went badly wrong. The scale "
+        "where 90 % of the runs lie, so that a dot beyond its bar reports a few runs that went badly wrong. The scale "
         "is logarithmic and the same in all panels; an arrow stands for less than 0.001."
     )
     if quantity == "angle":

@@ -30,7 +30,7 @@ from vvdp.systems.displacement.rival_circuits import SINKS
 MARGIN = 2e5
 """By how much a low side may fall below what holds it [Pa]."""
 LOST = 5e-3
-"""An error beyond which a circuit is said not to follow [m]."""
+"""An error beyond which a circuit is stated not to follow [m]."""
 MANNER = (
     "Every circuit moves the same cylinder, mass, friction and load through the same duty cycle, behind the same "
     "reference filter, with a position loop of one form: velocity fed forward, a gain on the error that keeps the same "
@@ -60,7 +60,7 @@ FIGURES: Mapping[str, tuple[Kind, str, Callable[[CircuitScore], float]]] = {
     "power_received_W": (MEAN_POWER, "received", lambda s: s.received),
     "loss_friction_W": (MEAN_POWER, "friction of the rod", lambda s: s.friction),
     "stored_power_W": (MEAN_POWER, "stored", lambda s: s.stored),
-    "efficiency": (EFFICIENCY, "delivered over drawn less returned", lambda s: s.delivered / (s.drawn - s.returned)),
+    "efficiency": (EFFICIENCY, "delivered over drawn minus returned", lambda s: s.delivered / (s.drawn - s.returned)),
     "pressure_max_Pa": (GAUGE_PRESSURE, "highest", lambda s: s.pressure_max),
     "pressure_min_Pa": (GAUGE_PRESSURE, "low side, lowest", lambda s: s.pressure_min),
     "charge_pressure_Pa": (GAUGE_PRESSURE, "charge pressure", lambda s: s.charge),
@@ -81,7 +81,7 @@ SHOWN = (
     "pressure_min_Pa",
 )
 PARTS = {"power_delivered_W": "to the load", "power_returned_W": "back to the drive"} | dict(SINKS)
-"""Where power goes, and what a person calls it, in the order in which it is drawn."""
+"""Where power goes, and what a user calls it, in the order in which it is drawn."""
 COLOURS = (
     Colour.GREEN,
     Colour.OLIVE,

@@ -116,9 +116,9 @@ def compare_circuits(
     All are run with the common reference first. Then each is run with other poles before its loop until its rms error
     is `error` [m], without it the largest that any had at first.
 
-    `engine` says where the runs are made, `progress` hears how many are done, of all. Ctrl-C ends the comparison after
-    the current runs, at once the second time, and keeps what is done. Raises ParameterError where there is nothing to
-    compare, and for a duty that a circuit cannot follow, before any run.
+    `engine` says where the runs are made, `progress` receives how many are done, of all. Ctrl-C ends the comparison
+    after the current runs, at once the second time, and keeps what is done. Raises ParameterError where there is
+    nothing to compare, and for a duty that a circuit cannot follow, before any run.
     """
     if not duties or not circuits:
         raise ParameterError(f"{len(duties)} duty cycles and {len(circuits)} circuits; expected at least one of each")

@@ -1,4 +1,4 @@
-"""The controllers that are compared: a law of the chamber drive, its gains, and what it is told."""
+"""The controllers that are compared: a law of the chamber drive, its gains, and what it receives."""
 
 from dataclasses import dataclass, replace
 
@@ -20,7 +20,7 @@ RAW = RawFeedback(velocity_rate=377.0)
 
 @dataclass(frozen=True)
 class Controller:
-    """A law with its gains, told what the observer estimates unless a `feedback` says otherwise."""
+    """A law with its gains, shown what the observer estimates unless a `feedback` says otherwise."""
 
     name: str
     title: str
@@ -57,5 +57,5 @@ def controllers() -> tuple[Controller, ...]:
         Controller("published", "passivity, feedforward and gains as printed", chosen_law(printed_passivity=PUBLISHED)),
         Controller("backstepping", "backstepping, gains as printed", backstepping),
         Controller("best-backstepping", "the same with the best lambda_2", best),
-        Controller("raw", "passivity told the raw sensor, its slope behind 60 Hz", passive, RAW),
+        Controller("raw", "passivity law, unfiltered position, velocity filter 60 Hz", passive, RAW),
     )

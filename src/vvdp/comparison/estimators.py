@@ -58,7 +58,7 @@ SECTIONS = 3.0
 WAVE = TURN / SECTIONS
 """A period of that wave [rad]."""
 LARGEST_RIPPLE = 0.05
-"""By which the speed may swing within a period, as far as is known beforehand [1]."""
+"""By which the speed may swing within a period, as far as is known before [1]."""
 NEVER = 1e6
 """A gate that no sum of innovations reaches [1]."""
 
@@ -164,7 +164,7 @@ def with_pressure(scenario: Scenario, record: Record) -> Array:
 
 
 def contenders(sectors: int = SECTORS, rate: float = RATE) -> tuple[Contender, ...]:
-    """All estimators for a wheel of `sectors` equal sectors sampled at `rate` [Hz]; none is told angle or speed.
+    """All estimators for a wheel of `sectors` equal sectors sampled at `rate` [Hz]; none receives angle or speed.
 
     The settings are those that each comes with; the blur of an edge alone goes with the width of the sectors. Raises
     ParameterError for an odd number of sectors.

@@ -26,11 +26,11 @@ from vvdp.results.result import Column, Result, Section, Table
 MANNER = (
     "A spool is moved by the pressure of one chamber against a spring, by a valve at the chamber; an optical sensor "
     "shows its position, polluted with every turn of the spool. Every scenario is run many times, each time with other "
-    "noise and another place of the pollution on the spool; in each run all controllers meet the same."
+    "noise and another place of the periodic sensor error on the spool; in each run all controllers meet the same."
 )
 DEFINITIONS = (
-    "Errors count from a second after the start of control on. Tracking: position less reference, rms over all runs, "
-    "worst of all. Estimate: what the observer believes less the position; with the raw sensor nobody hears "
+    "Errors count from a second after the start of control on. Tracking: position minus reference, rms over all runs, "
+    "worst of all. Estimate: what the observer believes less the position; with the raw sensor no one is informed "
     "it. Effort: rms of the valve's command, and of its change from sample to sample. Storage rises: "
     "samples of a run in which what the oil stores against its desired pressure rose beyond what the spool gave it, by "
     "more than a thousandth of the largest, on average. "
@@ -111,8 +111,8 @@ def _controller_table(found: Contest) -> Table:
         "title": Column(np.array([found.contenders[name] for name in names]), None, "what it is"),
         "effort_noisy": Column(noisy, RATIO, "change of effort"),
         "effort_clean": Column(clean, RATIO, "change of effort without noise"),
-        "noise_sensitivity": Column(noisy - clean, NUMBER, "of it noise"),
-        "rises_in": Column(np.array(rising), None, "storage rises in"),
+        "noise_sensitivity": Column(noisy - clean, NUMBER, "share due to noise"),
+        "rises_in": Column(np.array(rising), None, "stored energy rises in"),
         "failed_in": Column(np.array(failed), None, "fails in"),
     }
     shown = ("name", "title", "noise_sensitivity", "rises_in", "failed_in")
@@ -131,7 +131,7 @@ def _where(found: Contest, name: str, key: str) -> str:
 
 def _trace_table(traced: TracedLoop) -> Table:
     columns = {"time_s": Column(traced.time, DURATION, "time", "t")}
-    columns |= {f"{name}_m": Column(each, POSITION, "position less reference") for name, each in traced.errors.items()}
+    columns |= {f"{name}_m": Column(each, POSITION, "position minus reference") for name, each in traced.errors.items()}
     return Table(title="Traces", columns=columns, is_data=True)
 
 
@@ -160,6 +160,6 @@ def _trace_chart(found: Contest, traced: TracedLoop) -> Chart:
     rows = tuple(int(row) for row in np.flatnonzero(traced.time >= traced.time[0] + 1.0))
     panels = tuple(Lines(lines=(Line(x="time_s", y=f"{name}_m", rows=rows),), title=name) for name in traced.errors)
     title = found.scenarios[traced.scenario].title
-    caption = f"Position less reference in one run: {title}. All met the same noise."
+    caption = f"Position minus reference in one run: {title}. All met the same noise."
     height = 0.7 + 1.25 * -(-len(panels) // 3)
     return Chart(name="errors", caption=caption, table="traces", panels=panels, columns=3, height=height)

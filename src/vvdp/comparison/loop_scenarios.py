@@ -28,9 +28,9 @@ SINE_AMPLITUDE, SINE_FREQUENCY = 1.5e-3, 5.0
 FILTER_RATE = 250.0
 """Of the four poles behind the reference [1/s]."""
 PERIOD = 1e-3
-"""Of a sample where nothing else is said [s]."""
+"""Of a sample where nothing else is stated [s]."""
 POLLUTION, STRONG_POLLUTION = 0.2e-3 / 1.6, 1e-3 / 1.6
-"""Scale of the pollution, usual and strong [m]; it swings by 1.6 times that to either side."""
+"""Scale of the periodic sensor error, usual and strong [m]; it swings by 1.6 times that to either side."""
 FAULT = (1.9, 2.1)
 """When the sensor fails in the scenarios in which it does, over a ramp of the trapezoid [s]."""
 KNOWN_AIR = 0.1
@@ -121,7 +121,7 @@ def _sensors(usual: LoopScenario) -> Iterator[LoopScenario]:
         usual, name="sine", title="sine of 1.5 mm and 5 Hz instead", control=replace(usual.control, wanted=middle)
     )
     faults: tuple[tuple[str, str, Mapping[str, Any]], ...] = (
-        (CLEAN, "a sensor without pollution and noise", {"pollution_scale": 0.0, "noise": 0.0}),
+        (CLEAN, "a sensor without periodic sensor error and noise", {"pollution_scale": 0.0, "noise": 0.0}),
         ("polluted", "the sensor is off by 1 mm", {"pollution_scale": STRONG_POLLUTION}),
         ("lost-sensor", f"the sensor shows nothing {when}", {"dropout_begin": begin, "dropout_end": end}),
         ("frozen-sensor", f"the sensor stands still {when}", {"freeze_begin": begin, "freeze_end": end}),

@@ -16,8 +16,8 @@ LOST = 2.5e-3
 class LoopScore(NamedTuple):
     """What one run of one controller came to; NaN, and failed, where it broke off or was never controlled.
 
-    Tracking is position less reference, estimation the estimate less the position; command and change are those of the
-    valve, the change from sample to sample. `storage_rises` counts samples.
+    Tracking is position minus reference, estimation the estimate minus the position; command and change are those of
+    the valve, the change from sample to sample. `storage_rises` counts samples.
     """
 
     tracking_mean_square: float  # [m^2]

@@ -72,10 +72,10 @@ def compare_controllers(
 ) -> Contest:
     """What every controller scores in every scenario over `seeds` random runs.
 
-    All controllers meet the same noise, and the same place of the pollution on the spool. `engine` says where the runs
-    are made, `progress` hears how many are done, of all. Ctrl-C ends the comparison after the current batches, at once
-    the second time, and keeps the runs that are done. Raises ParameterError where there is nothing to compare, RunError
-    where a worker has another vvdp, or none is left.
+    All controllers meet the same noise, and the same place of the periodic sensor error on the spool. `engine` says
+    where the runs are made, `progress` receives how many are done, of all. Ctrl-C ends the comparison after the current
+    batches, at once the second time, and keeps the runs that are done. Raises ParameterError where there is nothing
+    to compare, RunError where a worker has another vvdp, or none is left.
     """
     refuse_nothing(scenarios, controllers, seeds, "controllers")
     began = time.perf_counter()

@@ -7,6 +7,8 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import RATIO, SPEED, TIME
+from vvdp.base.rules import require_positive_value
 
 
 class Motion(Protocol):
@@ -48,8 +50,7 @@ class Lag:
     time_constant: float
 
     def __post_init__(self) -> None:
-        if not self.time_constant > 0.0:
-            raise ParameterError(f"a time constant of {self.time_constant:g} s; expected more than zero")
+        require_positive_value("time constant", self.time_constant, TIME)
 
     @property
     def by_flow(self) -> "Lag":
@@ -105,11 +106,10 @@ class Ripple:
     per_turn: float
 
     def __post_init__(self) -> None:
-        if not (0.0 <= self.share < 1.0 and self.mean > 0.0 and self.per_turn > 0.0):
-            raise ParameterError(
-                f"a ripple by {self.share:g}, {self.per_turn:g} times a turn, of {self.mean:g} rad/s; expected a share "
-                "from 0 to below 1, and the others above zero"
-            )
+        if not 0.0 <= self.share < 1.0:
+            raise ParameterError(f"share of the ripple: {self.share:g} must be at least 0 and less than 1")
+        require_positive_value("mean speed", self.mean, SPEED)
+        require_positive_value("periods per revolution", self.per_turn, RATIO)
 
     @property
     def by_flow(self) -> Lag:
@@ -118,7 +118,7 @@ class Ripple:
 
     @property
     def step(self) -> None:
-        """None: it swings for ever."""
+        """None: it swings indefinitely."""
 
     def speed(self, time: Array) -> Array:
         """Speed at `time` [rad/s].
@@ -165,7 +165,7 @@ class Ramps:
 
     @property
     def by_flow(self) -> Lag:
-        """The speed at first, for ever."""
+        """The speed at first, indefinitely."""
         return steady(self.speeds[0])
 
     @property
@@ -195,5 +195,5 @@ class Ramps:
 
 
 def steady(speed: float) -> Lag:
-    """A shaft that turns at `speed` [rad/s] for ever."""
+    """A shaft that turns at `speed` [rad/s] indefinitely."""
     return Lag(speed, speed, 0.0, 1.0)

@@ -1,4 +1,5 @@
-"""Noise models of the axial sensor side by side: one pollution, one motion, and what each makes of it at what cost.
+"""Noise models of the axial sensor side by side: one periodic sensor error, one motion, and what each makes of it at
+what cost.
 
 Lumped filter, discrete signal generator, and periodic Kalman filter with Fourier and with Gaussian functions, on the
 gerotor drive, whose flow is known.
@@ -65,7 +66,7 @@ class NoiseTrial(Params):
 
 
 class Model(NamedTuple):
-    """What a noise model is; its margin is NaN where none is worked out."""
+    """What a noise model is; its margin is NaN where none is calculated."""
 
     name: str
     functions: int
@@ -83,12 +84,12 @@ class Entry(NamedTuple):
 
 
 def noise_model_table(shape: Array, trial: NoiseTrial, functions: tuple[int, ...] = (10, 20, 40)) -> Table:
-    """A row for each model: functions, states, margin, errors of position and pollution, time of a sample.
+    """A row for each model: functions, states, margin, errors of position and periodic sensor error, time of a sample.
 
-    shape      the pollution at equal distances over a turn, mean 0 [m]
+    shape      the periodic sensor error at equal distances over a turn, mean 0 [m]
     functions  of the periodic filters, even numbers
 
-    Raises ParameterError where a period of the pollution is no whole number of samples.
+    Raises ParameterError where a period of the periodic sensor error is no whole number of samples.
     """
     entries = tuple(entries_of(trial, functions))
     rows, position, pollution = record(shape, trial)
@@ -110,7 +111,7 @@ def noise_model_table(shape: Array, trial: NoiseTrial, functions: tuple[int, ...
         "margin": Column(np.array([m.margin for m in models]), RATIO, "margin with a spring drive"),
         "position_error_rms_m": Column(rms, LENGTH, "error of the position, rms"),
         "position_error_peak_m": Column(peak, LENGTH, "error of the position, largest"),
-        "pollution_error_rms_m": Column(missed, LENGTH, "error of the pollution, rms"),
+        "pollution_error_rms_m": Column(missed, LENGTH, "error of the periodic sensor error, rms"),
         "cost_s": Column(costs, SAMPLE_COST, "time of a sample"),
     }
     return Table(title="Noise models of the axial sensor", columns=columns)
@@ -185,7 +186,7 @@ def basis_margin(basis: NoiseBasis, natural_frequency: float, spool_speed: float
 
 
 def record(shape: Array, trial: NoiseTrial) -> tuple[Array, Array, Array]:
-    """What the sensor shows, a row for each sample, with true position and true pollution [m]."""
+    """What the sensor shows, a row for each sample, with true position and true periodic sensor error [m]."""
     times = np.arange(round(trial.duration / trial.sample_period)) * trial.sample_period
     swing, angles = TURN / trial.motion_period, trial.spool_speed * times
     position = 0.5 * trial.stroke * (1.0 - np.cos(swing * times))

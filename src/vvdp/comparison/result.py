@@ -40,12 +40,14 @@ MANNER = (
     "same edges."
 )
 DEFINITIONS = (
-    "Errors are estimate less truth, from 0.5 s on. Mean 95 %: exceeded in 5 % of a run, mean over the runs, so it may "
+    "Errors are estimate minus truth, from 0.5 s on. Mean 95 %: exceeded in 5 % of a run, mean over the runs, "
+    "so it may "
     "lie below the rms, which is taken over all runs; worst: of all runs; mean: the bias. The angle counts modulo a "
     "turn, relative to the unknown index. Settling: from the step on until the speed stays within 5 % of the step of "
     "its final value, median over the runs; a dash where it does not. Delay: the shift of the true speed that comes "
     "closest to the estimate. Lost: sectors gained or lost in a run, on average. NIS: mean normalised innovation "
-    "squared, 1 where the stated uncertainty is right. Within 2 σ: share of errors within two stated deviations, 95 % "
+    "squared, 1 where the stated uncertainty is right. Within 2 σ: share of errors within two stated standard "
+    "deviations, 95 % "
     "where they are right, a dash where none are stated."
 )
 FIGURES: Mapping[str, tuple[Kind, str]] = {

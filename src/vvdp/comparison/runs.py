@@ -71,7 +71,9 @@ def compare_runs(directories: Sequence[Path], trust: str = "") -> Result:
 
 
 def _names(directories: Sequence[Path]) -> list[str]:
-    """The last part of each path where that tells them apart, else the whole path with a number for one given twice."""
+    """The last part of each path where that distinguishes them, else the whole path with a number for one given
+    twice.
+    """
     names = [readable(path.resolve().name) for path in directories]
     if len(set(names)) < len(names):
         names = [str(path) for path in directories]

@@ -48,7 +48,7 @@ SLOWEST, FASTEST = 100.0, 1e5
 """Rates between which a comparison makes sense and fits into memory [Hz]."""
 
 USUAL_TURNS = 24.7
-"""Turns per second where nothing else is said: near the published 25, but in step with no usual clock."""
+"""Turns per second where nothing else is stated: near the published 25, but in step with no usual clock."""
 
 SETTLED = 0.5
 """Errors count from this time on [s]: all estimators have begun by then."""
@@ -58,7 +58,7 @@ SETTLED = 0.5
 class Scenario:
     """A shaft that moves in a known way, and the encoder on it, sampled at `rate` [Hz] until `until` [s].
 
-    Errors count from `scored_from` [s] on. Clock phase, wheel angle and noise are drawn anew for each seed. Raises
+    Errors count from `scored_from` [s] on. Clock phase, wheel angle and noise are drawn again for each seed. Raises
     ParameterError for a rate at which there is nothing to see or too much to keep.
     """
 

@@ -25,11 +25,11 @@ MOST_SAMPLES = 4000
 class Score(NamedTuple):
     """What one run of one estimator came to. NaN where there is nothing to measure.
 
-    Errors are estimate less truth. The angle's is taken modulo a turn, after the whole number of pairs of sectors has
-    been taken off that fits best at the begin: a wheel without an index does not tell it. `tail` is what is exceeded in
+    Errors are estimate minus truth. The angle's is taken modulo a turn, after the whole number of pairs of sectors has
+    been taken off that fits best at the begin: a wheel without an index does not show it. `tail` is what is exceeded in
     5 % of the time; `settling` is infinite where the speed does not stay within 5 % of the step; `delay` is by how much
     the true speed has to be shifted to come closest to the estimate; `lost_sectors` were gained or lost on the way.
-    Coverage is the share of errors within two of the stated deviations.
+    Coverage is the share of errors within two of the stated standard deviations.
     """
 
     angle_mean_square: float  # [rad^2]
@@ -68,7 +68,7 @@ class Truth(NamedTuple):
 
 
 def without_direction(truth: Truth, motion: Motion) -> Truth:
-    """The angle turned through and the speed, whichever way: an encoder with one track does not tell it."""
+    """The angle turned through and the speed, whichever way: an encoder with one track does not show it."""
     angle = truth.angle - motion.angle(truth.time) + motion.travel(truth.time)
     return Truth(truth.time, angle, np.abs(truth.speed))
 
@@ -106,7 +106,7 @@ def score(traces: Traces, truth: Truth, motion: Motion, scored_from: float, sect
 
 
 def coverage(error: Array, deviation: Array) -> float:
-    """Share of errors within two stated deviations, NaN where none are stated."""
+    """Share of errors within two stated standard deviations, NaN where none are stated."""
     return float(np.mean(np.abs(error) <= 2.0 * deviation)) if np.isfinite(deviation).any() else np.nan
 
 

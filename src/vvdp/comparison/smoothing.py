@@ -1,4 +1,4 @@
-"""The smoother among the estimators: the event filter tells which edges passed, all of them count for every instant.
+"""The smoother among the estimators: the event filter shows which edges passed, all of them count for every instant.
 
 It sees the future, so it is no rival but the mark: what the best use of the same edges would give.
 """

@@ -122,8 +122,8 @@ def compare(
     """What every contender scores in every scenario over `seeds` random runs.
 
     All contenders get the same readings. `engine` says where the runs are made; what a sample costs is measured here.
-    `progress` hears how many runs are done, of all. Ctrl-C ends the comparison after the current batches, at once the
-    second time, and keeps the runs that are done. Raises ParameterError where there is nothing to compare, RunError
+    `progress` receives how many runs are done, of all. Ctrl-C ends the comparison after the current batches, at once
+    the second time, and keeps the runs that are done. Raises ParameterError where there is nothing to compare, RunError
     where a worker has another vvdp, or none is left.
     """
     refuse_nothing(scenarios, contenders, seeds, "estimators")

@@ -93,8 +93,8 @@ def add_gerotor_drive(
     """Add a gerotor drive, the component `gerotor`, to a network; the spool stands at `position` [m] at first."""
     if not drive.lower_end <= position <= drive.upper_end:
         raise ParameterError(
-            f"axial_position: {position:g} m lies outside the ends of the stroke, {drive.lower_end:g} to "
-            f"{drive.upper_end:g} m"
+            f"axial_position: {1e3 * position:g} mm must lie within the stroke, {1e3 * drive.lower_end:g} to "
+            f"{1e3 * drive.upper_end:g} mm"
         )
     component = GEROTOR_DRIVE if isinstance(characteristic, GerotorMap) else CALIBRATED_GEROTOR_DRIVE
     name = prefix + "gerotor"

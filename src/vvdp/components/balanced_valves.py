@@ -120,7 +120,7 @@ def downstream_compensator(
 def upstream_compensator(
     a: FluidState, b: FluidState, pilot: FluidState, state: OpeningState, values: BalancedValve
 ) -> OpeningPassage:
-    """Compensator before a throttle, which shuts as the drop from its outlet to its pilot, the load, grows.
+    """Compensator before a throttle, which closes as the drop from its outlet to its pilot, the load, grows.
 
     No oil flows at the pilot port.
     """

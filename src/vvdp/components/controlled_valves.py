@@ -3,7 +3,8 @@
 from typing import NamedTuple
 
 from vvdp.base.kinds import Flow, FlowCoefficient, Fraction, Kink, Power, PressureDifference
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.characteristic import Characteristic, dead_band_side, flow_share
@@ -105,7 +106,7 @@ def unloading_valve(
 
 
 def dump_valve(a: FluidState, b: FluidState, command: Fraction, state: OpeningState, values: SeatValve) -> ValvePassage:
-    """Valve between a and b that a command of 1 holds shut and that opens without one."""
+    """Valve between a and b that a command of 1 holds closed and that opens without one."""
     flow, loss = passage(seat_flow(a.pressure - b.pressure, state.opening, values), a, b)
     return ValvePassage(flow, loss, OpeningState(seat_rate(1.0 - command, state.opening, values)))
 

@@ -3,7 +3,8 @@
 from typing import NamedTuple
 
 from vvdp.base.kinds import ExchangedPower, Flow, FlowCoefficient, Fraction, Power, PressureDifference, SignedFraction
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.flow import root_passage
@@ -69,7 +70,7 @@ def directed_return(
     direction: SignedFraction,
     values: ReturnThrottle,
 ) -> DirectedReturn:
-    """Throttle, open by `opening`, from b to tank in `direction` 1, from a in -1; shut in 0."""
+    """Throttle, open by `opening`, from b to tank in `direction` 1, from a in -1; enclosed 0."""
     y = clip(opening, 0.0, 1.0)
     from_a = root_passage(a, tank, y * clip(-direction, 0.0, 1.0), values)
     from_b = root_passage(b, tank, y * clip(direction, 0.0, 1.0), values)

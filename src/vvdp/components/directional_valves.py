@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from vvdp.base.kinds import Area, Flow, FlowCoefficient, Fraction, Kink, Power, SignedFraction, Time
 from vvdp.base.modes import side
-from vvdp.base.params import require_positive
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.directional_valve import (
@@ -43,7 +43,7 @@ class ThreeWayProportionalValve(Orifice):
 
 
 class ThrottledDirectionalState(NamedTuple):
-    """Position of the spool, 1 forward and -1 backward, and opening of the throttle in the return."""
+    """Position of the spool, 1 forward and -1 backward, and opening of the meter-out throttle."""
 
     position: SignedFraction
     opening: Fraction
@@ -75,7 +75,7 @@ class ThreeWayProportionalFlows(NamedTuple):
 
 
 class ThrottledDirectionalLosses(NamedTuple):
-    """What is lost over the edges and over the throttle in the return."""
+    """What is lost over the edges and over the meter-out throttle."""
 
     edges: Power
     return_throttle: Power

@@ -9,7 +9,7 @@ from vvdp.network.component import Component
 
 
 class CouplingEffect(NamedTuple):
-    """Torques of a coupling on its two shafts, and what its slip turns to heat."""
+    """Torques of a coupling on its two shafts, and what its slip dissipates."""
 
     motor: Torque
     spool: Torque

@@ -20,7 +20,7 @@ from vvdp.network.nodes import Source
 
 
 class UnitPassage(NamedTuple):
-    """What goes through a valve of a unit, the rate of its poppet, and whether it is shut, on its way or open."""
+    """What goes through a valve of a unit, the rate of its poppet, and whether it is closed, on its way or open."""
 
     flow: Flow
     loss: Power
@@ -29,7 +29,7 @@ class UnitPassage(NamedTuple):
 
 
 def unit_valve(a: FluidState, b: FluidState, code: Count, state: PoppetState, values: UnitValve) -> UnitPassage:
-    """On/off valve between a and b that the `code` of its unit opens and shuts."""
+    """On/off valve between a and b that the `code` of its unit opens and closes."""
     flow, loss = passage(poppet_flow(a.pressure - b.pressure, state.travel, values), a, b)
     rates = PoppetState(poppet_rate(valve_command(code, values), state.travel, values))
     return UnitPassage(flow, loss, rates, between(poppet_opening(state.travel, values)))

@@ -3,7 +3,8 @@
 from typing import NamedTuple
 
 from vvdp.base.kinds import Position, Time
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.network.component import Component
 
 

@@ -64,7 +64,7 @@ def column_effect(a: FluidState, b: FluidState, state: LineState, medium: Medium
 
 
 def column(a: FluidState, b: FluidState, state: LineState, medium: Medium, values: Line) -> LineEffect:
-    """A column of oil from a to b, without the oil that it holds.
+    """Fluid inertance of a pipe between a and b; its compressibility is not included.
 
     That belongs to the volumes at its ends, whose values have to say it; `line` sees to that itself.
     """

@@ -14,14 +14,14 @@ from vvdp.network.component import Component
 
 
 class PumpLosses(NamedTuple):
-    """Powers that a pump turns to heat: its leakage's and its friction's."""
+    """Powers that a pump dissipates: its leakage's and its friction's."""
 
     leakage: Power
     friction: Power
 
 
 class ChamberLosses(NamedTuple):
-    """Powers that a pump turns to heat: its leakage's, its friction's, and where chambers meet another pressure."""
+    """Powers that a pump dissipates: its leakage's, its friction's, and where chambers meet another pressure."""
 
     leakage: Power
     friction: Power
@@ -62,7 +62,7 @@ class ControlledPumpEffect(NamedTuple):
 
 
 class MotorLosses(NamedTuple):
-    """Powers that a motor turns to heat: its leakage's, its friction's, and where chambers meet the other pressure."""
+    """Powers that a motor dissipates: its leakage's, its friction's, and where chambers meet the other pressure."""
 
     leakage: Power
     friction: Power
@@ -114,7 +114,7 @@ def controlled_pump(
     values: Pump,
     control: PumpControl,
 ) -> ControlledPumpEffect:
-    """A variable pump whose control swivels it so that its outlet is held at `level` [Pa, absolute].
+    """Pressure-compensated variable pump; its outlet is held at `level` [Pa, absolute].
 
     At a share of its displacement it leaks and rubs as at the full one.
     """

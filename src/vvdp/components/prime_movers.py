@@ -22,7 +22,7 @@ from vvdp.network.component import Component
 
 
 class ElectricLosses(NamedTuple):
-    """What a motor's windings and its friction turn to heat."""
+    """What a motor's windings and its friction dissipate."""
 
     copper: Power
     friction: Power

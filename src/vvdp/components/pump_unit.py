@@ -45,7 +45,7 @@ class PumpUnit:
 class UnitJoints:
     """The nodes that a pump unit joins, and what moves it: signals, states or commands [rad/s, m, rad/s].
 
-    `cavitation_pressure` is that below which oil is held to evaporate at the valve's ports, absolute [Pa].
+    `cavitation_pressure` is that below which cavitation is assumed at the valve's ports, absolute [Pa].
     """
 
     tank: str

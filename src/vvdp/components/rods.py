@@ -60,7 +60,7 @@ class RodEffect(NamedTuple):
 
 
 class RodLoss(NamedTuple):
-    """A force on the rod, in the direction of its position, and the power it turns to heat."""
+    """A force on the rod, in the direction of its position, and the power it dissipates."""
 
     rod: Force
     loss: Power
@@ -168,7 +168,7 @@ CREEP = 1e-4
 
 
 def rod_brake(rod: RodState, force: FrictionForce) -> RodLoss:
-    """Dry friction on a rod as large as something outside prescribes: a brake, or a rod that jams [N]."""
+    """Brake on a rod with a commanded Coulomb friction force: a brake, or a rod that jams [N]."""
     held = force * smooth_sign(rod.velocity, CREEP)
     return RodLoss(-held, held * rod.velocity)
 

@@ -48,7 +48,7 @@ class RotaryValveHeld(NamedTuple):
 
 
 class RotaryValveLosses(NamedTuple):
-    """Power turned to heat. The three drops are counted whole; what the spool takes from them as shaft work stands
+    """Power dissipated. The three drops are counted whole; what the spool takes from them as shaft work stands
     against them in `to_spool`, negative, and comes back as friction."""
 
     nozzle: Power
@@ -82,7 +82,7 @@ class RotaryValveFlow(NamedTuple):
 
 
 def rotary_valve_held(medium: Medium, oil: Oil, valve: RotaryValve) -> RotaryValveHeld:
-    """What a rotary valve works out once per sample."""
+    """What a rotary valve calculates once per sample."""
     return RotaryValveHeld(
         leakage_conductance=leakage_conductance(medium.viscosity, valve),
         friction_coefficient=friction_coefficient(medium.viscosity, valve),
@@ -128,8 +128,8 @@ def branch_cavitates(
 ) -> float:
     """Whether oil evaporates at the nozzles of a branch: 1 where their cavitation number is below the limit, else 0.
 
-    The number is that of the nozzles' own drop, whichever way oil flows. A port that is shut has none; one that is
-    nearly shut takes nearly the whole drop, and however little flows through it evaporates.
+    The number is that of the nozzles' own drop, whichever way oil flows. A port that is closed has none; one that is
+    nearly closed takes nearly the whole drop, and however little flows through it evaporates.
 
     opening              open fraction of its ports [1]
     cavitation_pressure  absolute [Pa]
@@ -147,7 +147,7 @@ def branch_cavitates(
 def valve_losses(
     load: Branch, tank: Branch, leak: Passage, torque: SpoolTorque, spool_speed: float
 ) -> RotaryValveLosses:
-    """The power that each part of the valve turns to heat [W].
+    """The power that each part of the valve dissipates [W].
 
     spool_speed  [rad/s]
 

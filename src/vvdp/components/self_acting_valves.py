@@ -95,7 +95,7 @@ def pilot_check_valve(
 def pilot_closed_check_valve(
     a: FluidState, b: FluidState, pilot: FluidState, state: OpeningState, values: PilotCheckValve
 ) -> OpeningPassage:
-    """Check valve that opens from a to b unless the pilot's pressure exceeds that at b by enough to hold it shut.
+    """Check valve that opens from a to b unless the pilot's pressure exceeds that at b by enough to hold it close.
 
     No oil flows at the pilot port.
     """
@@ -126,7 +126,7 @@ def relief_valve(
 
 
 def shock_valve(a: FluidState, b: FluidState, side: Mode, state: OpeningState, values: ShockValve) -> OpeningPassage:
-    """Relief valve with an override that limits the pressure at a, also where others do at the same volume.
+    """Port (crossover) relief valve with pressure override at a, also beside other valves at the same volume.
 
     `relief_valve` needs the flows of everything else at its volume, so that two of them, each from one side of a
     motor to the other, would wait for each other.
@@ -164,7 +164,7 @@ def poppet_valve(a: FluidState, b: FluidState, state: LiftState, medium: Medium,
 
 
 def reducing_valve(a: FluidState, b: FluidState, state: OpeningState, values: ReducingValve) -> OpeningPassage:
-    """Reducing valve from a to b, which shuts as the pressure at b rises; it opens no way from b to a tank."""
+    """Non-relieving pressure-reducing valve from a to b, which closes as the pressure at b rises."""
     y = select(values.opening_time > 0.0, state.opening, reducing_opening(b.pressure, values))
     flow, loss = rated_passage(a, b, y, values)
     rates = OpeningState(reducing_opening_rate(b.pressure, state.opening, values))

@@ -17,7 +17,7 @@ class ShaftEffect(NamedTuple):
 
 
 class ShaftLoss(NamedTuple):
-    """A torque on the shaft and the power that it turns to heat."""
+    """A torque on the shaft and the power that it dissipates."""
 
     shaft: Torque
     loss: Power

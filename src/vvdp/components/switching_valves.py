@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from vvdp.base.kinds import Area, Flow, Fraction, Kink, Mode, Power
-from vvdp.base.params import refuse
+from vvdp.base.rules import refuse
 from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.flow import passage
@@ -52,7 +52,7 @@ class ModulatedThreeWayValve(ThreeWayValve, PulseClock):
 
 
 class TwoWayValve(SwitchingValve, Orifice):
-    """Spool and port of a two-way switching valve; `normally_open` is 1 where a command shuts it, else 0."""
+    """Spool and port of a two-way switching valve; `normally_open` is 1 where a command closes it, else 0."""
 
     normally_open: Fraction = 0.0
 
@@ -165,7 +165,7 @@ def two_way_valve(
     medium: Medium,
     values: TwoWayValve,
 ) -> TwoWayPassage:
-    """2/2 valve between a and b that `command` 1 opens, or shuts where it is normally open."""
+    """2/2 valve between a and b that `command` 1 opens, or closes where it is normally open."""
     return _two_way(a, b, command, at_first, at_second, state, medium, values)
 
 

@@ -8,9 +8,9 @@ Source  ours, docs/models/displacement-control.md, where a function names no oth
 
 from typing import Annotated, NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Compliance, Force, Kind, Length, Mass, Time, Velocity
 from vvdp.base.params import Params
+from vvdp.base.rules import require_less
 from vvdp.base.select import clip
 from vvdp.control.cylinder_force import ForceRate
 from vvdp.control.reference import SignedAcceleration
@@ -43,13 +43,11 @@ class Adaptation(Params):
 
     def check(self) -> None:
         for name in ("load", "mass", "compliance"):
-            low, high = getattr(self, f"lowest_{name}"), getattr(self, f"highest_{name}")
-            if not low < high:
-                raise ParameterError(f"Adaptation.lowest_{name}: {low:g} is not below the highest_{name} of {high:g}")
+            require_less(self, f"lowest_{name}", f"highest_{name}")
 
 
 class AdaptationMemory(NamedTuple):
-    """What is added to the load as otherwise believed, the mass, and the compressibility 1/beta."""
+    """What is added to the load as estimated otherwise, the mass, and the compressibility 1/beta."""
 
     load_correction: Force
     moving_mass: Mass
@@ -57,7 +55,9 @@ class AdaptationMemory(NamedTuple):
 
 
 class Excitation(NamedTuple):
-    """What the parameters are learned from: the load as otherwise believed, e_v, r', F_H - F_v, F_v' and L = S/beta."""
+    """What the parameters are learned from: the load as estimated otherwise, e_v, r', F_H - F_v, F_v' and L =
+    S/beta.
+    """
 
     load_force: Force
     velocity_error: Velocity

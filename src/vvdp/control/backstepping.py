@@ -5,8 +5,10 @@ Source  ours, docs/models/passivity-control.md, where a function names no other.
 
 from typing import Annotated
 
+from vvdp.base.display import value_text
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Conductance, Kind
+from vvdp.base.kinds import CONDUCTANCE, Conductance, Kind
+from vvdp.base.rules import require_positive
 from vvdp.control.chamber import (
     ChamberDrive,
     ChamberFlow,
@@ -33,11 +35,7 @@ class BacksteppingGains(PositionGains):
 
     def check(self) -> None:
         super().check()
-        if not self.pressure_weight > 0.0 or not self.flow_gain > 0.0:
-            raise ParameterError(
-                f"BacksteppingGains: pressure_weight {self.pressure_weight:g} m^3/Pa and flow_gain "
-                f"{self.flow_gain:g} m^3/(s*Pa); expected both above 0"
-            )
+        require_positive(self, "pressure_weight", "flow_gain")
 
 
 def backstepping_law(
@@ -82,7 +80,8 @@ def best_pressure_weight(compliance: float, gains: PositionGains, flow_gain: flo
     if not k < 1.0:
         highest = drive.area**2 / (drive.moving_mass * gains.error_rate + gains.velocity_gain)
         raise ParameterError(
-            f"flow_gain: {flow_gain:g} m^3/(s*Pa); the flow depends on the measured velocity with any pressure_weight, "
-            f"k = {k:.3g}; expected lambda_3 < A^2/(M lambda_p + K_v) = {highest:.3g} m^3/(s*Pa)"
+            f"flow_gain: {value_text(flow_gain, CONDUCTANCE)} must be less than A^2/(M lambda_p + K_v) = "
+            f"{value_text(highest, CONDUCTANCE)}: beyond it the flow depends on the measured velocity with any "
+            f"pressure_weight, k = {k:.3g}"
         )
     return compliance / (1.0 - k)

@@ -9,7 +9,6 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import (
     Area,
     BulkModulus,
@@ -22,6 +21,7 @@ from vvdp.base.kinds import (
     Volume,
 )
 from vvdp.base.params import Params
+from vvdp.base.rules import POSITIVE, field_text, refuse, require_less, require_positive
 from vvdp.base.select import clip, maximum, select
 from vvdp.hydraulics.volume import Vessel, wall_capacity
 
@@ -37,9 +37,8 @@ class SupplyLine(Vessel):
 
     def check(self) -> None:
         if self.gas_volume > 0.0 and self.precharge_pressure <= 0.0:
-            raise ParameterError(
-                f"SupplyLine.precharge_pressure: 0 Pa with {self.gas_volume:g} m^3 of gas; expected a pressure"
-            )
+            gas = field_text(self, "gas_volume")
+            refuse(self, "precharge_pressure", f"must be greater than 0 bara with a gas_volume of {gas}")
 
 
 class CylinderModel(Params):
@@ -65,27 +64,14 @@ class CylinderModel(Params):
     reference_pressure: Pressure = 101325.0
 
     def check(self) -> None:
-        for name, unit in (
-            ("area_a", "m^2"),
-            ("area_b", "m^2"),
-            ("moving_mass", "kg"),
-            ("return_conductance", "m^3/(s*Pa^0.5)"),
-        ):
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(f"CylinderModel.{name}: 0 {unit}; expected a value above 0")
-        if not self.lowest_position < self.highest_position:
-            raise ParameterError(
-                f"CylinderModel.lowest_position: {self.lowest_position:g} m is not below the highest_position of "
-                f"{self.highest_position:g} m"
-            )
+        require_positive(self, "area_a", "area_b", "moving_mass", "return_conductance")
+        require_less(self, "lowest_position", "highest_position")
         least_a = self.oil_volume_a + self.area_a * self.lowest_position
         least_b = self.oil_volume_b - self.area_b * self.highest_position
         for name, volume in (("oil_volume_a", least_a), ("oil_volume_b", least_b)):
             if not volume > 0.0:
-                raise ParameterError(
-                    f"CylinderModel.{name}: {getattr(self, name):g} m^3 leaves its chamber {volume:g} m^3 at the end "
-                    "of the stroke; expected more than 0"
-                )
+                left = f"{1e6 * volume:g} cc"
+                refuse(self, name, f"is too little: the chamber has {left} at the end of the stroke, which {POSITIVE}")
 
 
 class CircuitPressures(NamedTuple):

@@ -5,9 +5,9 @@ Source  ours, docs/models/passivity-control.md, where a function names no other.
 
 from typing import NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Area, Flow, Force, Mass, Position, Pressure, Stiffness, Velocity, ViscousFriction, Volume
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip, select
 from vvdp.control.orifice import ChamberValve
 from vvdp.control.reference import Rate, Reference
@@ -31,9 +31,7 @@ class ChamberDrive(Params):
     valve: ChamberValve
 
     def check(self) -> None:
-        for name, unit in (("area", "m^2"), ("moving_mass", "kg"), ("oil_volume", "m^3")):
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(f"ChamberDrive.{name}: 0 {unit}; expected a value above 0")
+        require_positive(self, "area", "moving_mass", "oil_volume")
 
 
 class PositionGains(Params):
@@ -49,11 +47,7 @@ class PositionGains(Params):
     friction: ViscousFriction = 0.0
 
     def check(self) -> None:
-        if not self.error_rate > 0.0 or not self.velocity_gain > 0.0:
-            raise ParameterError(
-                f"{type(self).__name__}: error_rate {self.error_rate:g} 1/s and velocity_gain "
-                f"{self.velocity_gain:g} N*s/m; expected both above 0"
-            )
+        require_positive(self, "error_rate", "velocity_gain")
 
 
 class ChamberReading(NamedTuple):

@@ -5,9 +5,9 @@ Source  ours, docs/models/displacement-control.md, where a function names no oth
 
 from typing import Annotated, NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Force, Kind, Mass, Position, Stiffness, Velocity, ViscousFriction
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.control.capacities import CylinderModel
 from vvdp.control.reference import Rate, Reference, SignedAcceleration
 
@@ -29,9 +29,7 @@ class ForceGains(Params):
     robust_rate: Rate = 0.0
 
     def check(self) -> None:
-        for name, unit in (("error_rate", "1/s"), ("velocity_gain", "N*s/m"), ("pressure_rate", "1/s")):
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(f"ForceGains.{name}: 0 {unit}; expected a value above 0")
+        require_positive(self, "error_rate", "velocity_gain", "pressure_rate")
 
 
 class Motion(NamedTuple):

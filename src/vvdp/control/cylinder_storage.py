@@ -17,7 +17,7 @@ MOST = 100
 
 
 def force_measure(position: float, cylinder: CylinderModel) -> float:
-    """h = A_a ln(V_a + A_a x) - A_b ln(V_b - A_b x) [m^2], whose slope is L: oil shut in gives F_H = -beta h + const.
+    """h = A_a ln(V_a + A_a x) - A_b ln(V_b - A_b x) [m^2], whose slope is L: oil enclosed gives F_H = -beta h + const.
 
     position  [m]
 

@@ -5,9 +5,9 @@ Source  ours, docs/models/passivity-control.md, where a function names no other.
 
 from typing import Annotated, NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Kind, Pressure, Time, Volume
 from vvdp.base.params import Params
+from vvdp.base.rules import require_less
 from vvdp.base.select import clip
 from vvdp.control.chamber import ChamberDrive, DesiredPressure
 from vvdp.fluid.mixture import density_rise
@@ -27,10 +27,7 @@ class VolumeLearning(Params):
     pause: Time = 0.3
 
     def check(self) -> None:
-        if not self.lowest_volume < self.highest_volume:
-            raise ParameterError(
-                f"lowest_volume: {self.lowest_volume:g} m^3 is not below the highest_volume of {self.highest_volume:g}"
-            )
+        require_less(self, "lowest_volume", "highest_volume")
 
 
 class LearnedVolume(NamedTuple):

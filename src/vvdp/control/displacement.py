@@ -5,9 +5,9 @@ Source  ours, docs/models/displacement-control.md, where a function names no oth
 
 from typing import NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Conductance, Flow, Force, Fraction, Position, Pressure, SignedFraction, Time, Velocity
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import maximum
 from vvdp.control.adaptation import Adaptation, AdaptationMemory, Excitation, adaptation_start, adaptation_step
 from vvdp.control.capacities import (
@@ -59,8 +59,7 @@ class DisplacementSettings(Params):
     sample_period: Time
 
     def check(self) -> None:
-        if not self.sample_period > 0.0:
-            raise ParameterError("DisplacementSettings.sample_period: 0 s; expected a time above 0")
+        require_positive(self, "sample_period")
 
 
 class CylinderSeen(NamedTuple):
@@ -86,7 +85,7 @@ class DisplacementMemory(NamedTuple):
 
 class DisplacementDemand(NamedTuple):
     """What is asked of the drives: `direction` of the directional valve (1 extends, 0 is closed), `opening` of the
-    return valve, `flow` of the pump. The rest tells how it came about.
+    return valve, `flow` of the pump. The rest shows how it came about.
 
     `effort` is U*, `force_error` F_H - F_v, `saturated` 1 where the opening is at an end.
     """

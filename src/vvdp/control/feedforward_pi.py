@@ -7,9 +7,9 @@ Source  ours, docs/models/passivity-control.md, where a function names no other.
 
 from typing import Annotated, NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Area, Flow, Kind
 from vvdp.base.params import Params
+from vvdp.base.rules import field_text, refuse_together, require_positive
 from vvdp.base.select import clip
 from vvdp.control.reference import Rate, Reference
 
@@ -33,15 +33,11 @@ class FeedforwardPI(Params):
     highest_flow: Flow
 
     def check(self) -> None:
-        if not self.area > 0.0 or not self.proportional_rate > 0.0:
-            raise ParameterError(
-                f"FeedforwardPI: area {self.area:g} m^2 and proportional_rate {self.proportional_rate:g} 1/s; "
-                "expected both above 0"
-            )
+        require_positive(self, "area", "proportional_rate")
         if not self.lowest_flow < 0.0 < self.highest_flow:
-            raise ParameterError(
-                f"FeedforwardPI: lowest_flow {self.lowest_flow:g} and highest_flow {self.highest_flow:g} m^3/s; "
-                "the drive has to go both ways"
+            low, high = field_text(self, "lowest_flow"), field_text(self, "highest_flow")
+            refuse_together(
+                self, f"lowest_flow, {low}, must be less than 0 and highest_flow, {high}, greater: both directions"
             )
 
 

@@ -1,14 +1,15 @@
-"""By how much a flow that is looked up in a map is off, told by where it goes: into the swept volume and the pressure.
+"""Error of a flow that is looked up in a map, estimated from where the flow goes: into the swept volume and the
+pressure.
 
 Source  ours, docs/models/displacement-control.md, where a function names no other.
 """
 
 from typing import Annotated, NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Count, Flow, Kind, Pressure, Ratio, Time
 from vvdp.base.params import Params
 from vvdp.base.powers import expm1
+from vvdp.base.rules import POSITIVE, refuse_together, require_positive
 from vvdp.base.select import clip
 from vvdp.control.reference import Rate
 
@@ -33,11 +34,11 @@ class FlowGain(Params):
     settling_time: Time
 
     def check(self) -> None:
-        if not (self.filter_rate > 0.0 and self.least_flow > 0.0):
-            raise ParameterError("FlowGain: filter_rate and least_flow have to be above 0")
+        require_positive(self, "filter_rate", "least_flow")
         if not 0.0 < self.lowest <= 1.0 <= self.highest:
-            raise ParameterError(
-                f"FlowGain: lowest = {self.lowest:g}, highest = {self.highest:g}; expected bounds about 1"
+            refuse_together(
+                self,
+                f"1 must lie between lowest, {self.lowest:g}, and highest, {self.highest:g}, and lowest {POSITIVE}",
             )
 
 

@@ -7,11 +7,10 @@ Source  ours, docs/models/whole-machine.md, where a function names no other.
 
 from typing import Annotated, NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import FLOW, NUMBER, PRESSURE_LEVEL, Fraction
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse_rows, require_rising
 from vvdp.base.select import clip, maximum
-from vvdp.numerics.piecewise import check_rising
 
 
 class FlowMap(Params):
@@ -28,14 +27,16 @@ class FlowMap(Params):
     def check(self) -> None:
         n, m = len(self.duty_ratios), len(self.line_pressures)
         if n < 2 or m < 2 or len(self.flows) != n * m:
-            raise ParameterError(
-                f"FlowMap: {len(self.flows)} flows for {n} duty ratios and {m} pressures; expected two of each at "
-                "least, and a flow for every pair"
+            refuse_rows(
+                self,
+                "flows",
+                f"{len(self.flows)} flows for {n} duty ratios and {m} pressures; expected at least two of "
+                "each, and a flow for every pair",
             )
-        check_rising("FlowMap.duty_ratios", self.duty_ratios)
-        check_rising("FlowMap.line_pressures", self.line_pressures)
+        require_rising(self, "duty_ratios")
+        require_rising(self, "line_pressures")
         for j in range(m):
-            check_rising("FlowMap.flows", self.flows[j * n : (j + 1) * n], strictly=False)
+            require_rising(self, "flows", strictly=False, rows=slice(j * n, (j + 1) * n))
 
 
 class Rows(NamedTuple):

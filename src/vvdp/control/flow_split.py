@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Flow, Fraction, Ratio
 from vvdp.base.params import Params
 from vvdp.base.powers import expm1
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip
 from vvdp.control.capacities import Capacities, ForcePerVolume
 from vvdp.control.cylinder_force import ForceRate
@@ -38,15 +38,7 @@ class FlowSplit(Params):
     uses_delivered_flow: Fraction = 1.0
 
     def check(self) -> None:
-        for name, unit in (
-            ("flow_rate", "1/s"),
-            ("flow_deviation", "m^3/s"),
-            ("opening_deviation", ""),
-            ("largest_flow", "m^3/s"),
-            ("least_return_flow", "m^3/s"),
-        ):
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(f"FlowSplit.{name}: {getattr(self, name):g} {unit}; expected a value above 0")
+        require_positive(self, "flow_rate", "flow_deviation", "opening_deviation", "largest_flow", "least_return_flow")
 
 
 class SplitMemory(NamedTuple):
@@ -70,12 +62,12 @@ def authority(capacity: Capacities, full_return: float) -> Authority:
 
 
 def split_start() -> SplitMemory:
-    """The memory before the first sample: no flow, the variance that it has where the effort tells nothing."""
+    """The memory before the first sample: no flow, the variance that it has where the effort shows nothing."""
     return SplitMemory(0.0, 0.5)
 
 
 def sensitivity(authority: Authority, settings: FlowSplit) -> float:
-    """c = Q_J/R_J (H/(G Psi))^2 [1]: how well the effort tells the flow."""
+    """c = Q_J/R_J (H/(G Psi))^2 [1]: how well the effort shows the flow."""
     ratio = settings.flow_deviation * authority.per_flow / (settings.opening_deviation * authority.per_opening)
     return ratio * ratio
 

@@ -5,9 +5,9 @@ Source  ours, docs/models/passivity-control.md, where a function names no other.
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import FlowCoefficient, Pressure, PressureDifference
 from vvdp.base.params import Params
+from vvdp.base.rules import field_text, refuse, require_positive
 from vvdp.base.select import clip, maximum, select
 
 
@@ -26,15 +26,8 @@ class ChamberValve(Params):
 
     def check(self) -> None:
         if not self.supply_pressure > self.tank_pressure:
-            raise ParameterError(
-                f"ChamberValve.supply_pressure: {self.supply_pressure:g} Pa does not exceed "
-                f"the tank_pressure of {self.tank_pressure:g} Pa"
-            )
-        if not self.conductance > 0.0 or not self.least_drop > 0.0:
-            raise ParameterError(
-                f"ChamberValve: conductance {self.conductance:g} m^3/(s*Pa^0.5) and least_drop {self.least_drop:g} Pa; "
-                "expected both above 0"
-            )
+            refuse(self, "supply_pressure", f"must be greater than tank_pressure, {field_text(self, 'tank_pressure')}")
+        require_positive(self, "conductance", "least_drop")
 
 
 def valve_command(flow: float, pressure: float, valve: ChamberValve) -> float:

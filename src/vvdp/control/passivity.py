@@ -8,8 +8,8 @@ Source  ours, docs/models/passivity-control.md, where a function names no other.
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Conductance, Time
+from vvdp.base.rules import refuse_together
 from vvdp.base.select import select
 from vvdp.control.chamber import (
     ChamberDrive,
@@ -40,7 +40,7 @@ class PassivityGains(PositionGains):
     def check(self) -> None:
         super().check()
         if not self.flow_gain + self.pressure_rate > 0.0:
-            raise ParameterError("PassivityGains: flow_gain and pressure_rate are both 0; the pressure would drift")
+            refuse_together(self, "flow_gain or pressure_rate must be greater than 0, or the pressure would drift")
 
 
 def pressure_error_gain(position: float, pressure: float, gains: PassivityGains, drive: ChamberDrive) -> float:

@@ -9,9 +9,9 @@ Source  ours, docs/models/displacement-control.md, where a function names no oth
 
 from typing import Annotated, NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Flow, Fraction, Kind, Number, Pressure, PressureDifference, Ratio
 from vvdp.base.params import Params
+from vvdp.base.rules import field_text, refuse, require_positive
 from vvdp.base.select import clip, maximum, select
 from vvdp.control.capacities import Sides
 from vvdp.control.flow_split import Authority
@@ -36,12 +36,13 @@ class PressureBounds(Params):
     boost_flow: Flow
 
     def check(self) -> None:
-        if not self.transition_band > 0.0:
-            raise ParameterError("PressureBounds.transition_band: 0 Pa; expected above 0: flows would jump at a bound")
+        require_positive(self, "transition_band", why="flows would jump at a bound")
         if not self.highest_pressure - self.lowest_pressure > 2.0 * self.transition_band:
-            raise ParameterError(
-                f"PressureBounds.highest_pressure: {self.highest_pressure:g} Pa leaves nothing between the bands of "
-                f"{self.transition_band:g} Pa above {self.lowest_pressure:g} Pa and below it"
+            band, low = field_text(self, "transition_band"), field_text(self, "lowest_pressure")
+            refuse(
+                self,
+                "highest_pressure",
+                f"must be more than two transition bands of {band} above lowest_pressure, {low}",
             )
 
 

@@ -8,10 +8,10 @@ Source  ours, docs/models/passivity-control.md, where a function names no other.
 from itertools import accumulate
 from typing import Annotated, NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import RATE, Kind, Position, Time, Velocity
 from vvdp.base.params import Params
 from vvdp.base.powers import expm1
+from vvdp.base.rules import require_positive
 from vvdp.base.signal import Signal, table
 
 SIGNED_ACCELERATION = Kind("acceleration in either direction", "m/s^2", -1e6, 1e6, "9.81 m/s^2")
@@ -40,8 +40,7 @@ class ReferenceFilter(Params):
     filter_rate: Rate
 
     def check(self) -> None:
-        if not self.filter_rate > 0.0:
-            raise ParameterError("ReferenceFilter.filter_rate: 0 1/s; the reference would never move, expected above 0")
+        require_positive(self, "filter_rate", why="the reference would never move")
 
 
 def reference_at_rest(position: float) -> Reference:

@@ -12,7 +12,7 @@ from vvdp.base.kinds import COUNT, NUMBER, TIME, Count, Time
 
 
 class AlarmMemory(NamedTuple):
-    """For how long each residual has been beyond its limit [s]; number of the one that told first, 0 before, and
+    """For how long each residual has been beyond its limit [s]; number of the first one that reported, 0 before, and
     when. An alarm stays."""
 
     beyond: Annotated[Array, TIME]

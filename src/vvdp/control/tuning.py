@@ -192,13 +192,13 @@ def passivity_gains_of_poles(
     position_gain = M * natural_rate**2 - K - l * velocity_gain
     if not velocity_gain > 0.0:
         raise ParameterError(
-            f"error_rate: {l:g} 1/s leaves a velocity gain of {velocity_gain:.3g} N*s/m; "
-            f"expected it below 2 zeta w = {2.0 * damping_ratio * natural_rate:.4g} 1/s"
+            f"error_rate: {l:g} 1/s must be less than 2 zeta w = {2.0 * damping_ratio * natural_rate:.4g} 1/s, or the "
+            f"velocity gain is {velocity_gain:.3g} N*s/m"
         )
     if position_gain < 0.0:
         raise ParameterError(
-            f"natural_rate: {natural_rate:g} 1/s takes a position gain of {position_gain:.4g} N/m, against the spring; "
-            f"expected at least {((K + l * velocity_gain) / M) ** 0.5:.4g} 1/s"
+            f"natural_rate: {natural_rate:g} 1/s must be at least {((K + l * velocity_gain) / M) ** 0.5:.4g} 1/s, or "
+            f"the position gain acts against the spring, {position_gain:.4g} N/m"
         )
     return PassivityGains(
         error_rate=l, position_gain=position_gain, velocity_gain=velocity_gain, pressure_rate=pressure_rate

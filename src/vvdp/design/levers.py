@@ -234,7 +234,7 @@ def _simulate(
 
 
 def _stand_with(system: System, *, has_bypass: bool, has_chamber: bool) -> Stand:
-    """The system on a test stand, with the components of soft switching."""
+    """The system on a test rig, with the components of soft switching."""
     more: dict[str, Params] = {}
     if has_bypass:
         more["bypass"] = usual_bypass(float(setup(system).flow))

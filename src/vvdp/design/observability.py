@@ -16,13 +16,13 @@ from vvdp.estimation.observability import (
     WARN_BELOW,
     check_noise,
     is_observable,
-    lost_speeds,
     margin_with_pressure,
     natural_frequency,
     numeric_grammian,
     observability_margin,
     rank,
     scaled_dynamics,
+    unobservable_speeds,
 )
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke, shades
 from vvdp.results.result import Column, Finding, Grade, Result, Table, numbers_of
@@ -44,7 +44,8 @@ MANNER = (
     "0 is lost."
 )
 LEFT_OUT = (
-    "How large the noise is: the margin says how well it can be told from the position, not how far off one is.",
+    "How large the noise is: the margin says how well it can be distinguished from the position, not how far "
+    "off one is.",
     "More turns than one: they add up in an observer, but for what is lost in each.",
     "A noise that changes with the position.",
 )
@@ -164,7 +165,7 @@ def _speeds(gamma: float, spool_speed: float, harmonics: int) -> Array:
     """Spool speeds to be drawn [rad/s]: among them the chosen one, the lost ones, and one between any two of these."""
     low = min(0.6 * gamma / harmonics, 0.5 * spool_speed) if gamma > 0.0 else 0.1 * spool_speed
     high = max(2.2 * gamma, 1.3 * spool_speed)
-    lost = lost_speeds(gamma, max(harmonics, *OTHER_HARMONICS))
+    lost = unobservable_speeds(gamma, max(harmonics, *OTHER_HARMONICS))
     lost = lost[lost > low]
     return np.unique([*np.linspace(low, high, DRAWN), *lost, *(0.5 * (lost[1:] + lost[:-1])), spool_speed])
 
@@ -201,14 +202,17 @@ def _windows_table(windows: Iterator[Window]) -> Table:
 
 
 def _lost_table(gamma: float, harmonics: int) -> Table:
-    speeds = lost_speeds(gamma, harmonics)
+    speeds = unobservable_speeds(gamma, harmonics)
     return Table(
         title="Lost spool speeds",
         columns={
             "harmonic": Column(np.arange(1.0, len(speeds) + 1.0), kinds.COUNT, "harmonic"),
             "speeds_rev_s": Column(speeds / TURN, TURNS, "spool speed"),
         },
-        note="A harmonic of the noise has the natural frequency there; position and velocity cannot be told from it.",
+        note=(
+            "A harmonic of the noise has the natural frequency there; position and velocity cannot be "
+            "distinguished from it."
+        ),
     )
 
 
@@ -255,7 +259,7 @@ def _chart(tables: dict[str, Table], gamma: float, harmonics: int) -> Chart:
     ]
     lost = tuple(
         Level(value=float(omega), upright=True, colour=Colour.FAINT, stroke=Stroke.DOTTED)
-        for omega in lost_speeds(gamma, harmonics)
+        for omega in unobservable_speeds(gamma, harmonics)
     )
     limits = (
         Level(value=WARN_BELOW, label="warn", colour=Colour.INLET),

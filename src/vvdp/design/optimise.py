@@ -36,7 +36,7 @@ class Active:
 
     @property
     def words(self) -> str:
-        """What it is, as a person reads it."""
+        """What it is, as people read it."""
         return self.source.words
 
 

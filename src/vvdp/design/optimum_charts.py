@@ -130,7 +130,7 @@ def _bounds(found: Optimum) -> Table:
     held = {each.source.bound.variable.name for each in found.active if isinstance(each.source, Side)}
     labels = [f"{b.variable.label}{' *' if b.variable.name in held else ''}" for b in bounds]
     columns = {
-        "label": Column(np.array(labels), None, "variable; * a bound of it holds the optimum"),
+        "label": Column(np.array(labels), None, "variable (* at its bound)"),
         "before": _way([value_in(at, b.variable.name) for b in bounds], bounds),
         "optimum": _way([found.values[b.variable.name] for b in bounds], bounds),
     }
@@ -143,7 +143,7 @@ def _way(values: Sequence[float], bounds: Sequence[Bound]) -> Column:
         float(np.log(value / b.low) / np.log(b.high / b.low)) if b.high > b.low else 0.5
         for value, b in zip(values, bounds, strict=True)
     ]
-    return Column(np.array(ways), EFFICIENCY, "way from the lower to the upper bound")
+    return Column(np.array(ways), EFFICIENCY, "position between lower and upper bound")
 
 
 def _sensitivity_axis(source: Limit | Side) -> tuple[str, Kind, str]:

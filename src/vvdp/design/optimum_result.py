@@ -32,7 +32,7 @@ HOLDING = (
 COUNTING = (
     "The compressibility loss counts the PWM frequency of the fully open valve here, that of the switching valve, "
     "which is lower, in vvdp valve and in the comparison with the simulation. The efficiency is the load power, less "
-    "leakage and compressibility, over the power put in; that of an analytic map leaves compressibility out."
+    "leakage and compressibility, over the input power; that of an analytic map leaves compressibility out."
 )
 COMPARING = (
     "The analytic values count volumes and add up an upper estimate of the losses, see the model of the rotary valve; "

@@ -93,7 +93,7 @@ class Front:
 
 
 def objectives(minimise: Sequence[str], maximise: Sequence[str]) -> tuple[Objective, ...]:
-    """The objectives that a person names; the usual four without any. Raises ConfigError with all faults."""
+    """The objectives that a user names; the usual four without any. Raises ConfigError with all faults."""
     if not minimise and not maximise:
         return USUAL
     faults = [

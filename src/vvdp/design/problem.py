@@ -10,7 +10,7 @@ import numpy as np
 
 from vvdp.base.display import value_text, with_unit
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
-from vvdp.base.kinds import PRESSURE_LEVEL
+from vvdp.base.kinds import FLOW, PRESSURE_LEVEL
 from vvdp.base.tables import nearest, read_table, refuse_unknown, with_settings
 from vvdp.base.units import parse
 from vvdp.design.quantities import KINDS, LABELS, Quantities, Setup, quantities, setup
@@ -26,7 +26,7 @@ _SIGNS = {"≥": ">=", "≤": "<="}
 class Limit:
     """A quantity that must be at least, at most, or `exactly` a value [SI], at every operating point, or on average.
 
-    `usual` where nobody asked for it.
+    `usual` where it was not asked for.
     """
 
     quantity: str
@@ -37,12 +37,12 @@ class Limit:
     exactly: bool = False
 
     def __str__(self) -> str:
-        """As a person types it."""
+        """As a user types it."""
         return self._statement(self.quantity, (">=", "<="), value_text(self.value, KINDS[self.quantity]))
 
     @property
     def words(self) -> str:
-        """As a person reads it."""
+        """As people read it."""
         amount = with_unit(self.value, KINDS[self.quantity], 6)
         return self._statement(LABELS[self.quantity], "≥≤", amount)
 
@@ -80,7 +80,7 @@ SMALLEST = {name: kind.scale for name, kind in KINDS.items()}
 
 @dataclass(frozen=True)
 class Bound:
-    """Between which values [SI] a variable may lie, and which of the two somebody asked for."""
+    """Between which values [SI] a variable may lie, and which of the two was asked for."""
 
     variable: Variable
     low: float
@@ -114,13 +114,13 @@ class Side(NamedTuple):
     upper: bool
 
     def __str__(self) -> str:
-        """As a person types it."""
+        """As a user types it."""
         sign = "=" if self.bound.is_fixed else "<=" if self.upper else ">="
         return f"{self.bound.variable.name} {sign} {value_text(self.value, self.bound.variable.kind)}"
 
     @property
     def words(self) -> str:
-        """As a person reads it."""
+        """As people read it."""
         sign = "=" if self.bound.is_fixed else "≤" if self.upper else "≥"
         return f"{self.bound.variable.label} {sign} {with_unit(self.value, self.bound.variable.kind, 6)}"
 
@@ -131,7 +131,7 @@ class Side(NamedTuple):
 
     @property
     def is_given(self) -> bool:
-        """Whether somebody asked for it."""
+        """Whether it was asked for."""
         return self.bound.is_fixed or (self.bound.high_given if self.upper else self.bound.low_given)
 
 
@@ -220,7 +220,7 @@ def problem(
     *,
     beside: Iterable[str] = (),
 ) -> Problem:
-    """The problem that a person has put into words; see docs/design.md. Raises ConfigError with all that is wrong."""
+    """The problem that a user has put into words; see docs/design.md. Raises ConfigError with all that is wrong."""
     faults: list[Fault] = []
     if minimise not in KINDS:
         faults.append(Fault("--minimise", 0, minimise, f"unknown quantity{nearest(minimise, list(KINDS))}"))
@@ -247,9 +247,9 @@ def problem(
 
 
 TRANSITIONAL = frozenset(("loss_transition", "loss_total", "efficiency", "load_flow", "relief_margin", "input_power"))
-"""What the closed form of the transition loss enters, which needs the relief valve shut while a port is open."""
+"""What the closed form of the transition loss enters, which needs the relief valve closed while a port is open."""
 RIPPLE = frozenset(("pwm_frequency", "load_pulsation"))
-"""What tells of the ripple behind the load port."""
+"""What reports the ripple behind the load port."""
 
 
 MOST_TRANSITION = 0.5
@@ -261,7 +261,7 @@ def with_usual_limits(asked: Problem, *, front: bool = False) -> Problem:
 
     The PWM frequency is at least that of the system as it is: a slower valve loses less in closed form, which takes the
     load pressure as steady, but its ripple grows. Of a `front`, a transition takes at most half a PWM period, or what
-    it took before, the relief valve stays shut while a port is open, and the pump needs no more than the power of its
+    it took before, the relief valve stays closed while a port is open, and the pump needs no more than the power of its
     motor, or what it needed before. Names in the objectives of a front do not bound them.
     """
     before, mean = asked.evaluate({}), len(asked.points) > 1
@@ -317,10 +317,11 @@ def _check_variables(system: System, bounds: Sequence[Bound], faults: list[Fault
 def _unusable_points(point: Point) -> list[Fault]:
     at, place = point.setup, point.system.name
     if not at.flow > 0.0:
-        return [Fault(place, 0, "operation.pump_speed", f"no equilibrium speed: the pump delivers {at.flow:g} m^3/s")]
+        message = f"no equilibrium speed: the pump delivers {with_unit(at.flow, FLOW)}"
+        return [Fault(place, 0, "operation.pump_speed", message)]
     if not at.load_pressure > at.tank_pressure:
         load, tank = (with_unit(p, PRESSURE_LEVEL) for p in (at.load_pressure, at.tank_pressure))
-        return [Fault(place, 0, "load", f"the load at {load} is not above the tank at {tank}")]
+        return [Fault(place, 0, "load", f"the load at {load} must be greater than the tank at {tank}")]
     return []
 
 
@@ -412,7 +413,7 @@ def _bound(variable: Variable, sides: Mapping[str, float], now: float, faults: l
             message = f"{between}; expected whole numbers, and there is none between"
     ends = " to ".join(value_text(float(end), kind) for end in (low, high))
     if not message and not low > 0.0:
-        message = f"{ends}; both ends must be above zero"
+        message = f"{ends}: both ends must be greater than 0"
     elif not message and not low <= high:
         message = f"{ends} leaves nothing between"
     if message:
@@ -441,7 +442,7 @@ def cycle_points(path: Path, system: System, faults: list[Fault]) -> list[tuple[
     for number, row in enumerate(rows, 1):
         place, settings, weight = f"{path}: point {number}", dict[str, Any](), row.get("weight", 1.0)
         if isinstance(weight, bool) or not isinstance(weight, int | float) or not 0.0 < weight < np.inf:
-            faults.append(Fault(place, 0, "weight", f"{weight!r}; expected a number above zero"))
+            faults.append(Fault(place, 0, "weight", f"{weight!r} must be a number greater than 0"))
             continue
         for key, value in _dotted_key(row).items():
             if key.startswith("valve.") or "." not in key:

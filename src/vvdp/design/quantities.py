@@ -66,7 +66,7 @@ class Setup(NamedTuple):
 
 
 class Quantities(NamedTuple):
-    """What a design comes to at one operating point, with the valve fully open where a cycle is not named.
+    """Results of a design at one operating point, with the valve fully open where a cycle is not named.
 
     `loss_total` adds the five losses above it. `load_pulsation` is the volume that whatever stands behind the load port
     has to store in every PWM period, `spool_volume` that of the switching section and its two end lands,
@@ -122,7 +122,7 @@ LABELS: Mapping[str, str] = {
     "nozzle_reynolds_number": "Reynolds number of the nozzles",
     "spool_friction_power": "viscous friction of the spool",
 }
-"""What a person calls each quantity."""
+"""What a user calls each quantity."""
 
 
 def key(name: str, kind: Kind) -> str:
@@ -172,7 +172,7 @@ def loose_copy(params: Any) -> Any:
 
 
 def quantities(at: Setup) -> Quantities:
-    """What a design comes to at one operating point.
+    """Results of a design at one operating point.
 
     The spool runs at the speed at which torques and drive balance with the valve fully open. The compressibility loss
     counts that frequency, and the pulsation takes the pump's flow as switched at once: d (1 - d) Q/f.

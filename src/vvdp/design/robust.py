@@ -31,7 +31,7 @@ from vvdp.systems.system import System
 OUTPUTS = ("loss_total_W", "pwm_frequency_Hz", "efficiency", "settled", "trusted")
 """What is asked of a simulation."""
 DUTY_RATIOS = ("0.4", "0.5", "0.6")
-"""The duty cycle where nobody gives one, equally long at each."""
+"""The duty cycle by default, equally long at each."""
 SIZES = 6
 """Designs of least nominal loss, from small to large, that the evolution begins with."""
 STEP, STRIDE = 0.06, 0.7
@@ -166,7 +166,7 @@ def _temperature(ends: tuple[float, float]) -> Spread:
 
 
 class Runs(NamedTuple):
-    """Where runs are kept and carried out, and who hears of them: `progress` of runs, of all."""
+    """Where runs are kept and carried out, and what is informed of them: `progress` of runs, of all."""
 
     directory: Path
     engine: Engine = HERE

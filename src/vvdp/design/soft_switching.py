@@ -29,7 +29,7 @@ FINER = 16
 PERIODS = 4
 """Until the oil in the chamber comes back: it empties in each of them, where it can."""
 MOUTH = Orifice()
-SHUT = BranchFlow(0.0, 0.0, 1.0, 0.0, 0.0)
+CLOSED = BranchFlow(0.0, 0.0, 1.0, 0.0, 0.0)
 
 
 class Softening(NamedTuple):
@@ -199,8 +199,8 @@ class _Circuit:
         return _Instant(pressure, load, tank, float(load.flow) + passed, taken)
 
     def _branch(self, pressure: float, behind: float, opening: float) -> BranchFlow:
-        """What a branch passes; nothing where its port is shut."""
-        return throttled_flow(pressure, behind, opening, self.law) if opening > 0.0 else SHUT
+        """What a branch passes; nothing where its port is closed."""
+        return throttled_flow(pressure, behind, opening, self.law) if opening > 0.0 else CLOSED
 
 
 def _circuit(at: Setup, soft: Softening) -> _Circuit:

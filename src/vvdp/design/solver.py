@@ -54,7 +54,7 @@ def _seal_numbers(valve: Any, found: Sequence[Any]) -> str:
     return f"clearance {1e6 * valve.radial_clearance:.4g} um, land {1e6 * barrier_width(valve):.4g} um"
 
 
-def _stays_shut(valve: Any, found: Sequence[Any]) -> Any:
+def _stays_closed(valve: Any, found: Sequence[Any]) -> Any:
     """Bigger than zero where load and open drop reach the relief setting at any point.
 
     Measured with a fixed pressure: in parts of the drop a larger drop would look closer.
@@ -65,29 +65,29 @@ def _stays_shut(valve: Any, found: Sequence[Any]) -> Any:
     return worst
 
 
-def _shut_numbers(valve: Any, found: Sequence[Any]) -> str:
+def _closed_numbers(valve: Any, found: Sequence[Any]) -> str:
     margin = min(float(q.relief_margin) for q in found)
     return f"the open valve leaves {round(1e-5 * margin, 4) + 0.0:.4g} bar to the relief setting"
 
 
 FITS = Geometry("nozzle and barrier fit into the pitch", _fits, _fit_numbers)
 SEALS = Geometry("the clearance is at most a tenth of the barrier that it seals under", _seals, _seal_numbers)
-STAYS_SHUT = Geometry("the relief valve is shut while the load port is open", _stays_shut, _shut_numbers)
+STAYS_CLOSED = Geometry("the relief valve is closed while the load port is open", _stays_closed, _closed_numbers)
 
 
 def geometry_of(problem: Problem) -> tuple[Geometry, ...]:
     """The demands that come from the valve itself and from the range of the formulas.
 
-    A relief valve that a limit keeps shut is not demanded to be shut again: of two that are alike each multiplier would
-    be any part of the true one.
+    A relief valve that a limit keeps closed is not demanded to be closed again: of two that are alike each
+    multiplier would be any part of the true one.
     """
-    kept_shut = any(
+    kept_closed = any(
         limit.quantity == "relief_margin" and (limit.at_least or limit.exactly) and limit.value >= 0.0
         for limit in problem.limits
         if not limit.over_the_points
     )
-    stays_shut = (STAYS_SHUT,) if problem.quantities & TRANSITIONAL and not kept_shut else ()
-    return (FITS, SEALS, *stays_shut)
+    stays_closed = (STAYS_CLOSED,) if problem.quantities & TRANSITIONAL and not kept_closed else ()
+    return (FITS, SEALS, *stays_closed)
 
 
 class Traced:

@@ -1,4 +1,4 @@
-"""Between which values the inputs of a tolerance study lie, and who says so."""
+"""Between which values the inputs of a tolerance study lie, and who states this."""
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
@@ -35,7 +35,7 @@ OF_SETUP = {
 
 @dataclass(frozen=True)
 class Spread:
-    """Between which values [SI] an input lies, evenly (or evenly in its logarithm), and who says so.
+    """Between which values [SI] an input lies, evenly (or evenly in its logarithm), and who states this.
 
     `setting` is its table and key, `nominal` its value as it is.
     """

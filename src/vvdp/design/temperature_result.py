@@ -202,6 +202,6 @@ def _range_chart(found: OverTemperature) -> Chart:
         name="range",
         caption="How much of its limit each check uses: above 1 the model is in doubt.",
         table="temperature",
-        panels=(Lines(lines=lines, label="part of the limit", levels=(limit,), y_log=True, low=1e-2, legend="Check"),),
+        panels=(Lines(lines=lines, label="use of the limit", levels=(limit,), y_log=True, low=1e-2, legend="Check"),),
         height=3.0,
     )

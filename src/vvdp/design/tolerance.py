@@ -42,9 +42,9 @@ WORDS: Mapping[str, tuple[Kind, str]] = {name: (KINDS[name], LABELS[name]) for n
 """Kind and label of each output."""
 SAMPLES, RUNS = 1024, 256
 COARSE = 0.15
-"""Half width of the 95 % confidence of a share of the variance from which on it is told that samples are few."""
+"""Half width of the 95 % confidence of a share of the variance from which on a note says that samples are few."""
 ROUGH = 0.05
-"""Share of the variance that a curve through runs misses, from which on it is told that runs are few."""
+"""Share of the variance that a curve through runs misses, from which on a note says that runs are few."""
 
 
 @dataclass(frozen=True)

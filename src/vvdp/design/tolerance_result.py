@@ -24,7 +24,7 @@ SIMULATED = (
     "Drop and PWM frequency of the fully open valve are closed forms. Efficiency, switching frequency and highest "
     "pressure are simulated at {runs} evenly spread draws; the draws behind distributions and shares are those of a "
     "smooth curve through these runs (a Gaussian process), which misses {missed} of the variance, as each run compared "
-    "with the curve through all others tells. Bars of one value alone are runs."
+    "with the curve through all others shows. Bars of one value alone are runs."
 )
 MANNER = (
     "Inputs are taken as even within their spreads, or in their logarithm where the ends lie more than ten times "
@@ -120,7 +120,7 @@ def _distribution(found: Tolerance) -> Table:
     for name, values in found.outputs.items():
         counts, edges = np.histogram(values, bins=BINS)
         columns[key(name, WORDS[name][0])] = Column(edges, WORDS[name][0], WORDS[name][1])
-        columns[f"{name}_count"] = Column(np.append(counts, 0).astype(float), COUNT, "draws from here to the next")
+        columns[f"{name}_count"] = Column(np.append(counts, 0).astype(float), COUNT, "draws per bin")
     return Table(title="Distributions", columns=columns, is_data=True)
 
 

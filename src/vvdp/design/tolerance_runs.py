@@ -21,7 +21,7 @@ NO_PERIOD = "no whole PWM period within the run"
 
 
 class SimulatedDraws(NamedTuple):
-    """What runs come to, by key of the summary: at evenly spread `points` of the unit cube, with the system as it is,
+    """Results of runs, by key of the summary: at evenly spread `points` of the unit cube, with the system as it is,
     and at both ends of each input alone, shape (inputs, 2). `failed` says why draws gave nothing; they are left out."""
 
     points: Array
@@ -81,7 +81,7 @@ def _general_form(system: System, taken: Sequence[Spread]) -> System:
     bench = rotary_bench(system, "design tolerance")
     try:
         between = bench_with(bench, {each.setting: float(each.quantile(0.5)) for each in taken})
-    except ParameterError:  # what contradicts is told of each draw
+    except ParameterError:  # what contradicts is informed of each draw
         return system
     return replace(system, circuit=system.with_tables(between.tables).circuit, redrawn=True)
 

@@ -19,7 +19,7 @@ class Variable:
     """A value of a system that a design may change; `setting` is its table and key.
 
     Unless said otherwise it lies between `lowest` and `highest` times what it was. It is free where `usual`, or where
-    somebody gives a bound.
+    a bound is given.
     """
 
     name: str

@@ -18,13 +18,13 @@ REMEMBERED = 64.0
 """Edges over which the share of irregular ones is averaged [1]."""
 
 RAREST = 1e-3
-"""Least share of missed edges that is reckoned with [1]."""
+"""Least share of missed edges that is calculated with [1]."""
 
 BURSTY = 32.0
 """Edges that the share of missed ones is worth at most: sensors miss several in a row [1]."""
 
 UNWATCHED = 5.0
-"""Edges that what is taken for granted of the sensor is worth before any is seen [1]."""
+"""Weight of the prior of the sensor, in edges [1]."""
 
 MOST_MISSED = 32.0
 """Edges beyond which it makes no difference how many are missed in a row [1]."""
@@ -68,7 +68,7 @@ def sector(wheel: CodeWheel) -> float:
 
 
 def counted_edge(last: float, edges: float, polarity: float) -> float:
-    """Number of the edge seen, `edges` after the edge numbered `last`; one more where its polarity says so.
+    """Number of the edge seen, `edges` after the edge numbered `last`; one more where its polarity states this.
 
     polarity  +1 rising, -1 falling, 0 unknown
 

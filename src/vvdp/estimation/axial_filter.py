@@ -1,6 +1,6 @@
-"""What the observers of the spool's axial position have in common: what they see, believe and tell, how they correct.
+"""What the observers of the spool's axial position have in common: what they see, believe and show, how they correct.
 
-The leading states are those of the drive, position first; then come the coefficients of the pollution.
+The leading states are those of the drive, position first; then come the coefficients of the periodic sensor error.
 Derived in docs/models/axial-observer.md.
 
 Source  ours, docs/models/axial-observer.md, where a function names no other.
@@ -11,7 +11,6 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import (
     NUMBER,
     Angle,
@@ -31,6 +30,7 @@ from vvdp.base.kinds import (
     Velocity,
 )
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import maximum
 from vvdp.estimation.duty import DutyEstimate
 from vvdp.estimation.noise_basis import TURN, NoiseBasis, basis_slope, function_count, turned_variance, write_basis
@@ -39,7 +39,9 @@ from vvdp.estimation.pressure_edges import PressureReading
 from vvdp.numerics.kalman import add_variance, consider, factors_of, know_leading, observe, variance_of
 
 KNOWN_ANGLE = 0.5
-"""Deviation of the spool angle above which the pollution counts as noise without a pattern [rad]; assumed."""
+"""Deviation of the spool angle above which the periodic sensor error counts as noise without a pattern [rad];
+assumed.
+"""
 
 
 SLOWEST_TURN = 1.0
@@ -47,10 +49,11 @@ SLOWEST_TURN = 1.0
 
 
 class Phase(NamedTuple):
-    """Where the pollution is in its period, and how fast it goes through it: the spool's estimate, or a clock's.
+    """Where the periodic sensor error is in its period, and how fast it goes through it: the spool's estimate, or a
+    clock's.
 
     A deviation above `KNOWN_ANGLE`, or NaN: the angle is not known. `slip` is the variance of a jump that the angle may
-    have made since the last sample, and that no later edge tells.
+    have made since the last sample, and that no later edge shows.
     """
 
     angle: Angle
@@ -92,8 +95,8 @@ class AxialEstimate(NamedTuple):
     """What is believed at a sample. Deviations are NaN where an observer does not know them.
 
     `pollution` is what the reading is believed to be off by. `innovation` and its deviation are 0 at samples without a
-    reading. `lost`, `frozen` and `warned` are 1 where the sensor is silent, where the pollution is kept as learned,
-    and where the margin is low.
+    reading. `lost`, `frozen` and `warned` are 1 where the sensor is silent, where the periodic sensor error is kept
+    as learned, and where the margin is low.
     """
 
     position: Position
@@ -109,7 +112,9 @@ class AxialEstimate(NamedTuple):
 
 
 class OpticalSight(NamedTuple):
-    """The pollution that was believed before an optical reading was taken in, and by how much the reading was off."""
+    """The periodic sensor error that was believed before an optical reading was taken in, and by how much the
+    reading was off.
+    """
 
     pollution: Position
     innovation: Position
@@ -127,7 +132,7 @@ class AxialMemory(NamedTuple):
 
 
 class PollutionModel(Params):
-    """The pollution of the axial sensor as an observer models it.
+    """The periodic sensor error of the axial sensor as an observer models it.
 
     `sensor_deviation` is that of the white noise of a sample. A coefficient drifts by `coefficient_drift` a sample and
     is known to `coefficient_deviation` at first. The optical signal is `optical_delay` older than the angle that comes
@@ -144,16 +149,19 @@ class PollutionModel(Params):
     optical_delay: Duration = 0.0
 
     def check(self) -> None:
-        for name in ("sensor_deviation", "coefficient_drift", "duty_deviation"):
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(
-                    f"PollutionModel.{name}: 0; no sensor is without noise and no pollution without change, and at 0 "
-                    "the covariance is no longer positive; expected above 0"
-                )
+        require_positive(
+            self,
+            "sensor_deviation",
+            "coefficient_drift",
+            "duty_deviation",
+            why="at 0 the covariance is no longer positive definite",
+        )
 
 
 def axial_start(plant_mean: Array, plant_deviations: Array, pollution: PollutionModel) -> AxialMemory:
-    """The memory before the first sample: states of the drive and their deviations as given, no pollution."""
+    """The memory before the first sample: states of the drive and their deviations as given, no periodic sensor
+    error.
+    """
     n = function_count(pollution.basis)
     mean = np.concatenate([plant_mean, np.zeros(n)])
     deviations = np.concatenate([plant_deviations, np.full(n, pollution.coefficient_deviation)])
@@ -187,7 +195,7 @@ def hold_position(draft: Draft, stop_position: float) -> None:
 
 
 def is_frozen(seen: AxialSeen) -> bool:
-    """Whether the pollution is kept as learned. At the stop it is not, for the position is known there."""
+    """Whether the periodic sensor error is kept as learned. At the stop it is not, for the position is known there."""
     return seen.margin < FREEZE_BELOW and seen.held == 0.0
 
 
@@ -231,8 +239,9 @@ def take_in(draft: Draft, innovation: float, variance: float, frozen: bool) -> f
 def take_optical(draft: Draft, seen: AxialSeen, pollution: PollutionModel, period: float) -> OpticalSight:
     """Take in the optical signal, in place.
 
-    Where the angle is not known the pollution counts as noise; where it is uncertain, what that does to the pollution.
-    Either noise lasts longer than the `period` of the samples [s], so that it counts for more than a sample of it says.
+    Where the angle is not known the periodic sensor error counts as noise; where it is uncertain, what that does to
+    the periodic sensor error. Either noise lasts longer than the `period` of the samples [s], so that it counts for
+    more than a sample of it says.
     """
     phase, mean, row, first = seen.phase, draft.mean, draft.row, draft.leading
     if phase.slip > 0.0:
@@ -269,7 +278,7 @@ def needs_duty(seen: AxialSeen) -> bool:
 def duty_sight(found: DutyEstimate, edge: PressureReading, pwm_frequency: Frequency) -> DutySight:
     """The duty ratio of a pulse that ends with this edge, nothing new at any other sample.
 
-    Each edge shows half of the position at its own time, so that together they tell that at the middle of the pulse.
+    Each edge shows half of the position at its own time, so that together they show that at the middle of the pulse.
 
     found          by `duty_step`, with the valve's own excess taken off
     pwm_frequency  [Hz]
@@ -283,7 +292,7 @@ def duty_sight(found: DutyEstimate, edge: PressureReading, pwm_frequency: Freque
 
 
 def take_duty(draft: Draft, seen: AxialSeen, travelled: float, pollution: PollutionModel) -> None:
-    """Take in the duty ratio of the pressure wave, in place; the draft's row tells where the spool was when it showed.
+    """Take in the duty ratio of the pressure wave, in place; the draft's row shows where the spool was when it showed.
 
     travelled  what the drive's input alone has added to the position since [m]
 

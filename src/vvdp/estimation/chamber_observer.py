@@ -1,4 +1,4 @@
-"""Where the spool is that a chamber pushes against a spring: a periodic Kalman filter that knows the chamber pressure.
+"""Observer of the spool position, chamber drive: a periodic Kalman filter with the chamber pressure as input.
 
 The measured pressure is the input; between two samples it is taken as a line, for which the transition of the damped
 oscillator is exact. Derived in docs/models/axial-observer.md.
@@ -10,9 +10,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Area, Force, Length, Mass, Position, Pressure, Stiffness, Time, Velocity, ViscousFriction
+from vvdp.base.display import value_text
+from vvdp.base.kinds import (
+    VISCOUS_FRICTION,
+    Area,
+    Force,
+    Length,
+    Mass,
+    Position,
+    Pressure,
+    Stiffness,
+    Time,
+    Velocity,
+    ViscousFriction,
+)
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 from vvdp.estimation.axial_filter import (
     AxialEstimate,
     AxialMemory,
@@ -44,15 +57,10 @@ class SpringDrive(Params):
 
     def check(self) -> None:
         M, K, b = self.moving_mass, self.stiffness, self.viscous_friction
-        if not (M > 0.0 and K > 0.0 and self.area > 0.0):
-            raise ParameterError(
-                f"SpringDrive: moving_mass {M:g} kg, stiffness {K:g} N/m, area {self.area:g} m^2; expected all above 0"
-            )
+        require_positive(self, "moving_mass", "stiffness", "area")
         if not b * b < 4.0 * K * M:
-            raise ParameterError(
-                f"SpringDrive.viscous_friction: {b:g} N*s/m, and the spool creeps; expected below 2 sqrt(K M) = "
-                f"{2.0 * np.sqrt(K * M):.4g} N*s/m"
-            )
+            limit = value_text(2.0 * np.sqrt(K * M), VISCOUS_FRICTION)
+            refuse(self, "viscous_friction", f"must be less than 2 sqrt(K M) = {limit}, or the spool creeps")
 
 
 class ChamberObserver(Params):
@@ -72,12 +80,9 @@ class ChamberObserver(Params):
     stop_position: Position
 
     def check(self) -> None:
-        if not (self.sample_period > 0.0 and self.position_drift > 0.0 and self.velocity_drift > 0.0):
-            raise ParameterError(
-                f"ChamberObserver: sample_period {self.sample_period:g} s, position_drift {self.position_drift:g} m, "
-                f"velocity_drift {self.velocity_drift:g} m/s; expected all above 0: noise that leaves a state out "
-                "lets its gain die"
-            )
+        require_positive(
+            self, "sample_period", "position_drift", "velocity_drift", why="without process noise a gain falls to 0"
+        )
 
 
 class OscillatorStep(NamedTuple):

@@ -1,7 +1,7 @@
 """Whether edges are commensurate with the sampling, so that part of the angle's error hides from every estimator.
 
 Edges that are only sampled fall at a place within the sampling period that cannot be seen. When p edges take exactly q
-samples, only p different places occur, for ever, and their mean error does not die out. Derived in
+samples, only p different places occur, indefinitely, and their mean error does not die out. Derived in
 docs/models/simple-estimators.md, "Edges in step with the samples".
 
 Source  ours, docs/models/simple-estimators.md, where a function names no other.
@@ -11,7 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vvdp.base.display import value_text
 from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import FREQUENCY, TIME
+from vvdp.base.rules import POSITIVE, require_positive_value
 
 
 class Commensurate(NamedTuple):
@@ -37,13 +40,11 @@ def commensurate_clock(
     memory       of the estimator [s]; it follows the hidden error, in step or not, where the beat lasts longer
     Raises ParameterError for a sampling rate or memory that is not positive, a tolerance below 0, `largest` below 1.
     """
-    if not sample_rate > 0.0:
-        raise ParameterError(f"a sampling rate of {sample_rate:g}/s; expected more than 0")
-    if not (tolerance >= 0.0 and memory > 0.0 and largest >= 1):
-        raise ParameterError(
-            f"tolerance {tolerance:g}, memory {memory:g} s, samples up to {largest}; expected at least 0, above 0, at "
-            "least 1"
-        )
+    require_positive_value("sampling rate", sample_rate, FREQUENCY)
+    if not memory > 0.0:  # without end for one that forgets nothing
+        raise ParameterError(f"memory: {value_text(memory, TIME)} {POSITIVE}")
+    if not (tolerance >= 0.0 and largest >= 1):
+        raise ParameterError(f"tolerance {tolerance:g} must be at least 0, and largest {largest} at least 1")
     if not 0.0 < edge_rate < sample_rate:
         return None
     ratio = edge_rate / sample_rate

@@ -1,6 +1,6 @@
 """After a silence: did the wheel stand still, or was the sensor silent while it turned on?
 
-The filter begins anew as if the wheel had stood. Beside it the belief from before the silence is carried on until the
+The filter begins again as if the wheel had stood. Beside it the belief from before the silence is carried on until the
 edges that follow speak clearly for one of the two. Derived in docs/models/event-filter.md, "After a silence".
 
 Source  ours, docs/models/event-filter.md, where a function names no other.
@@ -51,7 +51,7 @@ def carry_on(doubt: Doubt, prior: AngleSpeed, edge: NumberedEdge, variance: floa
 
     prior     the belief at the time of the edge, had the wheel turned on
     variance  of an edge, R [rad^2]
-    surprise  of the filter that begins anew: nu^2/S + ln S, and what edges missed by this belief but not by that cost
+    surprise  of the filter that begins again: nu^2/S + ln S, and what edges missed by this belief but not by that cost
     """
     innovation = edge.angle - prior.angle
     S = prior.angle_variance + variance

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, Density, Flow, Pressure, Speed, Time
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip, maximum
 from vvdp.estimation.pressure_edges import PressureReading
 from vvdp.valve.branch import centre_resistance, nozzle_resistance, outlet_resistance
@@ -30,8 +30,7 @@ class DutyWave(Params):
     tank_pressure: Pressure
 
     def check(self) -> None:
-        if not self.flow > 0.0:
-            raise ParameterError(f"DutyWave.flow: {self.flow:g} m^3/s; expected a pump flow above zero")
+        require_positive(self, "flow")
 
 
 class DutyReading(NamedTuple):

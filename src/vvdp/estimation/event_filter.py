@@ -124,7 +124,7 @@ def take_in(
     """
     wheel, q, tally, edge = settings.wheel, settings.acceleration_density, memory.tally, seen.edge
     prior, ripple, R, associating = expected.course, expected.ripple, expected.variance, tally.associating
-    # Where no silence is heard, or a sample takes half a sector, anything may have happened once the angle is vague.
+    # Where no silence is used, or a sample takes half a sector, anything may have happened once the angle is vague.
     unheard = settings.stop_rate == 0.0 or reading.edge_interval * prior.speed > 0.5 * sector(wheel)
     calm = associating > 0.0 and memory.manoeuvre.density <= q
     if unheard and calm and vague(expected.instant, wheel) > 0.0:
@@ -181,7 +181,7 @@ def manoeuvre_after(
     """Density and sums after an edge, and whether a manoeuvre is declared by it.
 
     z            innovation over its deviation [1]
-    associating  1 where the belief tells the edges, else sums are 0
+    associating  1 where the belief shows the edges, else sums are 0
     watched      edges since the filter knew nothing [1]
 
     Source  page1954; docs/models/event-filter.md
@@ -228,7 +228,7 @@ def look_for_index(
 
 
 def associate(memory: EventFilterMemory, reading: Reading, expected: Expected, settings: EventFilter) -> Association:
-    """Which edge the last of a reading was: the first, the next by count, or that which the belief tells."""
+    """Which edge the last of a reading was: the first, the next by count, or that which the belief shows."""
     m, wheel, polarity = memory, settings.wheel, reading.polarity
     if m.tally.started == 0.0:
         return Association(first_edge(m.belief.angle, polarity, wheel), 1.0, 0.0)

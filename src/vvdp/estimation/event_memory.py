@@ -25,7 +25,7 @@ class LastEdge(NamedTuple):
 
 
 class Tally(NamedTuple):
-    """How edges are told: `started` is 1 after the first, `associating` once the belief tells them and none counts.
+    """How edges are reported: `started` is 1 after the first, `associating` once the belief shows them and none counts.
 
     `ignored` edges have come since the last used one; `irregular` is the share of edges that were missed or ignored,
     and rests on `watched` edges.
@@ -41,7 +41,7 @@ class Tally(NamedTuple):
 
 class Manoeuvre(NamedTuple):
     """Density of the acceleration, and what it falls to at first after a manoeuvre, for others follow; the sums of
-    innovations that tell when the speed changes."""
+    innovations that show when the speed changes."""
 
     density: AccelerationDensity
     unrest: AccelerationDensity
@@ -53,7 +53,7 @@ class EventFilterMemory(NamedTuple):
     """What the filter carries from sample to sample: its belief at `time`, and what it knows of edges and index.
 
     The belief is about the mean course; `ripple` is what the ports add to it. `time` differs from that of the last edge
-    where another sensor tells the angle between edges. `slip` is the variance of the angle that no later edge can tell:
+    where another sensor shows the angle between edges. `slip` is the variance of the angle that no later edge can show:
     the wheel may have turned back while it stood.
     """
 

@@ -5,7 +5,6 @@ Source  ours, docs/models/event-filter.md, where a function names no other.
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import (
     AccelerationDensity,
     AngularVariance,
@@ -17,6 +16,7 @@ from vvdp.base.kinds import (
     SpeedVariance,
 )
 from vvdp.base.params import Params
+from vvdp.base.rules import field_text, refuse, require_positive
 from vvdp.sensing.wheel import CodeWheel
 
 
@@ -48,20 +48,14 @@ class EventFilterValues(Params):
     ripple_drift: RatioDrift = 0.0
 
     def check(self) -> None:
-        if not self.edge_variance > 0.0:
-            raise ParameterError("EventFilter.edge_variance: 0 rad^2; no edge is known exactly, expected above 0")
+        require_positive(self, "edge_variance", why="no edge is known exactly")
         if not self.manoeuvre_edges >= 1.0:
-            raise ParameterError(f"EventFilter.manoeuvre_edges: {self.manoeuvre_edges:g}; expected at least 1")
+            refuse(self, "manoeuvre_edges", "must be at least 1")
         if self.manoeuvre_density < self.acceleration_density:
-            raise ParameterError(
-                f"EventFilter.manoeuvre_density: {self.manoeuvre_density:g} rad^2/s^3 is below the "
-                f"acceleration_density of {self.acceleration_density:g} rad^2/s^3"
-            )
-        if self.ripple_order > 0.0 and not self.ripple_variance > 0.0:
-            raise ParameterError(
-                f"EventFilter.ripple_variance: 0, but a ripple of {self.ripple_order:g} periods a turn is to be "
-                "estimated; expected a variance above 0"
-            )
+            least = field_text(self, "acceleration_density")
+            refuse(self, "manoeuvre_density", f"must be at least acceleration_density, {least}")
+        if self.ripple_order > 0.0:
+            require_positive(self, "ripple_variance", why=f"a ripple of order {self.ripple_order:g} is to be estimated")
 
 
 class EventFilter(EventFilterValues):
@@ -76,10 +70,7 @@ class EventFilter(EventFilterValues):
     def check(self) -> None:
         super().check()
         if self.index_turns > 0.0 and not self.wheel.has_index:
-            raise ParameterError(
-                f"EventFilter.index_turns: {self.index_turns:g}, but the wheel with edges at {self.wheel.edges} rad "
-                "looks the same after less than a turn; expected 0"
-            )
+            refuse(self, "index_turns", "must be 0: the wheel looks the same after less than a revolution")
 
 
 def event_filter(wheel: CodeWheel) -> EventFilter:

@@ -83,7 +83,7 @@ def vague(belief: AngleSpeed, wheel: CodeWheel) -> float:
 
 
 def knows_edges(belief: AngleSpeed, settings: EventFilter) -> bool:
-    """Whether the belief tells edges better than a count does."""
+    """Whether the belief shows edges better than a count does."""
     speed_limit = settings.association_speed_deviation * settings.association_speed_deviation
     return vague(belief, settings.wheel) == 0.0 and belief.speed_variance < speed_limit
 

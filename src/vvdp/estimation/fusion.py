@@ -14,6 +14,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, AngularVariance, Count, DutyRatio, Kind, Ratio, RatioDrift, Time
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse, refuse_together, require_positive
 from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import sector
 from vvdp.estimation.between_edges import believed_at, heard_plainly, inflate
@@ -72,16 +73,13 @@ class Fusion(Params):
 
     def check(self) -> None:
         if not self.sections >= 1.0:
-            raise ParameterError(f"Fusion.sections: {self.sections:g}; expected 1 or more")
-        if not (self.pressure_variance > 0.0 and self.duty_sensor_variance > 0.0):
-            raise ParameterError(
-                f"Fusion: pressure_variance {self.pressure_variance:g} rad^2 and duty_sensor_variance "
-                f"{self.duty_sensor_variance:g}; no sensor is exact, expected both above 0"
-            )
+            refuse(self, "sections", "must be at least 1")
+        require_positive(self, "pressure_variance", "duty_sensor_variance", why="no sensor is exact")
         if self.filter.ripple_order > 0.0:
-            raise ParameterError(
-                f"Fusion.filter: a ripple of order {self.filter.ripple_order:g}; with the pressure none can be "
-                "estimated, expected ripple_order = 0"
+            refuse_together(
+                self,
+                f"ripple_order of its filter: {self.filter.ripple_order:g} must be 0; with the pressure no ripple can "
+                "be estimated",
             )
 
 
@@ -195,7 +193,7 @@ def fusion_start(settings: Fusion, time: float, angle: float, speed: float) -> F
 
 
 def fusion_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) -> tuple[FusionMemory, FusionEstimate]:
-    """Memory and estimate after a sample. The pressure is listened to once the encoder has told the angle.
+    """Memory and estimate after a sample. The pressure is listened to once the encoder has given the angle.
 
     The Kalman filter for x = (theta, omega, phi, d, l). An encoder edge has H = [1, 0, 0, 0, 0] and concerns angle and
     speed as if they were alone: the event filter handles it, and the wave follows with the same innovation. A pressure
@@ -223,7 +221,7 @@ def fusion_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) 
 
 
 def _turns(memory: FusionMemory, time: float, settings: Fusion) -> bool:
-    """Whether the pressure tells that the spool turns: then an encoder that is silent says nothing."""
+    """Whether the pressure shows that the spool turns: then an encoder that is silent says nothing."""
     pitch = 2.0 * np.pi / settings.sections
     since = (time - memory.doubts.pressure_time) * maximum(memory.filter.belief.speed, settings.filter.lowest_speed)
     turns: bool = memory.doubts.pressure_time > memory.filter.last.time and since < PATIENT_PITCHES * pitch
@@ -425,7 +423,7 @@ def _innovation_variance(covariance: Array, observation: Array, variance: float)
 
 
 def _counted_on(memory: EventFilterMemory, settings: EventFilter) -> EventFilterMemory:
-    """The memory when the pressure has told an encoder's loss the angle: wheel edges half a sector back have passed.
+    """The memory when the pressure has given the angle of a lost encoder: wheel edges half a sector back have passed.
 
     The encoder's next edge is then no counterpart of one before the loss, nor could a manoeuvre have begun there.
     """

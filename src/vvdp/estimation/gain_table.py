@@ -11,8 +11,9 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
+from vvdp.base.display import value_text
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import NUMBER, Number, Speed
+from vvdp.base.kinds import NUMBER, SPEED, Number, Speed
 from vvdp.base.params import Params
 from vvdp.estimation.axial_filter import AxialEstimate, AxialSeen, draft_of, drift_in_turn
 from vvdp.estimation.chamber_observer import (
@@ -56,8 +57,8 @@ def learn_gain(settings: ChamberObserver, spool_speed: Speed, turns: int = 100) 
     n = memory.mean.size
     if not 2.0 * (n - 2) <= per_turn < np.inf:
         raise ParameterError(
-            f"at {spool_speed:g} rad/s a turn has {per_turn:.4g} samples of {h:g} s; a gain over the angle for {n} "
-            f"states takes at least {2 * (n - 2)}, and a spool that turns"
+            f"spool speed: {value_text(spool_speed, SPEED)} must give at least {2 * (n - 2)} samples of {h:g} s per "
+            f"revolution, for {n} states; it gives {per_turn:.4g}"
         )
     count = int(turns * per_turn)
     gains, variances, seen = np.zeros((POINTS, n)), np.zeros(2), np.zeros(POINTS)

@@ -1,16 +1,16 @@
-"""Where the spool is that a gerotor pump moves: a periodic Kalman filter that knows the flow.
+"""Observer of the spool position, gerotor drive: a periodic Kalman filter with the flow as input.
 
 x' = Q/A_s, the flow taken as a line between two samples. The integral of the position is no state of it: no
-measurement tells it. Derived in docs/models/axial-observer.md.
+measurement shows it. Derived in docs/models/axial-observer.md.
 
 Source  ours, docs/models/axial-observer.md, where a function names no other.
 """
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Area, Length, Position, Time
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.estimation.axial_filter import (
     AxialEstimate,
     AxialMemory,
@@ -42,11 +42,7 @@ class GerotorObserver(Params):
     stop_position: Position
 
     def check(self) -> None:
-        if not (self.area > 0.0 and self.sample_period > 0.0 and self.position_drift > 0.0):
-            raise ParameterError(
-                f"GerotorObserver: area {self.area:g} m^2, sample_period {self.sample_period:g} s, position_drift "
-                f"{self.position_drift:g} m; expected all above 0"
-            )
+        require_positive(self, "area", "sample_period", "position_drift")
 
 
 def gerotor_observer_start(settings: GerotorObserver, position: float) -> AxialMemory:

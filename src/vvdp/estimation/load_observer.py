@@ -1,6 +1,6 @@
 """Velocity of a cylinder and the force of its load, from its position and the force of the oil on it.
 
-m x'' = F_H - b x' + F_L with a load that stands still: a load that nobody told then leaves no velocity bias. Gains and
+m x'' = F_H - b x' + F_L with a load that stands still: an unknown constant load then leaves no velocity bias. Gains and
 transition are exact for a force of the oil that is held between two samples. Derived in
 docs/models/displacement-control.md.
 
@@ -9,17 +9,17 @@ Source  ours, docs/models/displacement-control.md, where a function names no oth
 
 from typing import NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Force, Mass, Position, Rate, Time, Velocity, ViscousFriction
 from vvdp.base.params import Params
 from vvdp.base.powers import expm1
+from vvdp.base.rules import require_positive
 
 SLOW = 1e-3
-"""Decay over a sample, b h/m, below which the transition is worked out as a series [1]."""
+"""Decay over a sample, b h/m, below which the transition is calculated as a series [1]."""
 
 
 class LoadObserver(Params):
-    """All three errors fade at the `observer_rate`; the load that is told follows its estimate at the `load_rate`.
+    """All three errors fade at the `observer_rate`; the reported load follows its estimate at the `load_rate`.
 
     Raises `ParameterError` where mass, sample period or a rate is not above 0.
     """
@@ -31,13 +31,11 @@ class LoadObserver(Params):
     sample_period: Time
 
     def check(self) -> None:
-        for name in ("moving_mass", "observer_rate", "load_rate", "sample_period"):
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(f"LoadObserver.{name}: {getattr(self, name):g}; expected a value above 0")
+        require_positive(self, "moving_mass", "observer_rate", "load_rate", "sample_period")
 
 
 class LoadMemory(NamedTuple):
-    """What the observer carries: its belief, the load that it tells, and the force of the oil at the last sample."""
+    """What the observer carries: its belief, the load that it shows, and the force of the oil at the last sample."""
 
     position: Position
     velocity: Velocity

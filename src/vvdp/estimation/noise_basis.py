@@ -1,6 +1,8 @@
-"""What the pollution of the axial sensor is made of: functions of the spool angle, periodic with a turn, of mean zero.
+"""What the periodic sensor error of the axial sensor is made of: functions of the spool angle, periodic with a turn,
+of mean zero.
 
-A pollution that is periodic in time has a clock's phase for the angle. Derived in docs/models/axial-observer.md.
+A periodic sensor error that is periodic in time has a clock's phase for the angle. Derived in
+docs/models/axial-observer.md.
 
 Source  ours, docs/models/axial-observer.md, where a function names no other.
 """
@@ -10,9 +12,9 @@ from math import erf
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, Count
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse, refuse_together
 
 TURN = 2.0 * np.pi
 
@@ -32,14 +34,13 @@ class NoiseBasis(Params):
     def check(self) -> None:
         whole = self.harmonics % 1.0 == 0.0 and self.bumps % 1.0 == 0.0
         if not (whole and (self.harmonics >= 1.0 or self.bumps >= 2.0)) or self.bumps == 1.0:
-            raise ParameterError(
-                f"NoiseBasis: {self.harmonics:g} harmonics and {self.bumps:g} bumps; expected whole numbers, at least "
-                "1 harmonic or 2 bumps"
+            refuse_together(
+                self,
+                f"{self.harmonics:g} harmonics and {self.bumps:g} bumps must be whole numbers, at least 1 harmonic or "
+                "2 bumps",
             )
         if not 0.0 < self.bump_width < 0.5 * TURN:
-            raise ParameterError(
-                f"NoiseBasis.bump_width: {self.bump_width:g} rad; expected between 0 and half a turn, {0.5 * TURN:.4g}"
-            )
+            refuse(self, "bump_width", "must lie between 0 and 180 deg, half a revolution")
 
 
 def fourier_basis(harmonics: int) -> NoiseBasis:
@@ -118,7 +119,7 @@ def from_centre(phase: float, number: int, basis: NoiseBasis) -> float:
 
 
 def basis_slope(phase: float, basis: NoiseBasis, mean: Array, row: Array, first: int) -> float:
-    """By how much the pollution changes with the phase [m/rad].
+    """By how much the periodic sensor error changes with the phase [m/rad].
 
     mean, row  coefficients and values of the functions, both from place `first` on
     """

@@ -1,4 +1,4 @@
-"""Whether the position of a spool can be told from a noise that repeats itself with every turn, and how well.
+"""Whether the position of a spool can be distinguished from a noise that repeats itself with every turn, and how well.
 
 The plant is M x'' + b x' + K x = known force; its position is measured with a noise of k harmonics of the spool speed.
 What the Grammian over one turn leaves of the plant once the noise may be anything is its observability. Derived in
@@ -14,7 +14,8 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Mass, Stiffness, Time, ViscousFriction
+from vvdp.base.kinds import SPEED, Mass, Stiffness, Time, ViscousFriction
+from vvdp.base.rules import require_positive_value
 
 WARN_BELOW = 0.01
 """Margin below which an observer has little to go by."""
@@ -22,7 +23,7 @@ FREEZE_BELOW = 1e-3
 """Margin below which what is believed of the noise should stay as it is."""
 MOST_HARMONICS = 200
 CLOSEST = 1e-8
-"""Relative distance from a lost speed at which rounding hides the margin, which goes with its square."""
+"""Relative distance from a unobservable speed at which rounding hides the margin, which goes with its square."""
 NODES, TERMS = 10, 25
 """Of the quadrature of a piece in which the fastest motion turns by a radian, and of the exponential there: exact to
 rounding."""
@@ -59,13 +60,12 @@ def check_noise(spool_speed: float, harmonics: float) -> None:
 
     spool_speed  [rad/s]
     """
-    if not 0.0 < spool_speed < np.inf:
-        raise ParameterError(f"spool speed: {spool_speed:g} rad/s; expected one above zero")
+    require_positive_value("spool speed", spool_speed, SPEED)
     if not (1 <= harmonics <= MOST_HARMONICS and float(harmonics).is_integer()):
         raise ParameterError(f"harmonics: {harmonics:g}; expected a whole number, 1 to {MOST_HARMONICS}")
 
 
-def lost_speeds(natural_frequency: float, harmonics: int) -> Array:
+def unobservable_speeds(natural_frequency: float, harmonics: int) -> Array:
     """Spool speeds at which position and velocity are lost, fastest first [rad/s]; none where nothing draws back.
 
     natural_frequency  [rad/s]
@@ -81,7 +81,7 @@ def is_observable(natural_frequency: float, spool_speed: float, harmonics: int) 
 
     Source  wang2017, theorem 5.5.1
     """
-    distance = np.abs(lost_speeds(natural_frequency, harmonics) - spool_speed)
+    distance = np.abs(unobservable_speeds(natural_frequency, harmonics) - spool_speed)
     return bool(np.all(distance > CLOSEST * spool_speed))
 
 

@@ -1,6 +1,6 @@
 """Means of sampled signals over the last period of the PWM, whose length is no whole number of samples.
 
-Between two samples a signal is taken as a line, also where the window begins, so that a ramp is told exactly half a
+Between two samples a signal is taken as a line, also where the window begins, so that a ramp is reported exactly half a
 window late. The samples lie in a ring of bounded length.
 
 Source  ours, docs/models/displacement-control.md, where a function names no other.

@@ -8,9 +8,9 @@ Source  ours, docs/models/pressure-fusion.md, where a function names no other.
 
 from typing import NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Count, Fraction, Pressure, PressureDifference, Time
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 from vvdp.base.select import clip, maximum, minimum
 
 LOW_SHARE = 0.05
@@ -27,8 +27,8 @@ class PressureEdges(Params):
 
     `level_share` places the crossing level between the plateaus; an edge counts once the pressure is `hysteresis`
     times the swing beyond it. Where the plateaus are less than `least_swing` apart there are no edges; noise has to
-    stay below it. A plateau moves by at most one swing within `level_time`; edges are told from four times that after
-    the start.
+    stay below it. A plateau moves by at most one swing within `level_time`; edges are reported from four times that
+    after the start.
     """
 
     level_share: Fraction
@@ -38,17 +38,11 @@ class PressureEdges(Params):
 
     def check(self) -> None:
         if not 0.0 < self.level_share < 1.0:
-            raise ParameterError(f"PressureEdges.level_share = {self.level_share:g}; expected between 0 and 1")
+            refuse(self, "level_share", "must lie between 0 and 1")
         room = min(self.level_share, 1.0 - self.level_share)
         if not self.hysteresis < room:
-            raise ParameterError(
-                f"PressureEdges.hysteresis = {self.hysteresis:g} reaches a plateau; expected less than {room:g}"
-            )
-        if not (self.least_swing > 0.0 and self.level_time > 0.0):
-            raise ParameterError(
-                f"PressureEdges: least_swing {self.least_swing:g} Pa and level_time {self.level_time:g} s; "
-                "expected both above zero"
-            )
+            refuse(self, "hysteresis", f"must be less than {room:g}, or it reaches a plateau")
+        require_positive(self, "least_swing", "level_time")
 
 
 class PressureSample(NamedTuple):
@@ -76,7 +70,7 @@ class PressureEdgesMemory(NamedTuple):
 
 
 class PressureReading(NamedTuple):
-    """What a sample of the pressure tells: as `Reading`, with rising meaning tank to load, and the levels.
+    """What a sample of the pressure shows: as `Reading`, with rising meaning tank to load, and the levels.
 
     `pressure_edge_time` may lie a few samples back. Where `pressure_edges` is 0 the three fields after it mean
     nothing.

@@ -1,6 +1,6 @@
 """Where the spool is, with the chamber pressure as a state that is measured as well.
 
-P' = beta/V (Q - A x'): the flow that fills the chamber tells the velocity without the optical sensor, and the loss of
+P' = beta/V (Q - A x'): the flow that fills the chamber shows the velocity without the optical sensor, and the loss of
 observability at the spring's own frequency disappears. Derived in docs/models/axial-observer.md.
 
 Source  ours, docs/models/axial-observer.md, where a function names no other.
@@ -9,9 +9,10 @@ Source  ours, docs/models/axial-observer.md, where a function names no other.
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import BulkModulus, Length, Position, PressureDifference, Time, Velocity, Volume
+from vvdp.base.display import value_text
+from vvdp.base.kinds import TIME, BulkModulus, Length, Position, PressureDifference, Time, Velocity, Volume
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 from vvdp.estimation.axial_filter import (
     AxialEstimate,
     AxialMemory,
@@ -38,7 +39,7 @@ MOST_SWING = 2.0
 
 
 class PressureObserver(Params):
-    """The periodic Kalman filter of the chamber drive that reckons with the flow into the chamber.
+    """The periodic Kalman filter of the chamber drive that calculates with the flow into the chamber.
 
     The chamber holds `chamber_volume` at position 0, with oil of `bulk_modulus` in it. Its pressure is measured to
     `pressure_deviation` and drifts by `pressure_drift` a sample, for what bulk modulus and flow are off.
@@ -58,19 +59,17 @@ class PressureObserver(Params):
     stop_position: Position
 
     def check(self) -> None:
-        drifts = (self.position_drift, self.velocity_drift, self.pressure_drift, self.pressure_deviation)
-        if not (min(drifts) > 0.0 and self.sample_period > 0.0 and self.chamber_volume > 0.0):
-            raise ParameterError(
-                "PressureObserver: drifts, pressure_deviation, sample_period and chamber_volume have to be above 0"
-            )
+        drifts = ("position_drift", "velocity_drift", "pressure_drift", "pressure_deviation")
+        require_positive(self, *drifts, "sample_period", "chamber_volume")
         d = self.drive
         stiff = d.stiffness + d.area * d.area * self.bulk_modulus / self.chamber_volume
         swing = self.sample_period * np.sqrt(stiff / d.moving_mass)
         if not swing <= MOST_SWING:
-            raise ParameterError(
-                f"PressureObserver.sample_period: {self.sample_period:g} s, but spool and oil swing with "
-                f"{swing / self.sample_period:.4g} rad/s; expected at most "
-                f"{MOST_SWING * self.sample_period / swing:.3g} s"
+            most = value_text(MOST_SWING * self.sample_period / swing, TIME)
+            refuse(
+                self,
+                "sample_period",
+                f"must be at most {most}: spool and oil swing with {swing / self.sample_period:.4g} 1/s",
             )
 
 

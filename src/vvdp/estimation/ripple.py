@@ -70,7 +70,7 @@ def predict_ripple(ripple: Ripple, duration: float, drift: float) -> Ripple:
 
 
 def without_covariance(ripple: Ripple) -> Ripple:
-    """The ripple beside a belief about the course that begins anew."""
+    """The ripple beside a belief about the course that begins again."""
     r = ripple
     return Ripple(
         cosine=r.cosine,

@@ -1,7 +1,8 @@
 """Two observers with constant gains for the gerotor drive: the discrete signal generator, and a lumped filter.
 
-The generator remembers a whole period of the pollution, sample by sample, but for the one that follows from its mean of
-zero; the lumped filter takes the pollution for noise. Derived in docs/models/axial-observer.md.
+The generator remembers a whole period of the periodic sensor error, sample by sample, but for the one that follows
+from its mean of zero; the lumped filter takes the periodic sensor error for noise. Derived in
+docs/models/axial-observer.md.
 
 Source  ours, docs/models/axial-observer.md, where a function names no other.
 """
@@ -12,16 +13,18 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import NUMBER, Area, Length, Number, Position, Speed, Time
+from vvdp.base.kinds import NUMBER, TIME, Area, Length, Number, Position, Speed, Time
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive, require_positive_value
 from vvdp.estimation.axial_filter import AxialEstimate, AxialSeen
 from vvdp.estimation.noise_basis import TURN
 
 SAME = 1e-4
 """Share by which the turn of a spool may differ from the period that a generator is made for [1]; assumed.
 
-A generator of 20 states remembers some 20 turns: the pollution is then where it was within 0.01 rad. At 2e-2
-the error is 25 times the stated one (230 um, 9.3 um): up to 8e-4 it is smaller than that, at 1e-4 an eighth of it."""
+A generator of 20 states remembers some 20 turns: the periodic sensor error is then where it was within 0.01 rad. At
+2e-2 the error is 25 times the stated one (230 um, 9.3 um): up to 8e-4 it is smaller than that, at 1e-4 an eighth of
+it."""
 
 
 class GeneratorDesign(Params):
@@ -37,12 +40,9 @@ class GeneratorDesign(Params):
     stop_position: Position = 0.0
 
     def check(self) -> None:
-        if not (self.sensor_deviation > 0.0 and self.position_drift > 0.0 and self.generator_drift > 0.0):
-            raise ParameterError(
-                f"GeneratorDesign: sensor_deviation {self.sensor_deviation:g} m, position_drift "
-                f"{self.position_drift:g} m, generator_drift {self.generator_drift:g} m; expected all above 0: the "
-                "generator's eigenvalues lie on the unit circle, without drift its gains die"
-            )
+        require_positive(
+            self, "sensor_deviation", "position_drift", "generator_drift", why="without process noise a gain falls to 0"
+        )
         samples_in_period(self.noise_period, self.sample_period)
 
 
@@ -67,8 +67,7 @@ class GeneratorMemory(NamedTuple):
 
 def samples_in_period(noise_period: float, sample_period: float) -> int:
     """N = T/T_s [1]. Raises ParameterError where that is no whole number of at least 2; both [s]."""
-    if not sample_period > 0.0:
-        raise ParameterError(f"a sample every {sample_period:g} s; expected a period above 0")
+    require_positive_value("sample period", sample_period, TIME)
     ratio = noise_period / sample_period
     count = round(ratio)
     if count < 2 or abs(ratio - count) > 1e-6 * count:
@@ -166,7 +165,7 @@ def generator_observer_step(
 
 
 class LumpedObserver(Params):
-    """A filter of first order, which takes the pollution for white noise; `bandwidth` is its gain L."""
+    """A filter of first order, which takes the periodic sensor error for white noise; `bandwidth` is its gain L."""
 
     area: Area
     sample_period: Time

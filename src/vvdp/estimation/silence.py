@@ -20,7 +20,7 @@ SURE = 0.9
 """Probability from which a wheel is taken to have halted [1]; assumed."""
 
 LATE = 2.0
-"""Deviations after which an edge that was due is late, and its absence is heard [1]; assumed."""
+"""Deviations after which an edge that was due is late, and its absence counts [1]; assumed."""
 
 LEAST = 1e-12
 """Share of a belief below which a hypothesis is left out [1]."""
@@ -195,8 +195,8 @@ def turned_back(stood: float, arrival: float, silence: Silence) -> float:
     """Variance of the angle turned through that a wheel leaves which may have turned back meanwhile [rad^2]: w^2/3.
 
     Forward, a sector w passes; back, up to two of them or none. Where that is unlikely, once the edge has come, or no
-    deceleration that a manoeuvre has can have done it in the time, nothing is reckoned with. If edges are missed, a
-    late edge may also hide some, and the same variance covers what they come to.
+    deceleration that a manoeuvre has can have done it in the time, nothing is calculated with. If edges are missed, a
+    late edge may also hide some, and the same variance covers their effect.
 
     stood    probability that the wheel stood, or slowed down until it would turn back, just before the edge [1]
     arrival  density in time with which the edge was expected of a wheel that goes on [1/s]

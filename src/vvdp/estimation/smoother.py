@@ -15,8 +15,9 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.conservation import NOTHING, Nothing
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import AccelerationDensity
+from vvdp.base.kinds import ANGULAR_VARIANCE, AccelerationDensity
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive, require_positive_value
 from vvdp.numerics.kalman import AngleSpeed, predict, update
 
 Step = Callable[[Any, Any, Any], tuple[Any, Any]]
@@ -31,8 +32,7 @@ class SpeedWalk(Params):
 
     def check(self) -> None:
         """Refuse a speed that cannot change: the portions could not be smoothed independently."""
-        if not self.acceleration_density > 0.0:
-            raise ParameterError("SpeedWalk.acceleration_density is 0 rad^2/s^3; expected above 0")
+        require_positive(self, "acceleration_density")
 
 
 class EdgePassed(NamedTuple):
@@ -180,7 +180,7 @@ def bridged_step(memory: Nothing, row: Between, walk: SpeedWalk) -> tuple[Nothin
     """The belief at an instant between two edges; it takes floats or arrays.
 
     With s = since/h and r = 1 - s the mean is the cubic through both angles with both speeds as slopes; what
-    neither edge tells has the covariance q [[h^3 s^3 r^3/3, h^2 s^2 r^2 (r - s)/2], [., h s r (1 - 3 s r)]].
+    neither edge shows has the covariance q [[h^3 s^3 r^3/3, h^2 s^2 r^2 (r - s)/2], [., h s r (1 - 3 s r)]].
 
     Source  ours, docs/models/smoother.md
     """
@@ -290,8 +290,7 @@ def _rows(times: Array, angles: Array, variances: Array) -> Array:
         raise ParameterError(
             f"edge {i + 1} at {rows[i + 1, 0]:.9g} s follows one at {rows[i, 0]:.9g} s; expected increasing times"
         )
-    if not (rows[:, 2] > 0.0).all():
-        raise ParameterError(f"an edge with a variance of {rows[:, 2].min():g} rad^2; expected above 0")
+    require_positive_value("smallest variance of an edge", float(rows[:, 2].min()), ANGULAR_VARIANCE)
     return rows
 
 
@@ -353,7 +352,7 @@ def smoothing_overlap(acceleration_density: float, variance: float, interval: fl
     Raises ParameterError for a share outside of 0 to 1.
     """
     if not 0.0 < share < 1.0:
-        raise ParameterError(f"a share of {share:g}; expected above 0 and below 1")
+        raise ParameterError(f"share: {share:g} must lie between 0 and 1")
     bandwidth = (acceleration_density / (variance * interval)) ** 0.25
     overlap: float = np.sqrt(2.0) * np.log(1.0 / share) / bandwidth
     return overlap

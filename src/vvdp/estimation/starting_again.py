@@ -24,22 +24,22 @@ BURST = 4.0
 
 
 def start_again(
-    memory: EventFilterMemory, reading: Reading, expected: Expected, heard: Heard, settings: EventFilter
+    memory: EventFilterMemory, reading: Reading, expected: Expected, believed: Heard, settings: EventFilter
 ) -> tuple[EventFilterMemory, float, float]:
     """The memory after the first edge of a wheel that seems to have stood: the next by count, at a speed to be found.
 
     The belief from before is kept in doubt: perhaps the sensor was silent. Innovation and deviation as `after_edge`.
 
-    heard  what was believed just before the edge
+    believed  what was expected just before the edge
     """
     m, tally, wheel, R, q_m = memory, memory.tally, settings.wheel, expected.variance, settings.manoeuvre_density
     silence = silence_until(memory, reading.edge_time, memory.tally.ignored + reading.edges, settings)
     edge = counted_edge(m.last.number, tally.ignored + reading.edges, reading.polarity)
-    speed, variance = start_speed(silence, heard.standstill / heard.halt)
+    speed, variance = start_speed(silence, believed.standstill / believed.halt)
     course = expected.course
     nearest = maximum(nearest_edge(expected.instant.angle, reading.polarity, wheel), edge)
     off, S = mean_angle_at(nearest, m.ripple, settings) - course.angle, course.angle_variance + R
-    odds = heard.missing_odds + np.log(sector(wheel) / np.sqrt(TURN * S)) - 0.5 * off * off / S
+    odds = believed.missing_odds + np.log(sector(wheel) / np.sqrt(TURN * S)) - 0.5 * off * off / S
     after = EventFilterMemory(
         time=reading.edge_time,
         belief=AngleSpeed(mean_angle_at(edge, m.ripple, settings), speed, R, 0.0, variance),
@@ -58,7 +58,7 @@ def start_again(
         doubt=Doubt(update(course, off, R), number=nearest, odds=odds, slip=memory.slip, edges=0.0),
         slip=memory.slip + turned_back(1.0, 0.0, silence),
     )
-    return after, edge_angle(edge, wheel) - heard.angle, np.sqrt(heard.angle_variance + R)
+    return after, edge_angle(edge, wheel) - believed.angle, np.sqrt(believed.angle_variance + R)
 
 
 def weigh_doubt(
@@ -73,7 +73,7 @@ def weigh_doubt(
 
     before    memory without the edge, `after` with it
     variance  R, of the edge [rad^2]
-    surprise  nu^2/S + ln S of the edge to the filter that began anew
+    surprise  nu^2/S + ln S of the edge to the filter that began again
     """
     wheel, q, polarity = settings.wheel, settings.acceleration_density, reading.polarity
     prior = predict(before.doubt.belief, reading.edge_time - before.time, q)
@@ -105,7 +105,7 @@ def weigh_doubt(
 
 
 def miss(tally: Tally, edges: float, associating: float) -> Tally:
-    """The tally once it turns out that so many `edges` were missed; `associating` where the belief tells them now."""
+    """The tally once it turns out that so many `edges` were missed; `associating` where the belief shows them now."""
     return Tally(
         started=1.0,
         associating=associating,

@@ -12,9 +12,9 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import NUMBER, AngularVariance, Count, Fraction, Kind, Ratio
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_less, require_positive
 from vvdp.base.select import clip, maximum, minimum
 from vvdp.estimation.association import sector
 from vvdp.estimation.estimator import Estimate, Estimator
@@ -56,11 +56,9 @@ class ThresholdAdaptation(Params):
 
     def check(self) -> None:
         if not self.gain < 2.0:
-            raise ParameterError(f"ThresholdAdaptation.gain: {self.gain:g}; the adaptation is stable below 2 only")
-        if not self.ramp_slope > 0.0:
-            raise ParameterError("ThresholdAdaptation.ramp_slope: 0 rad; then the threshold has no influence")
-        if not self.lowest < self.highest:
-            raise ParameterError(f"ThresholdAdaptation.lowest: {self.lowest:g} is not below highest, {self.highest:g}")
+            refuse(self, "gain", "must be less than 2, or the adaptation is unstable")
+        require_positive(self, "ramp_slope", why="at 0 the threshold has no influence")
+        require_less(self, "lowest", "highest")
 
 
 def threshold_adaptation(
@@ -93,7 +91,7 @@ class ThresholdMemory(NamedTuple):
 
 class AdaptedThreshold(NamedTuple):
     """What is believed at a sample, the threshold as adapted, the one to give to the comparator from the next sample on
-    (with dither), and the range within which thresholds cannot be told apart [unit of the signal]."""
+    (with dither), and the range within which thresholds cannot be distinguished [unit of the signal]."""
 
     estimate: Estimate
     threshold: float
@@ -271,8 +269,7 @@ class EdgeOffset(Params):
     ramp_slope: RampSlope
 
     def check(self) -> None:
-        if not self.ramp_slope > 0.0:
-            raise ParameterError("EdgeOffset.ramp_slope: 0 rad; then no threshold follows from an offset")
+        require_positive(self, "ramp_slope", why="at 0 no threshold follows from an offset")
 
 
 class EdgeOffsetMemory(NamedTuple):

@@ -49,7 +49,7 @@ class Exported(NamedTuple):
 
 
 def exported_folder(system: System, part: str, samples: int, say: Callable[[str], None] = quiet) -> Exported:
-    """The folder of a part: `circuit`, `machine`, or a program by its name; `say` hears if something is compiled.
+    """The folder of a part: `circuit`, `machine`, or a program by its name; `say` is informed if something is compiled.
 
     Raises as `c_part`.
     """

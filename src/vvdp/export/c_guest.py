@@ -33,7 +33,7 @@ void {name}_move({name}_machine *machine, double t);
 
 
 def indicator_count(machine: CMachine) -> int:
-    """How many numbers tell of events: two for each trigger, mode and kink."""
+    """How many numbers show of events: two for each trigger, mode and kink."""
     return 2 * (int(machine.tables.width.size) - 1)
 
 

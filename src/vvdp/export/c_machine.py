@@ -35,7 +35,7 @@ STATUS = (
 )  # fmt: skip
 """What the loop answers, by number."""
 LAST_MARKS = 2
-"""Marks for which there is room where nobody asks for them."""
+"""Marks for which there is room by default."""
 GIVEN = {
     "y": "machine->state", "command": "machine->command", "memory": "machine->memory", "params": "machine->parameters",
     "agenda": "machine->agenda", "waiting": "machine->waiting", "clock": "machine->clock", "course": "machine->course",
@@ -71,7 +71,7 @@ class CMachine:
 
     @property
     def hash(self) -> str:
-        """What tells this text from any other."""
+        """What distinguishes this text from any other."""
         return hashlib.sha256((self.core.header + self.core.source).encode()).hexdigest()[:16]
 
     @property
@@ -81,7 +81,7 @@ class CMachine:
 
     @property
     def flags(self) -> tuple[str, ...]:
-        """What a compiler has to be told: as for the core, and that it copies numbers by the C library.
+        """Flags of the compiler: as for the core, and that it copies numbers by the C library.
 
         GCC 12.2 with -march=x86-64-v4 copies constants that begin with two equal numbers wrongly.
         """

@@ -25,7 +25,7 @@ class Expected:
 
 
 def expected_run(machine: CMachine, samples: int, say: Callable[[str], None] = quiet) -> Expected:
-    """A run over so many sample periods, recorded at each. `say` hears if something must be compiled."""
+    """A run over so many sample periods, recorded at each. `say` is informed if something must be compiled."""
     system, period = machine.system, machine.system.stepping.sample_period
     until = system.stepping.begin + samples * period
     stepping = replace(system.stepping, until=until, record_interval=period, window=0.0, average_from=None)

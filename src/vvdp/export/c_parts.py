@@ -264,7 +264,7 @@ class CPart:
 
     @property
     def hash(self) -> str:
-        """What tells this text from any other."""
+        """What distinguishes this text from any other."""
         return hashlib.sha256((self.core.header + self.core.source).encode()).hexdigest()[:16]
 
     @property

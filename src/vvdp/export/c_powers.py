@@ -110,7 +110,7 @@ def _table(name: str, values: Sequence[float], words: str) -> str:
 
 
 def _polynomial(x: str, coefficients: Sequence[float]) -> str:
-    """Lines that return a series, worked out in halves as `lane_values.Code.polynomial` does."""
+    """Lines that return a series, calculated in halves as `lane_values.Code.polynomial` does."""
     lines, power, degree = "", x, 1
     terms = [repr(float(each)) for each in coefficients]
     while len(terms) > 1:

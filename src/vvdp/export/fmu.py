@@ -113,7 +113,7 @@ def fmu(
 
 
 def _hash_of(model: FmuModel, fmi: int) -> str:
-    """What tells an FMU from any other: its version, text and variables; numbers of the system included."""
+    """What distinguishes an FMU from any other: its version, text and variables; numbers of the system included."""
     texts = source_files(model, fmi, "")
     names = [each.name for each in model.variables]
     words = "\n".join([version("vvdp"), *texts.values(), *names])

@@ -1,4 +1,4 @@
-"""The model description of an FMU, for FMI 2 and FMI 3, and what tells a tool how to compile its sources."""
+"""The model description of an FMU, for FMI 2 and FMI 3, and what shows a tool how to compile its sources."""
 
 from collections.abc import Iterator, Sequence
 from importlib.metadata import version

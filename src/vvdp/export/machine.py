@@ -1,7 +1,7 @@
 """A system with the loop that carries it, as one tree: the text of `simulation.loop.run` and all that it calls.
 
 The functions are those of a simulation, over the same flat vectors. What differs is that they are known to the loop
-beforehand, and that lengths of arrays stand in the text, so that all arrays have a known size.
+before, and that lengths of arrays stand in the text, so that all arrays have a known size.
 """
 
 import re
@@ -44,7 +44,7 @@ LENGTH = re.compile(r"int\((\w)\[([^\]]+)\]\)")
 """A length, or the place of an array, as the texts of `simulation.parts` read it from a vector."""
 NONE: guest.Entries = {}
 SUM = re.compile(r"\s+([\w, ]+) = ([\w +*,]+)")
-"""A line that works out places from others."""
+"""A line that calculates places from others."""
 
 
 def machine_module(model: Model, case: Case, more: guest.Entries = NONE) -> Module:
@@ -65,7 +65,7 @@ def machine_module(model: Model, case: Case, more: guest.Entries = NONE) -> Modu
 
 
 def parameters_of(function: Callable[..., Any], kinds: Sequence[Kind]) -> dict[str, Kind]:
-    """The types of a function's arguments by name; those that are functions are known to it beforehand."""
+    """The types of a function's arguments by name; those that are functions are known to it before."""
     return dict(zip(function.__code__.co_varnames, kinds, strict=False))
 
 

@@ -184,7 +184,7 @@ def _points(seen: Drops, found: Fit) -> Table:
         "flow_m3_s": Column(seen.flow, FLOW, "flow"),
         "pressure_drop_Pa": Column(seen.drop, PRESSURE_DIFFERENCE, "pressure drop"),
         "fitted_Pa": Column(law, PRESSURE_DIFFERENCE, "law, fitted"),
-        "distance": Column(seen.drop / law - 1.0, NUMBER, "distance from it"),
+        "distance": Column(seen.drop / law - 1.0, NUMBER, "relative residual"),
     }
     if seen.diameter is not None:
         columns = {"diameter_m": Column(seen.diameter, LENGTH, "spool diameter"), **columns}

@@ -33,7 +33,7 @@ def fit_jet(columns: Mapping[str, Array], host: Host | None) -> Fitted:
     """Exponent s and, where ports close and open, asymmetry eps of the jets' torque at constant flow.
 
     Torques at several flows are carried to the largest by its square. Raises ParameterError where the points do not
-    tell the coefficients apart.
+    distinguish the coefficients.
     """
     openings, flows = columns["opening"], columns.get("flow")
     sides = columns.get("port", np.zeros_like(openings))
@@ -77,7 +77,7 @@ def jet_law(openings: Array, torques: Array, sides: Array) -> Fit:
     torques   of the jets at constant flow [N m]
     sides     1 of a closing port, -1 of an opening one, 0 of the mean of both
 
-    Raises ParameterError where the values do not tell the coefficients apart, or no asymmetry fits.
+    Raises ParameterError where the values do not show the coefficients apart, or no asymmetry fits.
     """
     seen = np.log(torques)
     if not sides.any():
@@ -108,7 +108,7 @@ def _points(openings: Array, torques: Array, sides: Array, found: Fit) -> Table:
         "opening": Column(openings, FRACTION, "open fraction"),
         "torque_N_m": Column(torques, TORQUE, "torque"),
         "fitted_N_m": Column(law, TORQUE, "law, fitted"),
-        "distance": Column(torques / law - 1.0, NUMBER, "distance from it"),
+        "distance": Column(torques / law - 1.0, NUMBER, "relative residual"),
     }
     if sides.any():
         columns = {"port": Column(np.array([words[side] for side in sides.tolist()]), None, "port"), **columns}

@@ -112,7 +112,7 @@ def _points(seen: Leaks, power: Fit) -> Table:
         "pressure_drop_Pa": Column(seen.drop, PRESSURE_DIFFERENCE, "pressure difference"),
         "leakage_m3_s": Column(seen.flow, FLOW, "leakage"),
         "fitted_m3_s": Column(law, FLOW, "law, fitted"),
-        "distance": Column(seen.flow / law - 1.0, NUMBER, "distance from it"),
+        "distance": Column(seen.flow / law - 1.0, NUMBER, "relative residual"),
     }
     return Table(title="Points", columns=columns)
 

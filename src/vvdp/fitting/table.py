@@ -13,6 +13,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.display import key_suffix
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
 from vvdp.base.kinds import Kind
+from vvdp.base.rules import POSITIVE
 from vvdp.base.tables import closest_word
 from vvdp.base.units import parse
 
@@ -144,6 +145,6 @@ def _cell(path: Path, row: tuple[int, Sequence[str]], place: _Place, quantity: Q
         else:
             if value > 0.0:
                 return value
-            message = f"{text!r}; expected more than zero"
+            message = f"{text!r} {POSITIVE}"
     faults.append(Fault(str(path), line, place.heading, message))
     return np.nan

@@ -1,4 +1,4 @@
-"""Oil with free air under pressure: how it yields, and the energy that it carries and stores.
+"""Oil with free air under pressure: its compressibility, and the energy that it carries and stores.
 
 Every volume here is per volume of the same fluid at the reference pressure. All laws follow from one function, the
 specific-volume ratio, so mass and energy books that use them close exactly.
@@ -51,7 +51,7 @@ def plain_state(pressure: float, oil: Oil) -> FluidState:
     n, phi, b = oil.polytropic_exponent, oil.air_fraction, oil.liquid_bulk_modulus
     Pg = maximum(P, RAREFIED * P0)
     below = Pg - P
-    # Reciprocals of what all states of an oil have in common, worked out once in compiled code.
+    # Reciprocals of what all states of an oil have in common, calculated once in compiled code.
     per_P0, per_b, per_Pg = 1.0 / P0, 1.0 / b, 1.0 / Pg
     air = power_growth(Pg * per_P0, 1.0 - 1.0 / n)
     a = phi * P0 * air.power * per_Pg

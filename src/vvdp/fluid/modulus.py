@@ -9,9 +9,9 @@ from typing import Annotated, TypeVar
 import numpy as np
 from scipy.integrate import quad
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import AirFraction, BulkModulus, Kind, Polytropic, Pressure
 from vvdp.base.params import Params
+from vvdp.base.rules import require_less, require_positive
 from vvdp.base.select import clip, maximum
 from vvdp.fluid.parts import RAREFIED
 
@@ -31,11 +31,7 @@ class IsothermalAir(Params):
 
     def check(self) -> None:
         """Refuse a vacuum as reference."""
-        if not self.reference_pressure > 0.0:
-            raise ParameterError(
-                f"{type(self).__name__}.reference_pressure: {self.reference_pressure:g} Pa; "
-                "expected an absolute pressure above zero"
-            )
+        require_positive(self, "reference_pressure")
 
 
 class PolytropicAir(IsothermalAir):
@@ -61,11 +57,7 @@ class DissolvingAir(PolytropicAir):
     def check(self) -> None:
         """Refuse air that is dissolved before it is compressed."""
         super().check()
-        if not self.critical_pressure > self.reference_pressure:
-            raise ParameterError(
-                f"DissolvingAir.critical_pressure: {self.critical_pressure:g} Pa does not exceed "
-                f"the reference pressure {self.reference_pressure:g} Pa"
-            )
+        require_less(self, "reference_pressure", "critical_pressure")
 
 
 Fluid = TypeVar("Fluid")

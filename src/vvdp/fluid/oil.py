@@ -7,7 +7,6 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import (
     AirFraction,
     BulkModulus,
@@ -23,8 +22,9 @@ from vvdp.base.kinds import (
     ThermalExpansion,
     Time,
 )
-from vvdp.base.params import Params, field_text, refuse
+from vvdp.base.params import Params
 from vvdp.base.powers import expm1
+from vvdp.base.rules import field_text, refuse, require_positive
 
 PressureViscosity = Annotated[float, Kind("pressure-viscosity coefficient", "1/Pa", 0.0, 1e-7, "2e-8 1/Pa")]
 
@@ -66,28 +66,19 @@ class Oil(Params):
 
     def check(self) -> None:
         """Refuse viscosities that no straight line of the viscosity chart can join, and a vacuum as reference."""
-        warm, hot = 1e6 * self.viscosity_40, 1e6 * self.viscosity_100
-        if not warm > hot:
-            raise ParameterError(
-                f"Oil.viscosity_40: {warm:g} cSt at 40 degC does not exceed {hot:g} cSt at 100 degC (viscosity_100)"
-            )
-        if not hot > 0.3:
-            raise ParameterError(
-                f"Oil.viscosity_100: {hot:g} cSt is too thin; the viscosity law needs more than 0.3 cSt"
-            )
-        if not self.reference_pressure > 0.0:
-            refuse(self, "reference_pressure", "must be an absolute pressure above zero")
+        if not self.viscosity_40 > self.viscosity_100:
+            limit = field_text(self, "viscosity_100")
+            refuse(self, "viscosity_40", f"at 40 degC must be greater than viscosity_100 at 100 degC, {limit}")
+        if not self.viscosity_100 > 0.3e-6:
+            refuse(self, "viscosity_100", "must be greater than 0.3 cSt, where the viscosity equation ends")
+        require_positive(self, "reference_pressure")
         if not self.vapour_pressure < self.reference_pressure:
             limit = field_text(self, "reference_pressure")
             refuse(
                 self, "vapour_pressure", f"must be less than reference_pressure, {limit}, at which the oil would boil"
             )
-        times = self.dissolving_time, self.release_time
-        if self.bunsen_coefficient > 0.0 and not min(times) > 0.0:
-            raise ParameterError(
-                f"Oil.bunsen_coefficient: {self.bunsen_coefficient:g} with dissolving_time {times[0]:g} s and "
-                f"release_time {times[1]:g} s; expected both times above 0"
-            )
+        if self.bunsen_coefficient > 0.0:
+            require_positive(self, "dissolving_time", "release_time", why="bunsen_coefficient is greater than 0")
 
 
 def density(temperature: float, oil: Oil) -> float:

@@ -69,7 +69,7 @@ class Body:
         return tree.Variable(f"{own}_" if own in self._taken else own, kind)
 
     def bind(self, value: Any, name: str = "v") -> Any:
-        """The value, worked out here once; of a tuple each part."""
+        """The value, calculated here once; of a tuple each part."""
         if isinstance(value, tuple):
             return tuple_of(type(value), [self.bind(one, name) for one in value])
         if isinstance(value, list):

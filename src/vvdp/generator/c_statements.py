@@ -81,7 +81,7 @@ def _let(text: Text, statement: tree.Let) -> None:
 
 
 def _write_call(text: Text, statement: tree.Let) -> None:
-    """A call whose result has a name. Records and arrays are written where the call is told."""
+    """A call whose result has a name. Records and arrays are written where the call says."""
     variable, value = statement.variable, statement.value
     here, is_live = is_here(text, variable, statement), variable in text.scopes.live
     if isinstance(value, tree.CallAddress) or isinstance(value.kind, Scalar):
@@ -156,7 +156,7 @@ def _sizes(text: Text, value: tree.Room) -> list[str]:
 
 
 def _set(text: Text, statement: tree.Set) -> None:
-    """All values are at hand before the first is kept, if one is worked out from what another replaces."""
+    """All values are at hand before the first is kept, if one is calculated from what another replaces."""
     pairs = [
         (variable, value_as(text, value, variable), value)
         for variable, value in zip(statement.variables, statement.values, strict=True)
@@ -263,7 +263,7 @@ def _for(text: Text, statement: tree.For) -> None:
 
 
 def _limit(text: Text, value: tree.Expression, name: str) -> str:
-    """A number of a range, worked out before the first round."""
+    """A number of a range, calculated before the first round."""
     if isinstance(value, tree.Constant) or (isinstance(value, tree.Read) and text.is_fixed(value.variable)):
         return one(text, value, SUM)
     found = text.new_name(name)

@@ -30,7 +30,7 @@ from vvdp.generator.tree import Function, Library, Module, Variable
 from vvdp.generator.verify import statement_operands
 
 FLAGS = ("-std=c99", "-ffp-contract=off")
-"""What every compiler has to be told, besides that it leaves functions of the C library alone (`flags_for`)."""
+"""Flags of every compiler, besides that it leaves functions of the C library alone (`flags_for`)."""
 
 
 NAMES = re.compile(r"(?<![.\w])(?<!->)\w+")
@@ -44,7 +44,7 @@ class CModule:
     header      types and entries
     source      the functions; it includes `<prefix>.h`
     functions   by name, the C name of each function
-    flags       what the compiler has to be told
+    flags       flags of the compiler
     needs       by name, whether a function takes `failure` and `workspace`
     types       the C names of records
     """
@@ -94,7 +94,7 @@ def write_c(module: Module, prefix: str, supplied: Mapping[str, str] | None = No
 
 
 def flags_for(module: Module, supplied: Mapping[str, str]) -> tuple[str, ...]:
-    """What a compiler has to be told: no contraction, no other functions in place of those of the C library."""
+    """Flags of the compiler: no contraction, no other functions in place of those of the C library."""
     words = {word for name in module.intrinsics for word in re.findall(r"\w+(?=\()", supplied[name])}
     used = {
         each.name
@@ -128,7 +128,7 @@ def _function(function: Function, shared: Shared, *, is_entry: bool) -> tuple[st
 
 
 def _without_unused(lines: list[str], optional: set[str]) -> list[str]:
-    """The lines without those that only assign what nobody reads."""
+    """The lines without those that only assign what is not read."""
     while True:
         reads = Counter(word for line in lines for word in _words_read(line, optional))
         kept = [line for line in lines if not ((name := _target(line, optional)) and not reads[name])]

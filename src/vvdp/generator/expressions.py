@@ -127,7 +127,7 @@ def _compare(body: Body, node: ast.Compare, names: Names) -> Any:
         return compare(body, node.ops[0], left, right)
     right = body.bind(right)
     first = compare(body, node.ops[0], left, right)
-    middle = "\0middle"  # the middle one of a chain is worked out once
+    middle = "\0middle"  # the middle one of a chain is calculated once
     rest = ast.copy_location(ast.Compare(_name_node(middle, node), node.ops[1:], node.comparators[1:]), node)
     return _both(body, first, lambda: _compare(body, rest, {**names, middle: right}), both=True)
 
@@ -161,7 +161,7 @@ def _joined_truths(body: Body, node: ast.BoolOp, names: Names, *, test: bool) ->
 
 
 def _both(body: Body, first: Any, second: Callable[[], Any], *, both: bool) -> Any:
-    """`first and second()` or, where not `both`, `first or second()`, which is only worked out where it matters."""
+    """`first and second()` or, where not `both`, `first or second()`, which is only calculated where it matters."""
     if not is_symbol(first):
         return second() if bool(first) is both else first
     inside: list[Any] = []
@@ -178,7 +178,7 @@ def _both(body: Body, first: Any, second: Callable[[], Any], *, both: bool) -> A
 
 
 def _is_light(value: Any) -> bool:
-    """Whether working out a truth takes hardly more than asking whether it matters."""
+    """Whether calculating a truth takes hardly more than asking whether it matters."""
     if isinstance(value, Binary):
         return value.kind is BOOL and _is_light(value.left) and _is_light(value.right)
     return all(is_cheap(getattr(value, side, None)) for side in ("left", "right", "operand"))

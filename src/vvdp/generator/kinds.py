@@ -1,4 +1,4 @@
-"""The types of the language: numbers, arrays, records, addresses of functions, and values that are known beforehand."""
+"""The types of the language: numbers, arrays, records, addresses of functions, and values that are known before."""
 
 import enum
 import struct
@@ -62,7 +62,7 @@ class Address:
 
 @dataclass(frozen=True)
 class External:
-    """A function of another module, which code calls by its name; what stands for it is said when code is loaded."""
+    """A function of another module, which code calls by its name; what stands for it is stated when code is loaded."""
 
     name: str
     kind: Address
@@ -95,7 +95,7 @@ class Known:
 
     @property
     def key(self) -> Hashable:
-        """Equal for values that no code can tell apart."""
+        """Equal for values that no code can distinguish."""
         value = self.value
         if isinstance(value, float):
             return float, struct.pack("<d", value)

@@ -31,7 +31,7 @@ EXACT: dict[str, tuple[int, Callable[..., Any]]] = {
     "fabs": (1, np.absolute),
     "copysign": (2, np.copysign),
 }
-"""Functions that LLVM has, which are the same everywhere: their floats, and what works them out in plain Python."""
+"""Functions that LLVM has, which are the same everywhere: their floats, and what calculates them in plain Python."""
 
 FITS = {"fits+": "sadd", "fits-": "ssub", "fits*": "smul", "fits<<": "", "fits>>": ""}
 """Whether an operation on whole numbers stays within 64 bits, for checked code."""

@@ -39,7 +39,7 @@ PURE = "nounwind willreturn memory(none)"
 
 
 def registers(text: Text, value: tree.Expression) -> Registers:
-    """Writes what works out an expression; what it is held in."""
+    """Writes what calculates an expression; what it is held in."""
     return WRITTEN[type(value)](text, value)
 
 
@@ -209,7 +209,9 @@ def _open_sizes(text: Text, value: tree.View | tree.Room) -> list[str]:
 
 
 def _room(text: Text, value: tree.Room) -> Registers:
-    """Room at the beginning of the function where it is known how much, and nobody outlives it; else of the context."""
+    """Room at the beginning of the function where it is known how much, and nothing outlives it; else of the
+    context.
+    """
     if is_own_room(text.hoisted, text.function.result, value):
         count = 1
         for length in value.kind.shape:

@@ -120,7 +120,7 @@ def keep(text: Text, variable: tree.Variable) -> Registers:
 
 
 def _set(text: Text, statement: tree.Set) -> None:
-    """All values are at hand before the first is kept, since one may be worked out from what another replaces."""
+    """All values are at hand before the first is kept, since one may be calculated from what another replaces."""
     found = []
     for variable, value in zip(statement.variables, statement.values, strict=True):
         one_value = open_lengths(registers(text, value), value.kind, variable.kind)

@@ -229,7 +229,7 @@ def _is_in(body: Body, value: Any, items: Any) -> Any:
 
 
 def choose(body: Body, test: Any, then: Any, otherwise: Any) -> Any:
-    """One of two numbers, both worked out."""
+    """One of two numbers, both calculated."""
     if not is_symbol(test):
         return then if test else otherwise
     kind = widest(then, otherwise)
@@ -237,5 +237,5 @@ def choose(body: Body, test: Any, then: Any, otherwise: Any) -> Any:
 
 
 def is_cheap(value: Any) -> bool:
-    """Whether a value is at hand, so that it may as well be worked out where it is not used."""
+    """Whether a value is at hand, so that it may as well be calculated where it is not used."""
     return not is_symbol(value) or isinstance(value, tree.Constant | tree.Read)

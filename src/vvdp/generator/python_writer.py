@@ -1,6 +1,6 @@
 """The tree as Python: the same operations in the same order, for people to read, and for CPython to run.
 
-Run on NumPy's floats it gives the bits of the machine code, which tells faults of reading from faults of writing.
+Run on NumPy's floats it gives the bits of the machine code, which shows faults of reading from faults of writing.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""The verifier: what must be true of a tree after every pass, whoever wrote it.
+"""The verifier: what must be true of a tree after every pass.
 
 Types of operands, one meaning for each variable, values before their use on every way, calls of functions that stand
 before, known functions of the library only, no way past the end of a function.

@@ -271,11 +271,11 @@ WORDS: dict[Any, Word] = {
 """What code may call besides plain functions."""
 
 FOLDED = (range, tuple, list, zip, enumerate, reversed)
-"""Builtins that are worked out while a function is read; their arguments have known lengths."""
+"""Builtins that are calculated while a function is read; their arguments have known lengths."""
 
 
 def word_names() -> list[str]:
-    """The listed functions as a person writes them, in order."""
+    """The listed functions as people write them, in order."""
     homes = {"builtins": "", "math": "math."}
     listed = [f for f in WORDS if getattr(f, "__module__", "") != elementary.__name__]
     names = {f"{homes.get(getattr(f, '__module__', ''), 'np.')}{f.__name__}" for f in listed}

@@ -48,11 +48,11 @@ TURNING = ("spool", "windows", "chamber", "channels")
 """Patches that turn with the spool."""
 
 LEAST_OPENING = 1e-4
-"""Share of the nozzle area below which nozzles count as shut."""
+"""Share of the nozzle area below which nozzles count as closed."""
 STUB = 0.197
 """Length of the nozzle stubs that feed the centre section alone, over the spool radius: 2.5 mm on 12.7 mm."""
 APART = 0.04
-"""Half the angle for which nozzles have to be shut where pieces meet along the bore, over half a pitch."""
+"""Half the angle for which nozzles have to be closed where pieces meet along the bore, over half a pitch."""
 ROUNDING = 1e-11
 """Length [m] by which a position may miss the stroke."""
 APPROACH = 0.63
@@ -129,14 +129,14 @@ def _sector(patch: str, valve: RotaryValve, height: float, kernel: Faceted) -> P
 
 
 def _require_open(angle: float, position: float, shape: ValveShape, valve: RotaryValve) -> None:
-    """Raises ParameterError where the nozzles are shut, or the spool is beyond its stroke.
+    """Raises ParameterError where the nozzles are closed, or the spool is beyond its stroke.
 
     What a nozzle sees of the load is in one piece, round a barrier's tip too: its sides are parallel to the barriers.
     """
     require_within_stroke(position, shape, valve)
     if clipped_openings(angle, position, valve).load < LEAST_OPENING:
         raise ParameterError(
-            f"the nozzles are shut towards this side at a spool angle of {np.degrees(angle):.4g} deg and an axial "
+            f"the nozzles are closed towards this side at a spool angle of {np.degrees(angle):.4g} deg and an axial "
             f"position of {1e3 * position:.4g} mm, so there is no way for the oil"
         )
 
@@ -185,7 +185,7 @@ def centre_domain(
     """Centre section: nozzles as far as `stub` [spool radii] from their mouths, load pockets, windows.
 
     Patches inlet1 to inletN, nozzles, sleeve, spool, windows, outlet. The oil enters through the stubs' ends, across
-    their axes, and leaves axially through the ring behind the windows. Raises ParameterError where a nozzle is shut,
+    their axes, and leaves axially through the ring behind the windows. Raises ParameterError where a nozzle is closed,
     and for a stub that ends in its mouth or beyond the rail.
 
     Source  ours, docs/models/geometry.md
@@ -202,21 +202,21 @@ def centre_domain(
 def sliding_domain(shape: ValveShape, valve: RotaryValve, position: float, fineness: float = FINENESS) -> Domain:
     """Centre section in pieces that meet along the bore: the oil on the spool, and each nozzle stub.
 
-    The spool stands half a pitch back, where the nozzles are shut. Patches as of `centre_domain`, but for the bore:
-    mouths ends the stubs, rim the pockets. Raises ParameterError where the nozzles hardly shut.
+    The spool stands half a pitch back, where the nozzles are closed. Patches as of `centre_domain`, but for the bore:
+    mouths ends the stubs, rim the pockets. Raises ParameterError where the nozzles hardly close.
 
     Source  ours, docs/models/cfd.md, "A period of the turning spool"
     """
     N, R, kernel = round(valve.sections), valve.spool_radius, facet_kernel(valve, fineness)
     require_within_stroke(position, shape, valve)
-    shut, apart = -np.pi / N, APART * np.pi / N
-    if any(clipped_openings(shut + turn, position, valve).load > 0.0 for turn in (-apart, apart)):
+    closed, apart = -np.pi / N, APART * np.pi / N
+    if any(clipped_openings(closed + turn, position, valve).load > 0.0 for turn in (-apart, apart)):
         raise ParameterError(
-            f"the nozzles are shut towards this side for less than {2.0 * np.degrees(apart):.3g} deg of a turn at an "
+            f"the nozzles are closed towards this side for less than {2.0 * np.degrees(apart):.3g} deg of a turn at an "
             f"axial position of {1e3 * position:.4g} mm, so that pockets and nozzles are nowhere apart; expected a "
             f"lower one"
         )
-    pockets = _ended_pockets(shape, valve, kernel, "rim").rotate(shut).translate(-position)
+    pockets = _ended_pockets(shape, valve, kernel, "rim").rotate(closed).translate(-position)
     bore = kernel.cylinder("mouths", R, -shape.rail_diameter, shape.rail_diameter)
     length = _stub_length(STUB, shape, valve)
     mesh = union([pockets, *_stubs(length, shape, valve, bore, kernel)]).mesh()
@@ -224,7 +224,7 @@ def sliding_domain(shape: ValveShape, valve: RotaryValve, position: float, finen
     middle, tilt = 0.5 * length, _jet_tilt(shape, valve)
     places = (R + middle * np.exp(1j * tilt)) * np.exp(2j * np.pi * np.arange(N) / N)
     further = tuple((float(place.real), float(place.imag), 0.0) for place in places)
-    return Domain("sliding", sound, _in_ring(shape, valve, shut, position), further)
+    return Domain("sliding", sound, _in_ring(shape, valve, closed, position), further)
 
 
 def _stub_length(stub: float, shape: ValveShape, valve: RotaryValve) -> float:
@@ -302,7 +302,7 @@ def valve_domain(
     """The whole way of the oil to the load: rail, nozzles, centre section, outlet turbine, collector.
 
     Patches inlet, rail, nozzles, sleeve, spool, windows, chamber, channels, collector, outlet.
-    Raises ParameterError where a nozzle is shut.
+    Raises ParameterError where a nozzle is closed.
 
     Source  ours, docs/models/geometry.md
     """

@@ -32,7 +32,7 @@ SEWN = 1e-6
 
 @dataclass(frozen=True)
 class Body:
-    """The union of shapes, which is only worked out when it is asked for: cutting a union cuts each of its parts."""
+    """The union of shapes, which is only calculated when it is asked for: cutting a union cuts each of its parts."""
 
     shapes: "tuple[TopoDS_Shape, ...]"
 

@@ -1,4 +1,4 @@
-"""What of a valve and its shape contradicts itself, so that the two cannot be made."""
+"""Checks of the geometric consistency of a valve and its shape."""
 
 from collections.abc import Iterator
 

@@ -64,8 +64,8 @@ class Product:
     openings: Floats | None = None
     """Spool angle [rad] and what the meshes leave open to load and tank, over a period."""
     domains: list[Domain] = field(default_factory=list)
-    shut: list[str] = field(default_factory=list)
-    """Volumes that are not there, as the nozzles are shut to their side."""
+    closed: list[str] = field(default_factory=list)
+    """Volumes that are not there, as the nozzles are closed to their side."""
     has_film: bool = False
     finished: bool = True
     seconds: float = 0.0
@@ -76,7 +76,7 @@ def make_product(
 ) -> Product:
     """Makes everything and writes it into a folder; an interruption ends it early and keeps what is made.
 
-    `film` gives one PWM period as GIF; `say` is told what is being made.
+    `film` gives one PWM period as GIF; `say` receives what is being made.
     """
     product = Product()
     (folder / SHAPE).write_text(shape_text(order.rows), encoding="utf-8")
@@ -134,7 +134,7 @@ def _write_oil(folder: Path, name: str, build: Callable[[], Domain], product: Pr
     except ParameterError:
         if not name.startswith(("centre", "valve")):
             raise  # others do not depend on the nozzles being open
-        product.shut.append(name)
+        product.closed.append(name)
         return
     folder.mkdir(exist_ok=True)
     write_ascii_stl(folder / f"{name}.stl", domain.mesh)

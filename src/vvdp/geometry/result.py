@@ -139,7 +139,7 @@ def _comparison(product: Product, worst: float) -> Listing:
         Row(each.title, each.kind, (each.formula, each.measured, _with_sign(each.difference)))
         for each in product.comparisons
     ]
-    rows.append(Row("open share over a period, largest difference", FRACTION, ("", "", percent(worst, 3))))
+    rows.append(Row("open fraction over a period, largest difference", FRACTION, ("", "", percent(worst, 3))))
     return Listing(title="", heads=("formula", "mesh", "difference"), rows=tuple(rows))
 
 
@@ -148,7 +148,7 @@ def _with_sign(share: float) -> str:
 
 
 def _openings(over: Floats, order: Order) -> Table:
-    """Open shares of the nozzles over a period, by formula and on the meshes."""
+    """Open fractions of the nozzles over a period, by formula and on the meshes."""
     formula = np.array([port_openings(float(angle), order.position, order.valve) for angle in over[:, 0]])
     columns = {"spool_angle_rad": Column(over[:, 0], ANGLE, "spool angle")}
     for place, side in enumerate(("load", "tank")):
@@ -156,7 +156,7 @@ def _openings(over: Floats, order: Order) -> Table:
         columns[f"{side}_mesh"] = Column(over[:, place + 1], FRACTION, f"{side}, mesh")
         difference = over[:, place + 1] - formula[:, place]
         columns[f"{side}_difference"] = Column(difference, EFFICIENCY, f"difference, {side}")
-    return Table(title="Open shares over a period", columns=columns, axes=("spool_angle_rad",), is_data=True)
+    return Table(title="Open fractions over a period", columns=columns, axes=("spool_angle_rad",), is_data=True)
 
 
 def _worst(openings: Table) -> float:
@@ -173,7 +173,7 @@ def _chart(openings: Table) -> Chart:
     ]
     below = (Line(x="spool_angle_rad", y=f"{side}_difference", label=side, colour=colour) for side, colour in sides)
     caption = (
-        "Open shares of the nozzle area over one PWM period: formula, and what the unwrapped meshes of spool and "
+        "Open fractions of the nozzle area over one PWM period: formula, and what the unwrapped meshes of spool and "
         f"sleeve leave open. They differ by at most {percent(_worst(openings), 2)} of the nozzle area, as facets "
         "differ from curves."
     )
@@ -182,7 +182,7 @@ def _chart(openings: Table) -> Chart:
         caption=caption,
         table="openings",
         panels=(
-            Lines(lines=tuple(lines), label="open share", low=-0.04, high=1.04, left=left, right=right, height=2.0),
+            Lines(lines=tuple(lines), label="open fraction", low=-0.04, high=1.04, left=left, right=right, height=2.0),
             Lines(lines=tuple(below), label="difference", left=left, right=right),
         ),
         height=3.4,
@@ -243,12 +243,12 @@ def _findings(product: Product, numbers: dict[str, Number]) -> Iterator[Finding]
         worst = max(abs(each.difference) for each in product.comparisons)
         shares = numbers["openings_difference"].value
         yield Finding(
-            text=f"The meshes agree with the formulas to {percent(worst, 2)}, and the open share of the nozzles to "
+            text=f"The meshes agree with the formulas to {percent(worst, 2)}, and the open fraction of the nozzles to "
             f"{percent(shares, 2)}."
         )
-    if product.shut:
-        names = " and ".join(_volume_name(name) for name in product.shut)
-        yield Finding(text=f"Not made, as the nozzles are shut to this side here: {names}.")
+    if product.closed:
+        names = " and ".join(_volume_name(name) for name in product.closed)
+        yield Finding(text=f"Not made, as the nozzles are closed to this side here: {names}.")
 
 
 def _sections(product: Product) -> Iterator[Section]:

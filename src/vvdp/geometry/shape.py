@@ -7,7 +7,8 @@ import numpy as np
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Area, Count, Kind, Length, Position, Ratio, Volume
-from vvdp.base.params import Params, refuse, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 from vvdp.geometry.kernel import Floats
 from vvdp.valve.geometry import barrier_width, helix_slope, nozzle_length, nozzle_width
 from vvdp.valve.rotary import RotaryValve
@@ -184,7 +185,7 @@ def nozzle_reach(shape: ValveShape, valve: RotaryValve) -> float:
 
 
 def nozzle_lag(shape: ValveShape, valve: RotaryValve) -> float:
-    """Angle by which a nozzle's mouth lies ahead of its root on the rail's centre line [rad].
+    """Lead angle of a nozzle's mouth over its root on the rail's centre line [rad].
 
     Source  ours, docs/models/geometry.md
     """

@@ -5,7 +5,8 @@ Source  ours, docs/models/components.md, where a function names no other.
 
 from vvdp.base.kinds import Flow, PressureDifference, Ratio, Time
 from vvdp.base.modes import between
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip, select
 from vvdp.hydraulics.opening import lagged_rate
 

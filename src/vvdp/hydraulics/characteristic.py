@@ -7,7 +7,8 @@ import numpy as np
 
 from vvdp.base.kinds import Fraction, Ratio
 from vvdp.base.modes import between
-from vvdp.base.params import Params, refuse
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse
 from vvdp.base.select import clip, select
 
 

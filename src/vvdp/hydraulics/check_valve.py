@@ -5,7 +5,8 @@ Source  ours, docs/models/components.md, where a function names no other.
 
 from vvdp.base.kinds import Flow, Fraction, PressureDifference, Time
 from vvdp.base.modes import between
-from vvdp.base.params import Params, field_text, refuse, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import field_text, refuse, require_positive
 from vvdp.base.select import clip, select
 from vvdp.hydraulics.flow import rated_edge_flow
 from vvdp.hydraulics.opening import lagged_rate
@@ -59,7 +60,7 @@ def check_opening(pressure_drop: float, check: CheckPoppet) -> float:
 
 
 def check_opening_compiled(pressure_drop: float, check: CheckPoppet) -> float:
-    """The same as `check_opening`, which it replaces in compiled code: nothing is worked out where no valve is fitted.
+    """The same as `check_opening`, which it replaces in compiled code: nothing is calculated where no valve is fitted.
 
     pressure_drop  in the direction of the valve [Pa]
     """
@@ -81,7 +82,7 @@ def check_side(pressure_drop: float, check: CheckPoppet) -> float:
 
 
 def check_side_compiled(pressure_drop: float, check: CheckPoppet) -> float:
-    """The same as `check_side`, which it replaces in compiled code: nothing is worked out where no valve is fitted.
+    """The same as `check_side`, which it replaces in compiled code: nothing is calculated where no valve is fitted.
 
     pressure_drop  in the direction of the valve [Pa]
     """

@@ -3,10 +3,10 @@
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import FlowCoefficient, PressureDifference, Time
 from vvdp.base.modes import between
 from vvdp.base.params import Params
+from vvdp.base.rules import field_text, refuse, require_positive
 from vvdp.base.select import clip
 from vvdp.hydraulics.series import first_share
 
@@ -14,8 +14,8 @@ from vvdp.hydraulics.series import first_share
 class CompensatedThrottle(Params):
     """Conductances fully open, of the throttle and of the compensator before it.
 
-    The compensator is shut from the drop `metering_drop` over the throttle on, and fully open `override_pressure` below
-    it; it follows with the time constant `opening_time`. The flow turns linear in the drop over both below about
+    The compensator is closed from the drop `metering_drop` over the throttle on, and fully open `override_pressure`
+    below it; it follows with the time constant `opening_time`. The flow turns linear in the drop over both below about
     `transition_pressure`.
     """
 
@@ -27,14 +27,11 @@ class CompensatedThrottle(Params):
     opening_time: Time
 
     def check(self) -> None:
-        for name in ("conductance", "compensator_conductance", "transition_pressure", "opening_time"):
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(f"CompensatedThrottle.{name}: 0; expected more than zero")
-        if not 0.0 < self.override_pressure <= self.metering_drop:
-            raise ParameterError(
-                f"CompensatedThrottle.override_pressure: {self.override_pressure:g} Pa; expected one above zero and "
-                f"not above the metering drop, {self.metering_drop:g} Pa"
-            )
+        require_positive(
+            self, "conductance", "compensator_conductance", "transition_pressure", "opening_time", "override_pressure"
+        )
+        if not self.override_pressure <= self.metering_drop:
+            refuse(self, "override_pressure", f"must be at most metering_drop, {field_text(self, 'metering_drop')}")
 
 
 def metering_share(opening: float, compensator_opening: float, valve: CompensatedThrottle) -> float:
@@ -56,7 +53,7 @@ def compensator_lift(drop: float, valve: CompensatedThrottle) -> float:
 
 
 def compensator_side(drop: float, valve: CompensatedThrottle) -> float:
-    """Whether a compensator is to be shut, in between or fully open [1], see `base.modes.between`.
+    """Whether a compensator is to be closed, in between or fully open [1], see `base.modes.between`.
 
     drop  over its throttle [Pa]
     """

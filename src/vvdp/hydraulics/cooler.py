@@ -6,7 +6,8 @@ Source  ours, docs/models/components.md, where a function names no other.
 import numpy as np
 
 from vvdp.base.kinds import DynamicViscosity, Flow, Fraction, PressureDifference, Temperature
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.hydraulics.heat import HeatConductance
 
 

@@ -5,7 +5,7 @@ Source  ours, docs/models/components.md, where a function names no other.
 
 from vvdp.base.kinds import PressureDifference, Ratio
 from vvdp.base.modes import between
-from vvdp.base.params import require_positive
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip
 from vvdp.hydraulics.balanced_valve import BalancedValve
 from vvdp.hydraulics.flow import rated_root
@@ -72,7 +72,7 @@ def two_way_flow(pressure_drop: float, opening: float, valve: SequenceValve) -> 
 
 
 def reverse_side(pressure_drop: float, valve: SequenceValve) -> float:
-    """Whether the check valve is shut, in between or fully open [1]; see `base.modes.between`.
+    """Whether the check valve is closed, in between or fully open [1]; see `base.modes.between`.
 
     pressure_drop  inlet less outlet [Pa]
     """

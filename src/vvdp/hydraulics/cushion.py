@@ -4,7 +4,7 @@ Source  ours, docs/models/components.md, where a function names no other.
 """
 
 from vvdp.base.kinds import Area, Position
-from vvdp.base.params import refuse, require_positive
+from vvdp.base.rules import refuse, require_positive
 from vvdp.base.select import clip, select
 from vvdp.hydraulics.orifice import Orifice
 

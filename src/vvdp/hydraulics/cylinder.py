@@ -3,9 +3,9 @@
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Area, Conductance, Length, Mass
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.hydraulics.ports import Wall
 
 
@@ -27,7 +27,7 @@ class Cylinder(Plunger):
 
     A piston on an equal rod either way has two equal areas. `leakage_conductance` is that past the piston. The
     volumes that its ports join are what is left at the ends, with the hoses; what the piston has swept comes on top.
-    `stroke` tells how much that is in chamber B, and holds no rod.
+    `stroke` shows how much that is in chamber B, and holds no rod.
     """
 
     area_b: Area
@@ -36,8 +36,7 @@ class Cylinder(Plunger):
 
     def check(self) -> None:
         super().check()
-        if self.area_b <= 0.0:
-            raise ParameterError("Cylinder.area_b: 0 m^2; expected an area above zero, or a Plunger")
+        require_positive(self, "area_b", why="with one chamber it is a plunger")
         require_positive(self, "stroke")
 
 

@@ -12,7 +12,8 @@ import numpy as np
 
 from vvdp.base.conservation import Stored
 from vvdp.base.kinds import Count, Energy, Flow, Kind, Length, Power, TankVolume
-from vvdp.base.params import Params, refuse, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 
 SOUND_SPEED = Kind("speed of sound", "m/s", 50.0, 3000.0, "1260 m/s")
 SoundSpeed = Annotated[float, SOUND_SPEED]

@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 from vvdp.base.kinds import FlowCoefficient, Fraction, Kink, PressureDifference, SignedFraction, Time
 from vvdp.base.modes import between
-from vvdp.base.params import Params, refuse, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 from vvdp.base.select import clip
 
 
@@ -29,7 +30,7 @@ class DirectionalValve(Params):
 
 
 class EdgeSides(NamedTuple):
-    """Whether the edges are shut, in between or fully open; `base.modes.between`."""
+    """Whether the edges are closed, in between or fully open; `base.modes.between`."""
 
     forward: Kink
     backward: Kink
@@ -71,7 +72,7 @@ def edge_openings(position: float, valve: DirectionalValve) -> EdgeOpenings:
 
 
 def edge_sides(position: float, valve: DirectionalValve) -> EdgeSides:
-    """Whether the forward and the backward edges are shut, in between or fully open [1].
+    """Whether the forward and the backward edges are closed, in between or fully open [1].
 
     position  y, from -1 to 1 [1]
     """

@@ -7,7 +7,8 @@ from typing import Annotated, NamedTuple
 
 from vvdp.base.kinds import Conductance, Flow, Kind, Mass, PressureDifference
 from vvdp.base.modes import side
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import maximum, select
 
 DIRT_CONTENT = Kind("dirt content", "kg/m^3", 0.0, 10.0, "0.005 kg/m^3")
@@ -58,8 +59,8 @@ def filter_flows(drop: float, clogging: float, element: FilterElement) -> Filter
     >>> [round(6e4 * q, 2) for q in filter_flows(4e5, 0.75, new)]  # l/min
     [120.0, 60.0]
     """
-    open_share = maximum(1.0 - clogging, 0.0)
-    through = element.clean_conductance * open_share * drop
+    open_fraction = maximum(1.0 - clogging, 0.0)
+    through = element.clean_conductance * open_fraction * drop
     return FilterFlows(through, element.bypass_conductance * maximum(drop - element.bypass_pressure, 0.0))
 
 

@@ -24,7 +24,7 @@ STILL_FLOW = 1e-12
 
 
 class Passage(NamedTuple):
-    """What goes through a passage: `flow` in tank volumes per second, signed, and the power `loss` it turns to heat."""
+    """What goes through a passage: `flow` in tank volumes per second, signed, and the power `loss` it dissipates."""
 
     flow: Flow
     loss: Power

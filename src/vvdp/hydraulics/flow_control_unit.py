@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.kinds import Count, Flow, Fraction, PressureDifference, Time
-from vvdp.base.params import Params, refuse, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 from vvdp.base.select import clip, select
 from vvdp.hydraulics.flow import rated_edge_flow
 
@@ -17,7 +18,7 @@ NEAR = 0.02
 
 
 class OnOffValve(Params):
-    """A valve that is open or shut: it passes `rated_flow` at `rated_drop`.
+    """A valve that is open or closed: it passes `rated_flow` at `rated_drop`.
 
     Its poppet travels from end to end in `opening_time` or `closing_time` after a command; `dead_travel` of that at
     either end leaves the flow as it is. So half the flow is there, or gone, after half the time.
@@ -53,7 +54,7 @@ class UnitValve(OnOffValve):
 
 
 class PoppetState(NamedTuple):
-    """How far a poppet has travelled, 0 shut and 1 open."""
+    """How far a poppet has travelled, 0 closed and 1 open."""
 
     travel: Fraction
 
@@ -106,7 +107,7 @@ def code_flow(code: float, pressure_drop: float, valves: tuple[UnitValve, ...]) 
 def pulse_volume(before: float, after: float, pressure_drop: float, valves: tuple[UnitValve, ...]) -> float:
     """What a unit passes too much, below 0 too little, when its code changes [m^3].
 
-    Against the flow that changes at once: a valve that opens misses Q t_o/2, one that shuts adds Q t_c/2.
+    Against the flow that changes at once: a valve that opens misses Q t_o/2, one that closes adds Q t_c/2.
 
     before, after  codes
     pressure_drop  held [Pa]
@@ -132,7 +133,7 @@ def valve_command(code: float, valve: UnitValve) -> float:
 def poppet_rate(command: float, travel: float, valve: OnOffValve) -> float:
     """Rate of a poppet's travel [1/s]: to its other end in the opening or closing time, where it comes to rest.
 
-    command  1 open, 0 shut
+    command  1 open, 0 closed
     travel   now [1]
     """
     time = select(command > 0.5, valve.opening_time, valve.closing_time)
@@ -141,7 +142,7 @@ def poppet_rate(command: float, travel: float, valve: OnOffValve) -> float:
 
 
 def poppet_opening(travel: float, valve: OnOffValve) -> float:
-    """Travel less the dead one, over what is left of it [1]: below 0 shut, above 1 fully open.
+    """Travel less the dead one, over what is left of it [1]: below 0 closed, above 1 fully open.
 
     travel  [1]
     """

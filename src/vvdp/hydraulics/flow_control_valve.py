@@ -5,7 +5,8 @@ Source  ours, docs/models/components.md, where a function names no other.
 
 from vvdp.base.kinds import Flow, Fraction, PressureDifference
 from vvdp.base.modes import between
-from vvdp.base.params import Params, require_less, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_less, require_positive
 from vvdp.base.select import clip
 from vvdp.hydraulics.flow import rated_edge_flow
 
@@ -13,7 +14,7 @@ from vvdp.hydraulics.flow import rated_edge_flow
 class FlowControlValve(Params):
     """Passes `rated_flow`, fully open, from `minimum_drop` on, and a share `flow_rise` more at `maximum_drop`.
 
-    Below the minimum drop the compensator is fully open, above the maximum drop as far shut as it goes, and the valve
+    Below the minimum drop the compensator is fully open, above the maximum drop as far closed as it goes, and the valve
     is a plain throttle.
     """
 

@@ -1,9 +1,10 @@
-"""Sources of flow that give what they are told to, whatever the pressures: at once, or with a lag."""
+"""Sources that give the flow that is commanded, whatever the pressures: at once, or with a lag."""
 
 from typing import NamedTuple
 
 from vvdp.base.kinds import Flow, Fraction, Time
-from vvdp.base.params import Params, refuse, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 from vvdp.base.select import select
 
 
@@ -18,7 +19,7 @@ class FlowSource(Params):
 
 
 class LaggingSource(FlowSource):
-    """A source whose flow follows what it is told to give with the time constant `lag`, as a pump with its stroking."""
+    """A source whose flow follows its command with the time constant `lag`, as a pump with its stroking."""
 
     lag: Time
 

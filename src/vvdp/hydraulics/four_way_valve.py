@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from vvdp.base.kinds import FlowCoefficient, Fraction, Kink, PressureDifference, SignedFraction
 from vvdp.base.modes import between
-from vvdp.base.params import field_text, refuse, require_positive
+from vvdp.base.rules import field_text, refuse, require_positive
 from vvdp.base.select import clip, select
 from vvdp.hydraulics.proportional_spool import ProportionalSpool
 
@@ -18,7 +18,7 @@ class LappedValve(ProportionalSpool):
     """`conductance` of each edge fully open; laps are shares of the stroke, negative ones are underlaps.
 
     Edges pa and bt open forward, pb and at backward. All laps positive: closed centre; those of at and bt negative:
-    float; of pa and pb: regenerative; all negative: open. What is open in the middle alone, a bypass, is shut from
+    float; of pa and pb: regenerative; all negative: open. What is open in the middle alone, a bypass, is closed from
     `bypass_travel` of the stroke on either way.
     """
 
@@ -79,7 +79,7 @@ class Edges(NamedTuple):
 
 
 class EdgeStands(NamedTuple):
-    """Whether each edge is shut, in between or fully open; `base.modes.between`."""
+    """Whether each edge is closed, in between or fully open; `base.modes.between`."""
 
     pa: Kink
     pb: Kink
@@ -135,7 +135,7 @@ def four_edges(position: float, valve: LappedValve) -> Edges:
 
 
 def four_sides(position: float, valve: LappedValve) -> EdgeStands:
-    """Whether each edge is shut, in between or fully open [1].
+    """Whether each edge is closed, in between or fully open [1].
 
     position  from -1 to 1 [1]
     """
@@ -158,7 +158,7 @@ def sensing_openings(position: float, bypass: float) -> SensingOpenings:
 def flow_push(edges: Edges, drops: EdgeDrops, valve: LappedValve) -> float:
     """By how much flow forces push a spool back to its middle [1]: c (y_pa |dp| + y_bt |dp| - y_pb |dp| - y_at |dp|).
 
-    A jet pushes its edge shut with 0.43 w x dp, w the width of the edge and x its opening; over the stiffness k that
+    A jet pushes its edge closed with 0.43 w x dp, w the width of the edge and x its opening; over the stiffness k that
     centres the spool that is c = 0.43 w/k per opening and drop.
 
     Source  merritt1967, ch. 5 (steady flow force)

@@ -6,7 +6,8 @@ Source  ours, docs/models/components.md, where a function names no other.
 import numpy as np
 
 from vvdp.base.kinds import Coupling, Force, FrictionTorque, Speed, Velocity, ViscousFriction
-from vvdp.base.params import Params, field_text, refuse, require_less, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import field_text, refuse, require_less, require_positive
 
 
 class RodFriction(Params):

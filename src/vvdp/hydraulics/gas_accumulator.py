@@ -22,7 +22,8 @@ from vvdp.base.kinds import (
     Volume,
 )
 from vvdp.base.modes import side
-from vvdp.base.params import Params, refuse, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 from vvdp.base.select import maximum, select
 from vvdp.fluid.mixture import FluidState, fluid_state
 from vvdp.fluid.oil import Oil

@@ -5,7 +5,7 @@ Source  ours, docs/models/axial-drives.md, where a function names no other.
 
 from typing import Annotated, NamedTuple
 
-from vvdp.base.errors import ParameterError
+from vvdp.base.display import value_text
 from vvdp.base.kinds import (
     FLOW,
     SIGNED_FRACTION,
@@ -22,9 +22,10 @@ from vvdp.base.kinds import (
     ViscousFriction,
 )
 from vvdp.base.modes import side
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse, refuse_rows, require_less, require_positive, require_rising
 from vvdp.base.select import clip, minimum, select
-from vvdp.numerics.piecewise import check_rising, piecewise_linear
+from vvdp.numerics.piecewise import piecewise_linear
 
 SignedPressure = Annotated[float, SIGNED_PRESSURE]
 
@@ -43,13 +44,8 @@ class GerotorDrive(Params):
     upper_end: Position
 
     def check(self) -> None:
-        for name, unit in (("area", "m^2"), ("lag", "s"), ("conductance", "m^3/(s*Pa)")):
-            if getattr(self, name) <= 0.0:
-                raise ParameterError(f"GerotorDrive.{name}: 0 {unit}; expected a value above zero")
-        if self.lower_end >= self.upper_end:
-            raise ParameterError(
-                f"GerotorDrive.lower_end: {self.lower_end:g} m is not below the upper end, {self.upper_end:g} m"
-            )
+        require_positive(self, "area", "lag", "conductance")
+        require_less(self, "lower_end", "upper_end")
 
 
 class GerotorMap(Params):
@@ -64,13 +60,11 @@ class GerotorMap(Params):
     backward_gain: Ratio
 
     def check(self) -> None:
-        name = type(self).__name__
         require_positive(self, "largest_flow")
-        if self.backward_gain <= 0.0:
-            raise ParameterError(f"{name}.backward_gain: 0; the drive would never come back")
+        require_positive(self, "backward_gain", why="the drive would never come back")
         for band in ("forward_dead_band", "backward_dead_band"):
             if getattr(self, band) >= 1.0:
-                raise ParameterError(f"{name}.{band}: 1; the drive would never move")
+                refuse(self, band, "must be less than 1, or the drive would never move")
 
 
 class GerotorBelief(GerotorMap):
@@ -80,10 +74,13 @@ class GerotorBelief(GerotorMap):
 
     def check(self) -> None:
         super().check()
-        if not 0.0 < self.straight_flow < self.largest_flow * min(1.0, self.backward_gain):
-            raise ParameterError(
-                f"GerotorBelief.straight_flow: {self.straight_flow:g} m^3/s; expected one above zero and below the "
-                "largest flow either way"
+        require_positive(self, "straight_flow")
+        most = self.largest_flow * min(1.0, self.backward_gain)
+        if not self.straight_flow < most:
+            refuse(
+                self,
+                "straight_flow",
+                f"must be less than the largest flow in either direction, {value_text(most, FLOW)}",
             )
 
 
@@ -98,12 +95,13 @@ class GerotorCalibration(Params):
 
     def check(self) -> None:
         if len(self.commands) < 2 or len(self.commands) != len(self.flows):
-            raise ParameterError(
-                f"GerotorCalibration.flows: {len(self.flows)} rows for {len(self.commands)} commands; expected a flow "
-                "for each of at least two"
+            refuse_rows(
+                self,
+                "flows",
+                f"{len(self.flows)} rows for {len(self.commands)} commands; expected one for each of at least two",
             )
-        check_rising("GerotorCalibration.commands", self.commands)
-        check_rising("GerotorCalibration.flows", self.flows, strictly=False)
+        require_rising(self, "commands")
+        require_rising(self, "flows", strictly=False)
 
 
 class GerotorState(NamedTuple):

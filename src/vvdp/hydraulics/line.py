@@ -8,7 +8,8 @@ from typing import Protocol
 import numpy as np
 
 from vvdp.base.kinds import Length, Ratio
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip, maximum
 from vvdp.fluid.mixture import FluidState
 
@@ -111,7 +112,7 @@ def line_friction_drop(flow: float, density: float, viscosity: float, line: Roun
 def line_friction_power(
     flow: float, a: FluidState, b: FluidState, density: float, viscosity: float, line: RoundLine
 ) -> float:
-    """Power that wall friction in a line turns to heat [W]: Q dp_f(Q), Q = sigma z, never negative.
+    """Power that wall friction in a line dissipates [W]: Q dp_f(Q), Q = sigma z, never negative.
 
     flow       z, from a to b; see `flow_scale` [m^3/s]
     a, b       oil at its ends

@@ -20,7 +20,8 @@ from vvdp.base.kinds import (
     Velocity,
     ViscousFriction,
 )
-from vvdp.base.params import Params, refuse, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 from vvdp.base.select import maximum, select
 from vvdp.hydraulics.friction import smooth_sign
 from vvdp.hydraulics.ports import RodState, ShaftState
@@ -113,7 +114,7 @@ class LinkForce(NamedTuple):
 
 
 class RoadForce(NamedTuple):
-    """Force of a road on a vehicle, and the part that turns to heat."""
+    """Force of a road on a vehicle, and the dissipated part."""
 
     force: Force
     loss: Power
@@ -197,7 +198,7 @@ def arm_stretch(shaft: ShaftState, rod: RodState, arm: Arm) -> float:
 
 
 def road_force(velocity: float, road: RoadLoad) -> RoadForce:
-    """Force of a road on a vehicle in its direction [N], and the part of its power that turns to heat [W].
+    """Force of a road on a vehicle in its direction [N], and the dissipated part of its power [W].
 
     -m g sin(slope) - m g c_r cos(slope) sgn(v) - rho c_d A v |v|/2
 

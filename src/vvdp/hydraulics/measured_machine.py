@@ -5,7 +5,6 @@ Source  ours, docs/models/components.md, where a function names no other.
 
 from typing import Annotated, NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import (
     FRACTION,
     PRESSURE_DIFFERENCE,
@@ -16,10 +15,9 @@ from vvdp.base.kinds import (
     Inertia,
     Speed,
 )
-from vvdp.base.params import require_positive
+from vvdp.base.rules import refuse_rows, require_positive, require_rising
 from vvdp.base.select import clip, select
 from vvdp.hydraulics.variable_machine import SettingDrive
-from vvdp.numerics.piecewise import check_rising
 
 
 class MeasuredMachine(SettingDrive):
@@ -45,15 +43,15 @@ class MeasuredMachine(SettingDrive):
         count = len(self.speeds) * len(self.pressures) * len(self.settings)
         for name in ("speeds", "pressures", "settings"):
             values = getattr(self, name)
-            if not values or values[0] <= 0.0:
-                raise ParameterError(f"MeasuredMachine.{name}: must start above 0, where an efficiency says something")
-            check_rising(f"MeasuredMachine.{name}", values)
+            if not values:
+                refuse_rows(self, name, "no rows; expected at least one")
+            require_positive(self, name, why="an efficiency at 0 is not defined")
+            require_rising(self, name)
         for name in ("volumetric_efficiencies", "mechanical_efficiencies"):
             values = getattr(self, name)
             if len(values) != count:
-                raise ParameterError(f"MeasuredMachine.{name}: {len(values)} values; expected {count}, one per point")
-            if min(values) <= 0.0:
-                raise ParameterError(f"MeasuredMachine.{name}: {min(values):g} must be greater than 0")
+                refuse_rows(self, name, f"{len(values)} values; expected {count}, one per point")
+            require_positive(self, name)
 
 
 class MeasuredLosses(NamedTuple):

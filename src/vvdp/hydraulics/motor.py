@@ -6,7 +6,7 @@ Source  ours, docs/models/components.md, where a function names no other.
 from typing import Protocol
 
 from vvdp.base.kinds import Conductance, Displacement, Inertia
-from vvdp.base.params import require_positive
+from vvdp.base.rules import require_positive
 from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.friction import ShaftFriction

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import DischargeCoefficient, PressureDifference
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 
 
 class Orifice(Params):
@@ -17,8 +17,7 @@ class Orifice(Params):
     transition_pressure: PressureDifference = 5e4
 
     def check(self) -> None:
-        if self.transition_pressure <= 0.0:
-            raise ParameterError("Orifice.transition_pressure: 0 Pa; the flow law needs a drop greater than zero")
+        require_positive(self, "transition_pressure")
 
 
 def orifice_flow(area: float, pressure_drop: float, density: float, orifice: Orifice) -> float:

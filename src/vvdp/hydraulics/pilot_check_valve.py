@@ -1,4 +1,4 @@
-"""Pilot-operated check valve: a pilot piston can push its poppet open against its direction, or hold it shut.
+"""Pilot-operated check valve: a pilot piston can push its poppet open against its direction, or hold it close.
 
 Source  ours, docs/models/components.md, where a function names no other.
 """

@@ -1,4 +1,4 @@
-"""A long line in pieces, for its waves, and the stretch of its wall.
+"""A long line in pieces, for its waves, and the compliance of its wall.
 
 Source  ours, docs/models/components.md, where a function names no other.
 """
@@ -9,7 +9,8 @@ import numpy as np
 
 from vvdp.base.conservation import Stored
 from vvdp.base.kinds import BulkModulus, Compliance, Count, Fraction, Length, Ratio
-from vvdp.base.params import Params, refuse, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 from vvdp.fluid.mixture import FluidState
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.line import line_volume
@@ -137,7 +138,7 @@ def damping_flow(a: FluidState, b: FluidState, density: float, pipe: LinePipe) -
 
 
 def damping_flow_compiled(a: FluidState, b: FluidState, density: float, pipe: LinePipe) -> float:
-    """The same as `damping_flow`, which it replaces in compiled code: none is worked out where there is none.
+    """The same as `damping_flow`, which it replaces in compiled code: none is calculated where there is none.
 
     Arguments as there.
     """

@@ -9,7 +9,7 @@ import numpy as np
 
 from vvdp.base.kinds import Angle, Force, FrictionForce, Length, Stiffness, Time
 from vvdp.base.modes import between
-from vvdp.base.params import refuse, require_less, require_positive
+from vvdp.base.rules import refuse, require_less, require_positive
 from vvdp.base.select import clip, maximum
 from vvdp.hydraulics.orifice import Orifice
 

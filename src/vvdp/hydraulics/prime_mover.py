@@ -5,7 +5,6 @@ Source  ours, docs/models/components.md, where a function names no other.
 
 from typing import Annotated, NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import (
     FRICTION_TORQUE,
     SPEED,
@@ -18,10 +17,10 @@ from vvdp.base.kinds import (
     Time,
 )
 from vvdp.base.modes import between
-from vvdp.base.params import require_positive
+from vvdp.base.rules import refuse_rows, require_positive, require_rising
 from vvdp.base.select import clip, minimum, select
 from vvdp.hydraulics.friction import ShaftFriction
-from vvdp.numerics.piecewise import check_rising, piecewise_linear
+from vvdp.numerics.piecewise import piecewise_linear
 
 
 class GovernedMover(ShaftFriction):
@@ -69,11 +68,13 @@ class DieselEngine(GovernedMover):
         super().check()
         require_positive(self, "rack_time")
         if len(self.speeds) < 2 or len(self.speeds) != len(self.full_torques):
-            raise ParameterError(
-                f"DieselEngine.full_torques: {len(self.full_torques)} torques for {len(self.speeds)} speeds; expected "
-                "one for each of at least two"
+            refuse_rows(
+                self,
+                "full_torques",
+                f"{len(self.full_torques)} torques for {len(self.speeds)} speeds; expected one for each of at least "
+                "two",
             )
-        check_rising("DieselEngine.speeds", self.speeds)
+        require_rising(self, "speeds")
 
 
 class GovernorState(NamedTuple):
@@ -139,7 +140,7 @@ def motor_limit(shaft_speed: float, motor: ElectricMotor) -> float:
 
 
 def copper_loss(torque: float, motor: ElectricMotor) -> float:
-    """Power that the windings of an electric motor turn to heat [W]: P_Cu (T/T_max)^2.
+    """Power that the windings of an electric motor dissipate [W]: P_Cu (T/T_max)^2.
 
     torque  T [N m]
     """

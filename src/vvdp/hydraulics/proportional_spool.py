@@ -9,7 +9,8 @@ import numpy as np
 
 from vvdp.base.kinds import Compliance, Fraction, Frequency, Kind, Rate, Ratio, Time
 from vvdp.base.modes import between
-from vvdp.base.params import Params, refuse, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 from vvdp.base.select import clip, select
 
 SIGNED_RATE = Kind("signed rate", "1/s", -1e6, 1e6, "150 1/s", units=("1/s",))

@@ -1,7 +1,8 @@
 """Proportional throttle valve: its opening follows a command with a lag."""
 
 from vvdp.base.kinds import Conductance, FlowCoefficient, PressureDifference, Time
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip
 from vvdp.hydraulics.flow import root_edge_flow
 

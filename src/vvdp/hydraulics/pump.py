@@ -66,7 +66,7 @@ def delivery(shaft_angle: float, inlet: FluidState, outlet: FluidState, pump: Pu
     shaft_angle  theta [rad]
     inlet        oil where the pump fills
     outlet       oil where it delivers
-    swivel       s, share of its displacement to which it is swivelled [1]
+    swivel       s, share of its displacement to which it is stroked [1]
 
     >>> from vvdp.fluid.mixture import fluid_state
     >>> inlet, outlet = fluid_state(1e5, oil), fluid_state(100e5, oil)
@@ -92,7 +92,7 @@ def flow_ripple(shaft_angle: float, pump: Pump) -> float:
 
 
 def flow_ripple_compiled(shaft_angle: float, pump: Pump) -> float:
-    """The same as `flow_ripple`, which it replaces in compiled code: no sine is worked out for a pump without ripple.
+    """The same as `flow_ripple`, which it replaces in compiled code: no sine is calculated for a pump without ripple.
 
     shaft_angle  theta [rad]
     """
@@ -103,7 +103,7 @@ def flow_ripple_compiled(shaft_angle: float, pump: Pump) -> float:
 
 
 def pump_friction_power(shaft_speed: float, pump: Pump) -> float:
-    """Power that the friction of a pump turns to heat [W]: T_f |omega|.
+    """Power that the friction of a pump dissipates [W]: T_f |omega|.
 
     shaft_speed  omega [rad/s]
     """

@@ -4,7 +4,7 @@ Source  ours, docs/models/components.md, where a function names no other.
 """
 
 from vvdp.base.kinds import Displacement, FrictionTorque
-from vvdp.base.params import require_positive
+from vvdp.base.rules import require_positive
 from vvdp.base.select import maximum, minimum
 from vvdp.hydraulics.variable_pump import PumpControl, swivel_share, wanted_swivel
 

@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 from vvdp.base.kinds import Speed, Time
 from vvdp.base.modes import side
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip, select
 
 NEAR = 0.02

@@ -1,17 +1,18 @@
-"""Pressure-reducing valve: shuts as the pressure behind it rises; it does not relieve that pressure.
+"""Pressure-reducing valve: closes as the pressure behind it rises; it does not relieve that pressure.
 
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
 from vvdp.base.kinds import Flow, Pressure, PressureDifference, Time
 from vvdp.base.modes import between
-from vvdp.base.params import Params, require_less, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_less, require_positive
 from vvdp.base.select import clip
 from vvdp.hydraulics.opening import lagged_rate
 
 
 class ReducingValve(Params):
-    """Is shut from the outlet level `closing_pressure` on and fully open `override_pressure` below it.
+    """Is closed from the outlet level `closing_pressure` on and fully open `override_pressure` below it.
 
     Fully open it passes `rated_flow` at `rated_drop`. `opening_time` > 0: the opening follows the outlet's pressure
     with that time constant; 0: at once.
@@ -38,7 +39,7 @@ def reducing_opening(outlet_pressure: float, valve: ReducingValve) -> float:
 
 
 def reducing_side(outlet_pressure: float, valve: ReducingValve) -> float:
-    """Whether a reducing valve is shut, in between or fully open [1], see `base.modes.between`.
+    """Whether a reducing valve is closed, in between or fully open [1], see `base.modes.between`.
 
     outlet_pressure  P, absolute [Pa]
     """

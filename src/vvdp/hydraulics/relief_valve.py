@@ -3,10 +3,10 @@
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Flow, Opening, Pressure, PressureDifference, Time
 from vvdp.base.modes import side
-from vvdp.base.params import Params, refuse, require_less, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_less, require_positive
 from vvdp.base.select import maximum, minimum, select
 from vvdp.hydraulics.flow import rated_edge_flow
 from vvdp.hydraulics.opening import lagged_rate
@@ -17,7 +17,7 @@ class ReliefValve(Params):
 
     `opening_time` > 0: the opening follows the pressure with that time constant; 0: at once (static).
     `override_pressure` 0: ideal, holds the cracking pressure whatever the flow.
-    `reseat_drop` > 0: once open it shuts only so far below its cracking pressure.
+    `reseat_drop` > 0: once open it closes only so far below its cracking pressure.
     """
 
     cracking_pressure: Pressure
@@ -27,8 +27,7 @@ class ReliefValve(Params):
     reseat_drop: PressureDifference = 0.0
 
     def check(self) -> None:
-        if self.cracking_pressure <= 0.0:
-            raise ParameterError("ReliefValve.cracking_pressure: 0 Pa absolute; expected a level above the tank's")
+        require_positive(self, "cracking_pressure")
         require_positive(self, "rated_flow")
         if self.override_pressure <= 0.0 < self.opening_time:
             refuse(self, "opening_time", "must be 0 if override_pressure is 0 (an ideal valve)")
@@ -76,7 +75,7 @@ def relief_flow(
     tank_pressure  absolute [Pa]
     opening        y, as a state; read only with an opening time [1]
     surplus_flow   nu sum(q) - dV/dt of that volume without the valve; read only by the ideal one [m^3/s]
-    mode           1 while it is open, 0 while it is shut
+    mode           1 while it is open, 0 while it is closed
     """
     throttled = throttled_relief_flow(pressure, tank_pressure, opening, mode, relief)
     flow: float = select(relief.override_pressure > 0.0, throttled, mode * surplus_flow)
@@ -86,7 +85,7 @@ def relief_flow(
 def relief_flow_compiled(
     pressure: float, tank_pressure: float, opening: float, surplus_flow: float, mode: float, relief: ReliefValve
 ) -> float:
-    """The same as `relief_flow`, which it replaces in compiled code: only the law that counts is worked out.
+    """The same as `relief_flow`, which it replaces in compiled code: only the law that counts is calculated.
 
     Arguments as there.
     """
@@ -102,7 +101,7 @@ def throttled_relief_flow(
 
     pressure, tank_pressure  absolute [Pa]
     opening                  y, as a state; read only with an opening time [1]
-    mode                     1 while it is open, 0 while it is shut
+    mode                     1 while it is open, 0 while it is closed
     """
     y = select(relief.opening_time > 0.0, opening, relief_opening(pressure, mode, relief))
     return opened_relief_flow(pressure - tank_pressure, tank_pressure, y, relief)
@@ -134,10 +133,10 @@ def setting_fall(load_pressure: float, relief: LoadReliefValve) -> float:
 def relief_opening(pressure: float, mode: float, relief: ReliefValve) -> float:
     """Static opening of a relief valve [1]: (P - P_re)/(P_cr + override - P_re) while it is open, else 0.
 
-    P_re is where it shuts; at the rated point the opening is 1, and it is not bounded there.
+    P_re is where it closes; at the rated point the opening is 1, and it is not bounded there.
 
     pressure  absolute [Pa]
-    mode      1 while it is open, 0 while it is shut
+    mode      1 while it is open, 0 while it is closed
     """
     span = relief.override_pressure + relief.reseat_drop
     above = pressure - (relief.cracking_pressure - relief.reseat_drop)
@@ -147,8 +146,8 @@ def relief_opening(pressure: float, mode: float, relief: ReliefValve) -> float:
 def relief_mode(pressure: float, tank_pressure: float, surplus_flow: float, mode: float, relief: ReliefValve) -> float:
     """Whether a relief valve is open: a mode, 1 or more where it is, see `base.modes.side`.
 
-    It opens at its cracking pressure and shuts at its reseat pressure; an ideal one opens there with the surplus that
-    it will pass, and shuts where that ends, or where the other side is under the higher pressure.
+    It opens at its cracking pressure and closes at its reseat pressure; an ideal one opens there with the surplus that
+    it will pass, and closes where that ends, or where the other side is under the higher pressure.
 
     pressure, tank_pressure, surplus_flow, mode  as in `relief_flow`
     """
@@ -156,8 +155,8 @@ def relief_mode(pressure: float, tank_pressure: float, surplus_flow: float, mode
     per_crack = 1.0 / crack
     passing = minimum(surplus, (pressure - tank_pressure) * per_crack)
     ideal = select(mode > 0.5, passing, minimum(passing, (pressure - crack) * per_crack))
-    shuts_at = crack - mode * relief.reseat_drop
-    return side(select(relief.override_pressure > 0.0, (pressure - shuts_at) * per_crack, ideal))
+    closes_at = crack - mode * relief.reseat_drop
+    return side(select(relief.override_pressure > 0.0, (pressure - closes_at) * per_crack, ideal))
 
 
 def relief_opening_rate(pressure: float, opening: float, mode: float, relief: ReliefValve) -> float:
@@ -165,7 +164,7 @@ def relief_opening_rate(pressure: float, opening: float, mode: float, relief: Re
 
     pressure  absolute [Pa]
     opening   y [1]
-    mode      1 while it is open, 0 while it is shut
+    mode      1 while it is open, 0 while it is closed
     """
     return lagged_rate(relief_opening(pressure, mode, relief), opening, relief.opening_time)
 

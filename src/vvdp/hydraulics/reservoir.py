@@ -18,8 +18,9 @@ from vvdp.base.kinds import (
     Volume,
 )
 from vvdp.base.modes import side
-from vvdp.base.params import Params, refuse, require_less, require_positive
+from vvdp.base.params import Params
 from vvdp.base.powers import power
+from vvdp.base.rules import refuse, require_less, require_positive
 from vvdp.base.select import clip, select
 from vvdp.hydraulics.rod import GRAVITY
 
@@ -28,7 +29,7 @@ class Reservoir(Params):
     """A tank of straight walls. Its suction mouth lies `suction_height` above the bottom, and is as wide as its area.
 
     `elevation` is the height of the bottom over what the ports join, such as the inlet of a pump. Vented, the air
-    keeps `air_pressure` (absolute); `sealed` 1 shuts it in, and it has that pressure at the first `tank_volume`.
+    keeps `air_pressure` (absolute); `sealed` 1 closes it in, and it has that pressure at the first `tank_volume`.
     """
 
     base_area: Area

@@ -9,7 +9,8 @@ import numpy as np
 
 from vvdp.base.kinds import Angle, Force, Kind, Kink, Mass, Position, Power, Stiffness
 from vvdp.base.modes import side
-from vvdp.base.params import Params, refuse, require_less, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_less, require_positive
 from vvdp.base.select import maximum
 
 IMPACT_DAMPING = Kind("impact damping", "s/m", 0.0, 1e4, "1 s/m")
@@ -37,7 +38,7 @@ class EndStop(Params):
 
 
 class StopForce(NamedTuple):
-    """What the end stops do to the rod: `force` in the direction of the position; `loss`, power turned to heat."""
+    """What the end stops do to the rod: `force` in the direction of the position; `loss`, power dissipated."""
 
     force: Force
     loss: Power

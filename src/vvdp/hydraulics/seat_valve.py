@@ -1,10 +1,11 @@
-"""Two-way seat valve that is opened and shut by a command: unloading and dump valves.
+"""Two-way seat valve that is opened and closed by a command: unloading and dump valves.
 
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
 from vvdp.base.kinds import Flow, PressureDifference, Time
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip
 from vvdp.hydraulics.flow import rated_edge_flow
 

@@ -7,7 +7,7 @@ from vvdp.hydraulics.flow import signed_root
 
 
 def series_conductance(first: float, second: float) -> float:
-    """Conductance of two restrictions in series [m^3/(s Pa^0.5)]: K1 K2/sqrt(K1^2 + K2^2), 0 where either is shut.
+    """Conductance of two restrictions in series [m^3/(s Pa^0.5)]: K1 K2/sqrt(K1^2 + K2^2), 0 where either is closed.
 
     first, second  conductances K1 and K2 of the root law, 0 or greater [m^3/(s Pa^0.5)]
 
@@ -22,7 +22,7 @@ def series_conductance(first: float, second: float) -> float:
 def first_share(first: float, second: float) -> float:
     """Share of the whole drop that lies over the first of two restrictions in series [1]: K2^2/(K1^2 + K2^2).
 
-    One half where both are shut.
+    One half where both are closed.
 
     first, second  conductances K1 and K2, 0 or greater [m^3/(s Pa^0.5)]
 

@@ -5,7 +5,8 @@ Source  ours, docs/models/components.md, where a function names no other.
 
 from vvdp.base.kinds import Flow, PressureDifference
 from vvdp.base.modes import between
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip
 
 
@@ -24,7 +25,7 @@ class ShuttleValve(Params):
 
 
 def ball_share(pressure_difference: float, shuttle: ShuttleValve) -> float:
-    """Where the ball stands, before it is held between its seats [1]: 0 shuts port a, 1 shuts port b.
+    """Where the ball stands, before it is held between its seats [1]: 0 closes port a, 1 closes port b.
 
     1/2 + (P_a - P_b)/(2 dP_c)
 

@@ -1,10 +1,11 @@
-"""What switches a three-way valve softly beside its check valve: a chamber that is locked while the tank port is shut.
+"""What switches a three-way valve softly beside its check valve: a chamber that is locked while the tank port is
+closed.
 
 Source  ours, docs/models/soft-switching.md, where a function names no other.
 """
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Area, Compliance, Fraction, Polytropic, Volume
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip
 from vvdp.hydraulics.volume import Vessel
 
@@ -13,8 +14,8 @@ class SwitchChamber(Vessel):
     """A small accumulator that takes the pump flow while the tank port is partly open, and gives it back through the
     tank port once that is fully open.
 
-    Its piston is locked while the tank port is shut, and released as that opens to `release_opening`. The defaults are
-    assumed.
+    Its piston is locked while the tank port is closed, and released as that opens to `release_opening`. The defaults
+    are assumed.
     """
 
     oil_volume: Volume = 1e-6
@@ -26,14 +27,12 @@ class SwitchChamber(Vessel):
 
     def check(self) -> None:
         super().check()
-        if not 0.0 < self.release_opening <= 1.0:
-            raise ParameterError(f"SwitchChamber.release_opening: {self.release_opening:g}; expected above 0, up to 1")
-        if self.gas_volume <= 0.0:
-            raise ParameterError("SwitchChamber.gas_volume: 0 m^3; expected a volume that gives way to the oil")
+        require_positive(self, "release_opening")
+        require_positive(self, "gas_volume", why="without gas nothing gives way to the oil")
 
 
 def released_area(tank_opening: float, chamber: SwitchChamber) -> float:
-    """Area through which oil enters or leaves the chamber [m^2]: none while the tank port is shut.
+    """Area through which oil enters or leaves the chamber [m^2]: none while the tank port is closed.
 
     tank_opening  open fraction of the tank port [1]
     """

@@ -32,7 +32,7 @@ def drive_power(motor_speed: float, spool_speed: float, drive: SpoolDrive) -> fl
 
 
 def coupling_loss(motor_speed: float, spool_speed: float, drive: SpoolDrive) -> float:
-    """Power that the slip of the coupling turns to heat [W]: torque times slip, never negative.
+    """Power that the slip of the coupling dissipates [W]: torque times slip, never negative.
 
     motor_speed  [rad/s]
     spool_speed  [rad/s]

@@ -54,7 +54,7 @@ def load_sensing_loss(delivered: float, load_rise: float, supply_rise: float, le
 def drag_power(pressure_rise: float, shaft_speed: float, displacement: float, friction: float, share: float) -> float:
     """Power that a pump's shaft takes beyond the hydraulic one [W]: (T_f + c D p) |omega|.
 
-    Displacement is that of the whole pump, also where it is swivelled back: pistons and vanes rub all the same.
+    Displacement is that of the whole pump, also where it is destroked: pistons and vanes rub all the same.
 
     pressure_rise  p over the pump [Pa]
     shaft_speed    omega [rad/s]

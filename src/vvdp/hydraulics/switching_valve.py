@@ -10,7 +10,8 @@ import numpy as np
 from vvdp.base.display import value_text
 from vvdp.base.kinds import LENGTH, Area, Fraction, Frequency, Kink, Length, Mode, Position, Ratio, Velocity
 from vvdp.base.modes import side
-from vvdp.base.params import Params, refuse, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 from vvdp.base.select import clip, minimum, select
 
 STOP_DAMPING = 50.0
@@ -61,7 +62,7 @@ class SpoolEnds(NamedTuple):
 
 
 class PortSides(NamedTuple):
-    """Whether the ports are shut or open; `base.modes.side`."""
+    """Whether the ports are closed or open; `base.modes.side`."""
 
     first: Kink
     second: Kink
@@ -143,7 +144,8 @@ def port_areas(position: float, valve: SwitchingValve) -> PortAreas:
 
 
 def port_sides(position: float, valve: SwitchingValve) -> PortSides:
-    """Whether the two ports are shut or open [1]; at the ends of the stroke, where one is fully open, the spool stops.
+    """Whether the two ports are closed or open [1]; at the ends of the stroke, where one is fully open, the spool
+    stops.
 
     position  x [m]
     """

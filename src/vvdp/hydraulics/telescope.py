@@ -5,9 +5,9 @@ Source  ours, docs/models/components.md, where a function names no other.
 
 from typing import Annotated
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import AREA, LENGTH, Mass
-from vvdp.base.params import Params, refuse
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse_rows, require_positive
 from vvdp.base.select import clip
 from vvdp.hydraulics.ports import Wall
 
@@ -23,11 +23,10 @@ class Telescope(Params):
 
     def check(self) -> None:
         if not self.areas or len(self.areas) != len(self.strokes):
-            raise ParameterError(
-                f"Telescope.strokes: {len(self.strokes)} for {len(self.areas)} areas; expected as many, at least one"
+            refuse_rows(
+                self, "strokes", f"{len(self.strokes)} for {len(self.areas)} areas; expected as many, at least one"
             )
-        if min(self.areas) <= 0.0 or min(self.strokes) <= 0.0:
-            refuse(self, "areas", "and strokes must be greater than 0")
+        require_positive(self, "areas", "strokes")
 
 
 CHANGE = 0.01

@@ -73,7 +73,7 @@ def layered_rate(
 def layered_power(
     state: LayeredState, a: FluidState, b: FluidState, density: float, viscosity: float, line: RoundLine
 ) -> float:
-    """Power that wall friction in a line turns to heat [W]: steady, and sigma^2 R m_i (z - z_i)^2; never negative.
+    """Power that wall friction in a line dissipates [W]: steady, and sigma^2 R m_i (z - z_i)^2; never negative.
 
     state      z and z_i, from a to b
     a, b       oil at the line's ends

@@ -9,7 +9,8 @@ import numpy as np
 
 from vvdp.base.kinds import Fraction, Rate, Ratio, SignedFraction, Time
 from vvdp.base.modes import between
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip
 from vvdp.hydraulics.flow import signed_root
 from vvdp.hydraulics.friction import shaft_friction_torque, smooth_sign

@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 from vvdp.base.kinds import Fraction, Pressure, PressureDifference, Time
 from vvdp.base.modes import between
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip, maximum, minimum
 
 
@@ -15,7 +16,7 @@ class PumpControl(Params):
     """Holds `margin` above the highest load, up to the level `highest_pressure`; with a margin as large as that, the
     highest pressure whatever the load, as a pressure-compensated pump does.
 
-    A shortfall of the pressure by `proportional_band` swivels the pump from rest to its full displacement at once;
+    A shortfall of the pressure by `proportional_band` strokes the pump from rest to its full displacement at once;
     what is missing then is made up with the time constant `reset_time`, so that nothing is missing in the end.
     """
 
@@ -55,7 +56,7 @@ def wanted_swivel(shortfall: float, swivel: float, control: PumpControl) -> floa
 
 
 def swivel_share(shortfall: float, swivel: float, control: PumpControl) -> float:
-    """Share of its displacement to which a pump is swivelled [1], from 0 to 1.
+    """Share of its displacement to which a pump is stroked [1], from 0 to 1.
 
     shortfall  P_set - P [Pa]
     swivel     s, the control's state [1]

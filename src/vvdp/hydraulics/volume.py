@@ -7,8 +7,9 @@ import numpy as np
 
 from vvdp.base.conservation import Stored
 from vvdp.base.kinds import Compliance, Polytropic, Pressure, Volume
-from vvdp.base.params import Params, field_text, refuse
+from vvdp.base.params import Params
 from vvdp.base.powers import power
+from vvdp.base.rules import field_text, refuse
 from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState
 from vvdp.fluid.oil import Oil

@@ -91,7 +91,7 @@ def unpack(packed: bytes, most: int) -> bytearray:
 def reading(path: Path, what: str, library: str) -> Iterator[None]:
     """While a `library` reads `what` of a file: whatever it raises on damaged content becomes a ConfigError.
 
-    What only a mistake or another version of the library raises is told as such.
+    What only a mistake or another version of the library raises is reported as such.
     """
     try:
         yield

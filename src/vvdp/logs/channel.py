@@ -121,5 +121,5 @@ class Log:
         raise no_such(self.path, "channel", name, [info.name for info in known])
 
     def remark(self, text: str) -> None:
-        """Adds a remark, once."""
+        """Adds a note, once."""
         self._content.remark(text)

@@ -9,6 +9,8 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, ParameterError, unusable
+from vvdp.base.kinds import FREQUENCY
+from vvdp.base.rules import require_positive_value
 from vvdp.base.units import is_unit
 
 # Factor and divisor apart: 5 ms is 5 / 1000, rounded once, and not 5 * 0.001.
@@ -41,8 +43,7 @@ class ClockChoice:
     def check(self) -> None:
         """Raises ParameterError for a choice that contradicts itself."""
         if self.rate is not None:
-            if not (np.isfinite(self.rate) and self.rate > 0.0):
-                raise ParameterError(f"sample rate {self.rate:g} Hz; expected a positive number")
+            require_positive_value("sample rate", self.rate, FREQUENCY)
             if self.time is not None:
                 raise ParameterError(f"both a time channel ({self.time!r}) and a sample rate ({self.rate:g} Hz)")
         if self.unit is not None and self.unit not in _SECONDS:
@@ -54,7 +55,7 @@ class ClockChoice:
             raise unusable(path, f"has a clock ({clock}); a sample rate of {self.rate:g} Hz contradicts it")
 
     def unit_of(self, path: Path, name: str, written: str) -> tuple[str, str | None]:
-        """The unit of the time channel `name`, and a remark where it had to be taken for granted."""
+        """The unit of the time channel `name`, and a note where it had to be taken for granted."""
         if match := _SINCE.fullmatch(written):
             written = match[1]
         if written:
@@ -69,7 +70,7 @@ class ClockChoice:
 
 
 def no_clock(path: Path, what: str, names: str) -> ConfigError:
-    """The error for numbers that nobody knows the time of."""
+    """The error for numbers without a known time."""
     return unusable(path, f"{what} has no clock; name the time channel, or give the sample rate; channels are {names}")
 
 

@@ -102,7 +102,7 @@ class Content:
                 self.add(Leaf(path, count, None, column.unit))
 
     def remark(self, text: str) -> None:
-        """Adds a remark, once."""
+        """Adds a note, once."""
         if text not in self.remarks:
             self.remarks.append(text)
 
@@ -166,7 +166,7 @@ def list_names(names: Sequence[str], most: int = 40) -> str:
 
 
 def unique(names: Sequence[str]) -> list[str]:
-    """Names, told apart by a number where the file has one twice: `v`, `v #2`."""
+    """Names, distinguished by a number where the file has one twice: `v`, `v #2`."""
     found: dict[str, None] = {}
     for name in names:
         candidate, number = name, 1

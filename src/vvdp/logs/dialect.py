@@ -172,7 +172,7 @@ def _is_row(lines: Sequence[_Line], d: int) -> bool:
 
 
 def _headings(path: Path, lines: Sequence[_Line], first: int) -> tuple[list[tuple[str, str]], list[str], int]:
-    """Name and unit of each column, remarks, and the last line before the table."""
+    """Name and unit of each column, notes, and the last line before the table."""
     width = len(lines[first].kinds)
     if first == 0:
         return [(f"column {k + 1}", "") for k in range(width)], ["the columns have no names"], 0
@@ -198,7 +198,7 @@ def _headings(path: Path, lines: Sequence[_Line], first: int) -> tuple[list[tupl
 
 
 def _column_fault(rows: Sequence[_Line], k: int, name: str) -> str:
-    """Why a column is no channel of numbers, by the first thing in it that says so; empty where it is."""
+    """Why a column is no channel of numbers, by the first thing in it that states this; empty where it is."""
     faults = {"n": "", "i": INSTANTS, "t": "holds text"}
     found = (faults[row.kinds[k]] for row in rows if len(row.kinds) > k and row.kinds[k] in faults)
     return next(found, "" if name else "is empty")

@@ -43,7 +43,7 @@ def read_tdms(content: Content) -> None:
     """Finds what a TDMS file holds."""
     import nptdms
 
-    nptdms.log.log_manager.set_level(logging.CRITICAL)  # what matters of it is a remark
+    nptdms.log.log_manager.set_level(logging.CRITICAL)  # what matters of it is a note
     content.short = True
     content.held = _Bounded(io.FileIO(content.path))
     file = nptdms.TdmsFile.open(content.held, raw_timestamps=True)

@@ -24,7 +24,7 @@ LONGEST_LINE = 1 << 22
 LARGEST_BLOCK = 1 << 26
 """Bytes that are read at once, however long a row is."""
 _NO_NUMBERS = ("", "nan", "NaN", "NAN", "n/a", "N/A", "NA", "#N/A", "null", "NULL", "--", "---", "over", "OVER")
-"""Those words for no number that are common, which pandas is told of."""
+"""Those words for no number that are common, which pandas is given."""
 
 
 def read_text(content: Content) -> None:

@@ -1,1 +1,1 @@
-"""Networks: nodes and components that write the circuit a person would have written."""
+"""Networks: nodes and components that write the circuit a user would have written."""

@@ -83,7 +83,7 @@ class Classes:
 
     @cached_property
     def spent_class(self) -> type:
-        """Energy turned to heat, by part."""
+        """Energy dissipated, by part."""
         losses = {p.name: p.component.losses for p in self.network.parts.values() if p.component.losses}
         hints = {n: _energy(kinds[""]) if "" in kinds else self.spent_parts[n] for n, kinds in losses.items()}
         hints |= {free_air_name(n): ExchangedEnergy for n, node in self.network.nodes.items() if has_free_air(node)}
@@ -91,7 +91,7 @@ class Classes:
 
     @cached_property
     def oil_volumes(self) -> type:
-        """What is told of each oil where there are several."""
+        """What is reported of each oil where there are several."""
         return named_tuple("OilVolumes", dict.fromkeys(self.places.oils, TankVolume))
 
     @cached_property
@@ -174,7 +174,7 @@ class Classes:
 
     @cached_property
     def conditions_class(self) -> type:
-        """What is worked out once per sample."""
+        """What is calculated once per sample."""
         hints = dict(get_type_hints(self.medium, include_extras=True))
         for name, node in self.network.nodes.items():
             match node:

@@ -1,7 +1,7 @@
 """A component: one plain function that says what it does at an instant, and what else belongs to it.
 
-The function's arguments are told apart by their annotations, its result by its field names, so that nothing is said
-twice. `docs/components.md` shows one being written.
+The function's arguments are distinguished by their annotations, its result by its field names, so that nothing is
+stated twice. `docs/components.md` shows one being written.
 """
 
 import inspect
@@ -67,11 +67,11 @@ class Component:
              holds until a step has ended where it changes); any other float with a kind is an input.
              Result: `Passage` for what lies between two ports, or a NamedTuple in which the fields named as ports are
              what it gives to the nodes there (tank volumes m^3/s into it, torque N m on it, force N on it), `loss`
-             or `losses` are powers turned to heat, `supplied` is power from outside, `rates` those of its state, a
+             or `losses` are powers dissipated, `supplied` is power from outside, `rates` those of its state, a
              Mode or a Kink is where it stands among its modes, and all others are outputs that are recorded and can
              be connected.
     symbol   of the diagram
-    held     held(...) -> NamedTuple worked out once per sample, of Medium, Oil and Params
+    held     held(...) -> NamedTuple calculated once per sample, of Medium, Oil and Params
     start    start(params) -> its state before a run; without one, all zero
     stored   stored(...) -> Stored, what it holds itself, of state, ports, Params, Medium
     walls    walls(...) -> NamedTuple of Wall for ports whose volume it moves, of mechanical ports and Params
@@ -124,7 +124,7 @@ class Component:
         return self.arguments_of(self.law)
 
     def arguments_of(self, function: Callable[..., Any]) -> tuple[Argument, ...]:
-        """The arguments of one of its functions, in order. Raises NetworkError where one cannot be told."""
+        """The arguments of one of its functions, in order. Raises NetworkError where one cannot be determined."""
         if function not in self._known_arguments:
             self._known_arguments[function] = self._arguments_of(function)
         return self._known_arguments[function]
@@ -163,7 +163,9 @@ class Component:
         expected = (
             "FluidState, ShaftState, ShaftSpeed, RodState, Medium, Oil, Params, its state, or a float with a kind"
         )
-        raise NetworkError(f"{function}: what {name!r} is cannot be told from {plain!r}; annotate it as {expected}")
+        raise NetworkError(
+            f"{function}: what {name!r} is cannot be distinguished from {plain!r}; annotate it as {expected}"
+        )
 
     @cached_property
     def ports(self) -> Mapping[str, Role]:
@@ -214,7 +216,7 @@ class Component:
 
     @cached_property
     def modes(self) -> Mapping[str, Kind]:
-        """Names and kinds of its modes and kinks; a kink that the law is told as it holds is a mode."""
+        """Names and kinds of its modes and kinks; a kink that the law receives as it holds is a mode."""
         told = {a.name for a in self.arguments if a.role is Role.MODE}
         kinds = {name: kind for name, kind in field_kinds(self.result).items() if kind in (MODE, KINK)}
         return {name: MODE if name in told else kind for name, kind in kinds.items() if kind}
@@ -270,7 +272,8 @@ def check_component(component: Component) -> None:
     for argument in component.arguments:
         if argument.role is Role.MODE and component.modes.get(argument.name) is not MODE:
             raise NetworkError(
-                f"{name} is told its mode {argument.name!r}, but returns none; its result needs `{argument.name}: Mode`"
+                f"{name} receives its mode {argument.name!r}, but returns none; its result needs "
+                f"`{argument.name}: Mode`"
             )
     for average in component.averages:
         if average not in component.outputs:
@@ -300,7 +303,7 @@ def _check_units(component: Component) -> None:
 
 
 def _check_functions(component: Component) -> None:
-    """Refuse functions beside the law that take what they cannot be given, or return what nobody reads."""
+    """Refuse functions beside the law that take what they cannot be given, or return what is not read."""
     for word, allowed in ALLOWED.items():
         function = getattr(component, word)
         for argument in () if function is None else component.arguments_of(function):

@@ -1,4 +1,4 @@
-"""Writes a network as the plain functions that a person would have written: `circuit`, `conditions`, `stored`, ..."""
+"""Writes a network as the plain functions that a user would have written: `circuit`, `conditions`, `stored`, ..."""
 
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -393,7 +393,7 @@ class Functions:
             for path in paths_of(part.inputs[argument.name]) if argument.role is Role.INPUT else ():
                 if path.partition(".")[0] not in self.network.programs:
                     raise NetworkError(
-                        f"{part.name}.{argument.name}: {path!r} changes all the time, so that nobody knows when the "
+                        f"{part.name}.{argument.name}: {path!r} changes all the time, so that no one knows when the "
                         "part jumps next; expected a signal or a program's command"
                     )
 

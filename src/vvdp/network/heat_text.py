@@ -98,7 +98,7 @@ class HeatText:
         yield from ((f"{name}_temperature", f"temperature_{name}") for name in self.volumes)
 
     def totals(self) -> dict[str, str]:
-        """What the heat balance adds up; what goes outside is told by tanks, sources and parts that hold oil."""
+        """What the heat balance adds up; what goes outside is reported by tanks, sources and parts that hold oil."""
         outside = [
             f"heat_{name}"
             for name, node in self.network.nodes.items()
@@ -117,7 +117,7 @@ class HeatText:
 
 
 def _loss(part: Part) -> str:
-    """The power that a part turns to heat."""
+    """The power that a part dissipates."""
     losses = part.component.losses
     return " + ".join(f"{part.name}.losses.{name}" if name else f"{part.name}.loss" for name in losses)
 

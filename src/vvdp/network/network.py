@@ -364,7 +364,7 @@ def _signal(name: str, source: object) -> Source:
 def _check_source(name: str, source: object) -> Signal:
     found = _signal(name, source)
     if not isinstance(found, Signal):
-        raise NetworkError(f"{name}: {source!r} is worked out once per sample; expected a number in SI or a Signal")
+        raise NetworkError(f"{name}: {source!r} is calculated once per sample; expected a number in SI or a Signal")
     return found
 
 

@@ -125,7 +125,7 @@ def has_free_air(node: Node) -> bool:
 
 
 def is_held(node: Node) -> TypeGuard[Tank | PressureSource]:
-    """Whether the oil's state in a node is worked out once per sample: where a signal prescribes its pressure."""
+    """Whether the oil's state in a node is calculated once per sample: where a signal prescribes its pressure."""
     return isinstance(node, Tank | PressureSource) and isinstance(node.pressure, Signal)
 
 

@@ -109,7 +109,7 @@ class Places:
         done[name] = None
 
     def _needs(self, name: str) -> Iterator[str]:
-        """The nodes and parts that have to be worked out before one."""
+        """The nodes and parts that have to be calculated before one."""
         part, nodes = self.network.parts.get(name), self.network.nodes
         yield from self._read_by(name, sources_of(nodes[name]) if part is None else part.inputs.values())
         if part is None:
@@ -151,7 +151,7 @@ class Places:
 
     @cached_property
     def turning(self) -> frozenset[str]:
-        """Names of the driven shafts whose angle somebody needs."""
+        """Names of the driven shafts whose angle is needed."""
         ports = {
             part.nodes[port]
             for part in self.network.parts.values()
@@ -386,7 +386,7 @@ def _part_quantities(part: Part) -> "dict[str, Quantity]":
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a path leads to: its text in the circuit, its kind, what has to be worked out before, and where a program
+    """What a path leads to: its text in the circuit, its kind, what has to be calculated before, and where a program
     finds it; empty where that is nothing and nowhere.
     """
 

@@ -10,7 +10,7 @@ from vvdp.network.paths import takes_surplus
 
 
 def check_sense(network: Network) -> None:
-    """Raises NetworkError where a part can do nothing, or where what it does is not told by the network."""
+    """Raises NetworkError where a part can do nothing, or where what it does does not follow from the network."""
     for fault in (*_empty_volumes(network), *_short_circuits(network), *_surplus(network)):
         raise NetworkError(fault)
 
@@ -62,7 +62,7 @@ def _surplus(network: Network) -> Iterator[str]:
         elif (other := first.setdefault(node, part.name)) != part.name:
             yield (
                 f"{part.name} is ideal (override_pressure 0), as {other} at the same volume {node!r}: which of them "
-                "takes what is left over there is told by neither; give one an override_pressure"
+                "takes what is left over there is given by neither; give one an override_pressure"
             )
 
 

@@ -163,7 +163,7 @@ class Text:
             if len(test) == 1:
                 return test[0]
         raise NetworkError(
-            f"{part.name}: which values {argument.name!r} of {part.component.name} means cannot be told; "
+            f"{part.name}: which values {argument.name!r} of {part.component.name} means cannot be determined; "
             "name the argument as in its law"
         )
 

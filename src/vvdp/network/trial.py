@@ -41,7 +41,7 @@ class Instant:
 def check_law(component: Component, values: tuple[Params, ...], oil: Oil) -> None:
     """Refuse, with a NetworkError, a component that makes oil or power, or whose loss is negative.
 
-    What cannot be worked out here is left to the check of the whole circuit, which says where it fails.
+    What cannot be calculated here is left to the check of the whole circuit, which says where it fails.
     """
     try:
         _try_values(component, values, oil)

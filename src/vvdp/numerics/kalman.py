@@ -115,7 +115,7 @@ def move_leading(mean: Array, factors: Array, transition: Array, noise: Array) -
     for j in range(m, mean.size):
         _transform(factors[j], transition, spare)
     _transform(mean, transition, spare)
-    # The block is built anew: the noise, then each old direction where it has moved to.
+    # The block is built again: the noise, then each old direction where it has moved to.
     old = np.empty_like(transition)
     for j in range(m):
         for i in range(j):

@@ -54,7 +54,7 @@ def fit(columns: Sequence[Array], seen: Array) -> Fit:
 
     The scatter about the law stands for the error of each value, so its square sum over the degrees of freedom, and
     Student's t, give the intervals. Raises ParameterError where there are not more values than coefficients, or the
-    columns cannot be told apart.
+    columns cannot be distinguished.
     """
     from scipy.stats import t
 
@@ -64,7 +64,7 @@ def fit(columns: Sequence[Array], seen: Array) -> Fit:
         raise ParameterError(f"{len(seen)} values; a law with {matrix.shape[1]} coefficients needs more")
     coefficients, _, rank, _ = np.linalg.lstsq(matrix, seen, rcond=None)
     if rank < matrix.shape[1]:
-        raise ParameterError(f"{len(seen)} values that do not tell the {matrix.shape[1]} coefficients of a law apart")
+        raise ParameterError(f"{len(seen)} values that do not show the {matrix.shape[1]} coefficients of a law apart")
     residuals = seen - matrix @ coefficients
     covariance = np.linalg.inv(matrix.T @ matrix) * float(residuals @ residuals) / free
     quantile = float(t.ppf(0.5 + 0.5 * CONFIDENCE, free))

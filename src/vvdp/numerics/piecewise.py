@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.select import clip
 
 
@@ -18,14 +17,3 @@ def piecewise_linear(place: float, places: Sequence[float], values: Sequence[flo
         share = clip((place - places[i]) / (places[i + 1] - places[i]), 0.0, 1.0)
         value = value + (values[i + 1] - values[i]) * share
     return value
-
-
-def check_rising(name: str, values: Sequence[float], *, strictly: bool = True) -> None:
-    """Refuse, with a ParameterError that names the row, a column that does not rise from row to row."""
-    for row in range(1, len(values)):
-        before, after = values[row - 1], values[row]
-        if after < before or (strictly and after == before):
-            expected = "a value above" if strictly else "a value not below"
-            raise ParameterError(
-                f"{name}: row {row + 1} has {after:g}; expected {expected} that of row {row}, {before:g}"
-            )

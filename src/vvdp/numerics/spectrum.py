@@ -22,7 +22,7 @@ def line_spectrum(values: Array, interval: float) -> Spectrum:
     """
     n = values.size
     if n < 4 or not interval > 0.0:
-        raise ValueError(f"{n} values every {interval:g}; expected at least 4, and an interval above 0")
+        raise ValueError(f"{n} values every {interval:g}; expected at least 4; the interval must be greater than 0")
     amplitudes = np.asarray(2.0 / n * np.abs(np.fft.rfft(values)), float)
     amplitudes[0] *= 0.5
     if n % 2 == 0:

@@ -1,1 +1,1 @@
-"""Angle and speed from measured logs: edges, the event filter over them, what a record tells of itself."""
+"""Angle and speed from measured logs: edges, the event filter over them, what a record reports itself."""

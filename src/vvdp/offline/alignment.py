@@ -30,7 +30,7 @@ starts."""
 MOST_SECTORS = 1e12
 """Between two edges; times of edges that are further apart are damaged."""
 VAGUE = 0.3
-"""An edge known within more than this share of a sector's time does not tell whether others were missed."""
+"""An edge known within more than this share of a sector's time does not show whether others were missed."""
 
 
 class Alignment(NamedTuple):
@@ -59,7 +59,7 @@ def alignment(edges: Edges, wheel: CodeWheel) -> Alignment:
     speed = first_speed(edges.times, numbers, n)
     plain = 1 if edges.polarities[0] < 0.0 else 0
     known = edges.polarities[0] != 0.0
-    if wheel.has_index and known and n == 2:  # of two sectors the polarity tells which
+    if wheel.has_index and known and n == 2:  # of two sectors the polarity shows which
         return Alignment(plain, speed, True)
     if not wheel.has_index or numbers[-1] < STRETCH * n:
         return Alignment(plain, speed, False)

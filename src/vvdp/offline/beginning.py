@@ -81,7 +81,7 @@ def at_pace(settings: EventFilter, period: float) -> EventFilter:
 
 
 def clock_tick(times: Array, usual: float) -> float:
-    """The tick of the clock that edge times come from [s], as far as the times tell; 0 where it is so fine, against the
+    """The tick of the clock that edge times come from [s], as far as the times show; 0 where it is so fine, against the
     `usual` time between edges [s], that it does not matter.
 
     All times are whole multiples of a power of ten; where the steps between them have a larger measure in common, and

@@ -12,7 +12,7 @@ from vvdp.sensing.wheel import TURN
 
 BRIDGED_EDGES = 3.0
 LONGEST_BRIDGED = 60.0
-"""A silence of more seconds [s] is never bridged, whatever is usual: nobody calls that turning."""
+"""A silence of more seconds [s] is never bridged, whatever is usual: that is not turning."""
 RECENT = 16
 """So many times between edges say what is usual."""
 

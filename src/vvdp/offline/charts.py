@@ -196,8 +196,8 @@ def _course(key: str, times: Column, speed: Array, deviation: Array) -> Table:
     columns = {
         key: times,
         "speed_rad_s": Column(speed, SPEED, "speed"),
-        "speed_low_rad_s": Column(speed - 2.0 * deviation, SPEED, "speed less two deviations"),
-        "speed_high_rad_s": Column(speed + 2.0 * deviation, SPEED, "speed and two deviations"),
+        "speed_low_rad_s": Column(speed - 2.0 * deviation, SPEED, "speed − 2σ"),
+        "speed_high_rad_s": Column(speed + 2.0 * deviation, SPEED, "speed + 2σ"),
     }
     return data_table("Estimated speed", columns)
 
@@ -350,7 +350,7 @@ def _square_table(sums: Sums) -> Table:
         "square": Column(BINS, RATIO, "squared normalised innovation"),
         "edges": Column(np.append(sums.edges.histogram, np.nan), COUNT, "edges"),
         "density": Column(np.append(density, density[-1:]), RATIO, "density"),
-        "expected_density": Column(np.append(chance, chance[-1:]), RATIO, "density by chance"),
+        "expected_density": Column(np.append(chance, chance[-1:]), RATIO, "expected density"),
     }
     return data_table("Squares of normalised innovations", columns)
 
@@ -394,7 +394,7 @@ def pressure_fold(sums: Sums, sections: int) -> Figure:
     if ratio.count:
         duty = (
             f" The pressure is high for {number(ratio.mean, 3)} of a PWM period, mean over {plain(ratio.count)} pulses;"
-            " the spool's own duty ratio is a little less, because the pressure rises before the tank ports are shut."
+            " the spool's own duty ratio is a little less, because the pressure rises before the tank ports are closed."
         )
     caption = (
         "Inlet pressure (gauge) over the estimated angle within the turn, all samples of the log: their mean, and the "

@@ -30,7 +30,7 @@ class RecordClock:
         self._path, self._wanted, self._tally = path, wanted, tally
         self._reached = -np.inf
         self.gaps: list[tuple[float, float]] = []
-        """Gaps of the record, from when to when [s], that the filter is not yet told of."""
+        """Gaps of the record, from when to when [s], that the filter is not yet informed of."""
 
     def inside(self, times: Array) -> Chosen:
         """Which times are in the range that was asked for."""

@@ -20,6 +20,7 @@ import numpy as np
 from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.kinds import DUTY_RATIO, FRACTION, FREQUENCY, PRESSURE_LEVEL, TIME, Kind
 from vvdp.base.params import field_kinds
+from vvdp.base.rules import POSITIVE
 from vvdp.base.tables import Table, read_flag, read_table, read_text, read_values, read_whole, refuse_unknown
 from vvdp.base.units import line_to_si, parse
 from vvdp.estimation.event_settings import EventFilter, event_filter
@@ -85,7 +86,7 @@ class InletPressure:
 
 @dataclass(frozen=True)
 class Estimation:
-    """All that an estimation from a log is told."""
+    """All options of an estimation from a log."""
 
     source: Wave | Counts | Stamps
     filter: EventFilter
@@ -180,7 +181,7 @@ def _read(table: Table, options: Sequence[Option]) -> _Given:
 
 
 def _entries(table: Table, name: str, options: Sequence[Option]) -> dict[str, Any]:
-    """What is given of a table; an option that names a channel of edges chooses the sensor anew."""
+    """What is given of a table; an option that names a channel of edges chooses the sensor again."""
     content = table.content.get(name, {})
     entries = dict(content) if isinstance(content, Mapping) else {}
     own = {option.key.partition(".")[2]: option.value for option in options if option.key.startswith(f"{name}.")}
@@ -192,9 +193,7 @@ def _entries(table: Table, name: str, options: Sequence[Option]) -> dict[str, An
 def _rate(entry: Any) -> float:
     value = parse(entry, FREQUENCY)
     if not value > 0.0:
-        raise ParameterError(
-            f"{entry!r}; expected {FREQUENCY.with_article} above zero, for example {FREQUENCY.example!r}"
-        )
+        raise ParameterError(f"{entry!r} {POSITIVE}")
     return value
 
 

@@ -71,7 +71,7 @@ def _config_lines(wanted: Estimation, channels: Sequence[ChannelInfo], place: st
     yield from _optional(
         "rate", _amount(wanted.output_rate, "Hz"), '"1 kHz"', "by default 1 kHz, or the sample rate where that is less"
     )
-    yield f"smooth = {_flag(wanted.smooth)}".ljust(30) + "# also what the whole log tells about each instant"
+    yield f"smooth = {_flag(wanted.smooth)}".ljust(30) + "# also what the whole log shows about each instant"
 
 
 FILTER_WORDS = {
@@ -124,7 +124,7 @@ def _pressure_lines(pressure: InletPressure | None) -> Iterator[str]:
     else:
         yield '# unit = "bar"'.ljust(30) + "# where the log has none; plain units are gauge"
     fuse = _flag(pressure is not None and pressure.fused)
-    yield f"{off}fuse = {fuse}".ljust(30) + "# true: its edges also tell the angle, where the encoder is silent"
+    yield f"{off}fuse = {fuse}".ljust(30) + "# true: its edges also give the angle, where the encoder is silent"
     yield f"{off}level_share = {_number(usual.level_share)}".ljust(30) + "# where the crossing level lies in the swing"
     yield f"{off}hysteresis = {_number(usual.hysteresis)}".ljust(30) + "# of the swing, beyond the level"
     swing = in_unit(usual.least_swing, PRESSURE_DIFFERENCE, "bar")

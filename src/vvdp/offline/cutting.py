@@ -23,7 +23,7 @@ FEWEST_EDGES = 3
 """A piece of fewer edges is left out."""
 EDGES_AT_ONCE = 20_000
 MOST_ROWS = 2.0**52
-"""The times of later rows could not be told apart."""
+"""The times of later rows could not be distinguished."""
 NAMED_TIMES = 5
 SLOWED = 1.4
 """Where the last time between edges is so many usual ones, the wheel slowed down to a stop; assumed."""
@@ -83,7 +83,7 @@ class Cutter:
 
     def _segment(self, last: bool) -> Generator[Cut, None, bool]:
         """Takes in the pending edges up to the next cut; false where more have to be known first."""
-        wanted = max(edges_needed(self.settings.wheel), 2 * SEEN_AFTER)  # edges that tell how a piece begins
+        wanted = max(edges_needed(self.settings.wheel), 2 * SEEN_AFTER)  # edges that show how a piece begins
         looked_at = self._pending.times[: max(EDGES_AT_ONCE, wanted)]
         before = float(self._history[-1]) if self._inside else None
         cuts = np.flatnonzero(~can_bridge(looked_at, before, self._steps, self.waves, self.settings))

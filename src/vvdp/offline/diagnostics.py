@@ -17,11 +17,11 @@ from vvdp.offline.sums import Sums
 from vvdp.sensing.wheel import TURN, equal_wheel
 
 SURE = 4.0
-"""A mean is said to differ from zero beyond so many standard errors."""
+"""A mean is stated to differ from zero beyond so many standard errors."""
 SHARE_OF_SECTOR = 0.02
 """Offsets of edges below this share of a sector are not worth a word."""
 FEW = 8
-"""Edges seen at a place of the wheel below which nothing is said of it."""
+"""Edges seen at a place of the wheel below which nothing is stated of it."""
 SHARE_MISSED = 0.1
 MISCOUNTED = 0.5
 """Edges; below, the count of most is right."""
@@ -145,7 +145,7 @@ def index_found(sums: Sums, wanted: Estimation) -> bool:
         return False
     aligned = all(each.index_found for each in sums.tally.alignments)
     told = sums.explained
-    if sums.tally.sectors == 2 or told is None:  # of two sectors the polarity tells which
+    if sums.tally.sectors == 2 or told is None:  # of two sectors the polarity shows which
         return aligned
     if not (told.index_gain > CLEAR and (aligned or len(sums.tally.alignments) == 1)):
         return False

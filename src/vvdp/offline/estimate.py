@@ -113,7 +113,7 @@ def estimate(
 ) -> Result:
     """Runs an estimation over a log, writes all of it into `folder`, and gives the result.
 
-    progress  hears the share that is done of the log, or with `smooth` of both passes over it, 0 to 1;
+    progress  receives the share that is done of the log, or with `smooth` of both passes over it, 0 to 1;
               KeyboardInterrupt raised there, and Ctrl-C, end the pass where it is, and all that was reached is kept
     more      is added to meta.json
     Raises ConfigError where the log has no edges to go by or the file is damaged, KeyboardInterrupt where it ended
@@ -145,7 +145,7 @@ def estimate(
 
 
 def _settle(run: FilteringPass) -> Sums:
-    """What the record comes to, all of it known; lost sensors and doubt are written into its rows."""
+    """Results of the record, all of it known; lost sensors and doubt are written into its rows."""
     file, wanted, tally = run.store.file, run.wanted, run.tally
     lost = silences(file, standstills(file, tally.rate), tally.sectors, wanted.largest_deceleration)
     settle_silences(file, lost, wanted.sections, tally.sectors)
@@ -186,7 +186,7 @@ def _explanation(told: Explained | None, wanted: Estimation) -> Explanation | No
 
 
 def _report_skipped(run: FilteringPass) -> None:
-    """Remarks when isolated edges were ignored; the time base does not reach out to them."""
+    """Notes when isolated edges were ignored; the time base does not reach out to them."""
     times, count = run.tally.left_out_times, run.tally.left_out
     if not times:
         return

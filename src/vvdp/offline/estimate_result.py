@@ -21,7 +21,7 @@ AT_ONCE = 1_000_000
 
 ROWS: Mapping[str, tuple[str, str]] = {
     "time": ("s", "time, uniform within a piece of the record"),
-    "piece": ("1", "piece of the record; the filter starts anew with each"),
+    "piece": ("1", "piece of the record; the filter starts again with each"),
     "angle": ("rad", "spool angle, unwrapped; it falls while the spool turns backwards"),
     "angle_in_turn": ("rad", "spool angle within the turn"),
     "speed": ("rad/s", "spool speed, negative backwards; a mean over a PWM period unless the filter has its ripple"),
@@ -63,7 +63,7 @@ EDGES: Mapping[str, tuple[str, str]] = {
 class _Disk(io.FileIO):
     """A file for HDF5 in which writing never fails: HDF5 cannot be closed after a failure, and crashes the process.
 
-    The first `problem` is kept for whoever writes, and nothing is written after it.
+    The first `problem` is kept for the writer, and nothing is written after it.
     """
 
     problem: OSError | None = None

@@ -1,4 +1,4 @@
-"""What is to be told of a record: facts by name, for the sentences of `findings`; what does not hold is empty."""
+"""Facts to report of a record: facts by name, for the sentences of `findings`; what does not hold is empty."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -42,7 +42,7 @@ ALIASES = 3
 NAMED = 3
 """So many times are named; the rest is counted."""
 SURE = 3.0
-"""Standard errors beyond which a ripple is told of."""
+"""Standard errors beyond which a ripple is reported."""
 
 
 class Amount(float):
@@ -66,13 +66,13 @@ def _amounts(counted: Tally | CountEdges) -> dict[str, Any]:
 
 
 def ripple_words(ripple: SpeedRipple, alike: tuple[Candidate, ...] = ()) -> str:
-    """What a pattern of the edges is, as far as they tell, with ripples of other orders that fit `alike`."""
+    """What a pattern of the edges is, as far as they show, with ripples of other orders that fit `alike`."""
     others = [each.ripple for each in alike if each.ripple.order != ripple.order]
     same = ", ".join(f"{percent(each.amplitude)} at {each.order}" for each in sorted(others, key=lambda r: r.order))
     also = f" (the same edges as {same})" if same else ""
     return (
         f"a ripple of {percent(ripple.amplitude)} at {ripple.order} per turn{also}, or a wheel with offsets of the "
-        "same pattern: edges alone cannot tell"
+        "same pattern: edges alone cannot show"
     )
 
 
@@ -162,7 +162,7 @@ def clock_facts(told: Explained | None, wanted: Estimation, log: Log) -> dict[st
 def record_facts(found: Mapping[str, Any], sums: Sums, wanted: Estimation) -> dict[str, Any]:
     """The course of the record, its samples and edges, its pressure."""
     tally, rows, pace = sums.tally, sums.rows, sums.rows.pace.mean
-    anew = tally.pieces > 1 + tally.backward + len(tally.reversals)
+    again = tally.pieces > 1 + tally.backward + len(tally.reversals)
     passed = tally.edges + tally.missed
     complaints = [str(each) for each in tally.pressure_record]
     return {
@@ -177,8 +177,8 @@ def record_facts(found: Mapping[str, Any], sums: Sums, wanted: Estimation) -> di
         "fewest_checked": FEWEST_FITTED,
         "hardly_possible": "" if SLOWEST <= rows.usual_speed <= FASTEST else with_unit(rows.usual_speed, SPEED),
         "gap": GAP,
-        "started_anew": Amount(tally.pieces if anew else 0),
-        "bridge": bridged_time(TURN / tally.sectors / pace, wanted.filter) if anew and pace > 0.0 else np.nan,
+        "started_anew": Amount(tally.pieces if again else 0),
+        "bridge": bridged_time(TURN / tally.sectors / pace, wanted.filter) if again and pace > 0.0 else np.nan,
         "miscounted": sums.doubt.miscounted if sums.doubt.miscounted > MISCOUNTED else 0.0,
         "missed_percent": 100.0 * tally.missed / passed if passed else np.nan,
         "pressure_record": _list_words(complaints, "; ", "{} more"),
@@ -227,7 +227,7 @@ def _finder_facts(sums: Sums) -> dict[str, Any]:
 
 
 def settings_facts(told: Explained, wanted: Estimation) -> dict[str, Any]:
-    """Settings of the filter that fit the log better, and a ripple that it leaves out or that cannot be told."""
+    """Settings of the filter that fit the log better, and a ripple that it leaves out or that cannot be determined."""
     ripple, edges, used, now = told.ripple, told.likelihood.sectors, told.used, told.used_errors
     sure = ripple is not None and ripple.amplitude > SURE * ripple.error
     facts = {
@@ -237,7 +237,7 @@ def settings_facts(told: Explained, wanted: Estimation) -> dict[str, Any]:
         "R": f"{told.advised.edge_variance:.3g}",
         "q_used": used.acceleration_density,
         "R_used": used.edge_variance,
-        "constant": " (less is as likely: the speed is constant as far as they tell)" if told.fit.at_floor[0] else "",
+        "constant": " (less is as likely: the speed is constant as far as they show)" if told.fit.at_floor[0] else "",
         "at_most": "at most " if told.fit.at_floor[1] else "",
         "settings_gain": told.settings_gain,
         "true_error": with_unit(now.true, SPEED, 3),

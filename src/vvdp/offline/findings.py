@@ -1,4 +1,4 @@
-"""What a person is told of a record: which fact of `facts` is told, and the sentence in which."""
+"""Findings of a record: which fact of `facts` is reported, and the sentence in which."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
@@ -18,11 +18,11 @@ from vvdp.offline.facts import (
 from vvdp.offline.sums import Sums, Tally
 from vvdp.results.result import Finding, Grade
 
-LOOK_AT_SHIFT = "If really {described} pass, look at index_shift or widths."
+LOOK_AT_SHIFT = "If the wheel does have {described}, look at index_shift or widths."
 
 
 class Rule(NamedTuple):
-    """Told where the `fact` holds, once for each item `it` of it where it is a list; facts stand in braces."""
+    """Shown where the `fact` holds, once for each item `it` of it where it is a list; facts stand in braces."""
 
     fact: str
     title: str
@@ -71,8 +71,8 @@ WHEEL = (
         "Angle and speed have the sign of the direction."),
     Rule("more_reversals", "The spool reversed", "And {more_reversals} times more.", "See piece and speed."),
     Rule("slow_passages", "Perhaps turned back",
-        "At about {slow_passages} the spool nearly stood still: the wheel cannot tell whether it turned back.",
-        "Speed and angle are those of a spool that turns on. A wheel with an index would tell."),
+        "At about {slow_passages} the spool nearly stood still: the wheel cannot show whether it turned back.",
+        "Speed and angle are those of a spool that turns on. A wheel with an index would show."),
 )
 """What the speed stands on, before everything else: which wheel it was, which way it turned, aliases."""
 CLOCK = (
@@ -105,7 +105,7 @@ RECORD = (
         "Look at the unit of the times, the sample rate, and the number of sectors ({sectors}).", Grade.BAD),
     Rule("gaps", "Gaps in the record",
         "{gaps:Times} no sample came for more than {gap:g} usual intervals; the longest gap is {longest_gap:.4g} s.",
-        "Edges inside a gap count as missed; a gap that cannot be bridged starts the filter anew."),
+        "Edges inside a gap count as missed; a gap that cannot be bridged starts the filter again."),
     Rule("not_numbers", "Values that are no numbers",
         "{not_numbers} of {samples} samples {not_numbers:is} NaN and {not_numbers:was} left out.",
         "Look at the logger."),
@@ -115,7 +115,7 @@ RECORD = (
     Rule("started_anew", "Pauses without edges",
         "The filter was started {started_anew:times}: without an edge it can go on for {bridge:.3g} s at the mean "
         "speed, until three deviations of its angle reach half a sector.",
-        "Between pieces the spool is said to stand where the last row has it; in a gap of the record the estimate is "
+        "Between pieces the spool is stated to stand where the last row has it; in a gap of the record the estimate is "
         "NaN, and turns that passed there are only guessed."),
     Rule("left_out", "Edges left out",
         "{left_out:edges} {left_out:is} too isolated to give a speed.",
@@ -170,7 +170,7 @@ SETTINGS = (
         "states {stated_error}; with these {fitted_error}.",
         'Use --fit, or in the config [filter] acceleration_density = "{q} rad^2/s^3" and edge_variance = "{R} rad^2".'),
     Rule("ripple", "A ripple of the speed, or an uneven wheel",
-        "{ripple}. The filter is told of neither: its speed is the mean over a ripple. The spool's own goes {swing} up "
+        "{ripple}. The filter models neither: its speed is the mean over a ripple. The spool's own goes {swing} up "
         "and down, which is part of the standard deviation of the speed.",
         "Use --fit, which takes it for a ripple, or in the config [filter] ripple_order = {ripple_order}, "
         'ripple_variance = {ripple_variance:.3g} and ripple_drift = "{ripple_drift:.3g} 1/s"; if it is the wheel, its '

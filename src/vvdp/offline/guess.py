@@ -32,7 +32,7 @@ INLET = re.compile(r"inlet|_in\b|p_?in|p_?1\b", re.IGNORECASE)
 
 
 def guessed_options(log: Log) -> list[Option]:
-    """The channels that hold the edges and the inlet pressure, as far as names, units and first values tell.
+    """The channels that hold the edges and the inlet pressure, as far as names, units and first values show.
 
     Where nothing does, the first channel is named, for the person to put right.
     """

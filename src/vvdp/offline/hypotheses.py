@@ -40,7 +40,7 @@ PAUSE = 8.0
 class Sectors(Enum):
     """How many edges pass in a turn: as described, or one of these."""
 
-    AS_TOLD = "as told"
+    AS_TOLD = "as given"
     HALF = "half"
     ONE_KIND = "one kind only"
     DOUBLE = "double"
@@ -67,7 +67,7 @@ class Verdict(NamedTuple):
 
     `likeliest` is what is to be assumed in place of the wheel that was `described`, likelier by `gain` (logarithm of
     the ratio); `index_shows` whether its index does, None where it has none or nothing is clear. `polarity` (1 as
-    logged, -1 inverted) and `direction` (1, -1) are NaN where they cannot be told.
+    logged, -1 inverted) and `direction` (1, -1) are NaN where they cannot be determined.
     """
 
     described: CodeWheel
@@ -108,7 +108,7 @@ def judge(edges: Edges, wheel: CodeWheel) -> Verdict:
 
 
 def hypotheses(wheel: CodeWheel, *, polarity_known: bool) -> Iterator[Hypothesis]:
-    """What is tried: the wheel as told, first; numbers of sectors, wave upright or inverted (where the log has
+    """What is tried: the wheel as given, first; numbers of sectors, wave upright or inverted (where the log has
     polarities), both directions; the index not there."""
     for sectors, described in _wheels(wheel, polarity_known=polarity_known):
         for direction in (1.0, -1.0):
@@ -182,7 +182,7 @@ class _Record:
         return Likelihood(Passed(self.times, self.numbers, self.numbers * pitch, sampled, still), period)
 
     def verdict(self, tried: tuple[Hypothesis, ...], described: CodeWheel) -> Verdict:
-        """The likeliest of the hypotheses, unless it is not clearly likelier than the first, what was told."""
+        """The likeliest of the hypotheses, unless it is not clearly likelier than the first, the given one."""
         scored, _ = self.score(tried, fit(self.likelihood(self.sectors)).noise)
         best = min(scored, key=lambda each: each.squares)
         period = len(best.offsets)
@@ -215,7 +215,7 @@ class _Record:
         )
 
     def score(self, tried: tuple[Hypothesis, ...], noise: Noise) -> tuple[list[_Scored], float]:
-        """The squares that each hypothesis leaves, with a noise told for the wheel of `sectors`, and those that are
+        """The squares that each hypothesis leaves, with a noise stated for the wheel of `sectors`, and those that are
         left where each edge may lie anywhere."""
         found: dict[Hypothesis, _Scored] = {}
         floor = np.inf
@@ -251,7 +251,7 @@ class _Record:
 
 
 def _rescale(noise: Noise, period: int, sectors: int) -> Noise:
-    """The noise of a wheel with `period` edges, told for one with `sectors`."""
+    """The noise of a wheel with `period` edges, stated for one with `sectors`."""
     scale = (period / sectors) ** 2
     return Noise(scale * noise.acceleration_density, scale * noise.edge_variance)
 

@@ -29,7 +29,7 @@ PRIOR = -1.0
 WANDERS = 0.03
 """By so much of itself the speed is taken to wander in the middle of a silence [1]; assumed."""
 UNLIKELY = 0.05
-"""Probability below which a silence is a stop, and nothing else is reckoned with [1]."""
+"""Probability below which a silence is a stop, and nothing else is calculated with [1]."""
 RENUMBERED = 17
 """Within so many edges after a silence the filter may find the turns itself: `estimation.doubt`."""
 LONG = 3.0
@@ -78,7 +78,7 @@ def lost_probability(before: Array, after: Array, pitch: float, hardest: float |
     odds = PRIOR
     for speeds in (np.abs(before), np.abs(after)):
         usual = float(np.median(speeds[:SEEN]))
-        near = min(float(np.mean(speeds[:NEAR])), usual)  # edges that are numbered anew later make a jump
+        near = min(float(np.mean(speeds[:NEAR])), usual)  # edges that are numbered again later make a jump
         if not near > SLOWER * usual:
             return 0.0
         possible = max(near, PACE) / SPOOL_TIME if hardest is None else hardest
@@ -123,7 +123,7 @@ def _edge_portions(file: Any) -> Iterator[tuple[Array, Array, Array, int, int]]:
 
 
 def _silence(time: Array, angle: Array, piece: Array, i: int, pitch: float, hardest: float | None) -> Silence | None:
-    """The silence after edge `i`; None where a stop is all that is reckoned with."""
+    """The silence after edge `i`; None where a stop is all that is calculated with."""
     sides = slice(max(i - SEEN, 0), i + 1), slice(i + 1, i + 2 + SEEN)
     earlier, later = (_speeds(time[side], angle[side]) for side in sides)
     speeds = (earlier[::-1], later)

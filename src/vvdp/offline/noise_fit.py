@@ -36,7 +36,7 @@ class Explained:
 
     used: Noise
     advised: Noise
-    """What to set: the fit, and what of the pattern the filter is not told of as noise."""
+    """What to set: the fit, and what of the pattern the filter is not informed of as noise."""
     plain: Fit
     """The likeliest settings if the wheel is as it was described."""
     wheel: Fit | None
@@ -46,7 +46,9 @@ class Explained:
     offsets: Array
     """By how much each edge of that wheel lies further on, less what the ripple makes of it [rad]."""
     ripple: SpeedRipple | None
-    """Of the speed, locked to the turn; edges cannot tell it from a wheel with these offsets. None: none stands out."""
+    """Of the speed, locked to the turn; edges cannot distinguish it from a wheel with these offsets. None: none
+    stands out.
+    """
     candidates: tuple[Candidate, ...]
     """Ripples that the edges may show, if a pattern repeats with the turn: those that fit alike."""
     settings_gain: float
@@ -132,7 +134,7 @@ def fitted_filter(settings: EventFilter, told: Explained) -> EventFilter:
 def careful_drift(ripple: SpeedRipple, edge_variance: float, period: float) -> float:
     """The drift [1/s] with which a filter that meets an edge every `period` [s] knows a ripple as well as the log does.
 
-    Of edges that tell a part with r = 2 N^2 R, a walk of the drift P^2/(T (P + r)) is known to P just before each.
+    Of edges that show a part with r = 2 N^2 R, a walk of the drift P^2/(T (P + r)) is known to P just before each.
 
     edge_variance  R [rad^2]
 
@@ -189,7 +191,7 @@ def _without_events(likelihood: Likelihood, found: Fit) -> tuple[Likelihood, Fit
 
 
 def _careful_density(likelihood: Likelihood, fitted: Fit, used: Noise) -> float:
-    """Where the speed was constant as far as the log tells, the largest q, not above the one in use, that costs no
+    """Where the speed was constant as far as the log shows, the largest q, not above the one in use, that costs no
     speed error worth a word: it will not always be, and a filter that is sure of its speed goes on through a stop."""
     q, R = fitted.noise
     density = used.acceleration_density

@@ -1,6 +1,6 @@
 """The event filter taken over the pieces of a record, portion by portion, onto a uniform time base.
 
-With each piece it starts anew. Between pieces the last row goes on where the wheel stands still by it.
+With each piece it starts again. Between pieces the last row goes on where the wheel stands still by it.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -292,7 +292,7 @@ def readings(edges: Edges, grid: Array, direction: float) -> Array:
 
 
 def _heard_parts(times: Array, known: Array, gaps: list[tuple[float, float]]) -> Iterator[tuple[slice, bool]]:
-    """The rows at `times` in parts in which a silence tells something and in which it does not: within a gap of the
+    """The rows at `times` in parts in which a silence shows something and in which it does not: within a gap of the
     record, and from there to the first edge, `known` after it."""
     done = 0
     for begin, end in gaps:

@@ -120,7 +120,9 @@ def _units_of_stamps(log: Log, wanted: Estimation) -> dict[str, str]:
 
 
 class GatheringPass:
-    """A pass over a log that only gathers edges, up to each end of a clock. An interruption is told in the tally."""
+    """A pass over a log that only gathers edges, up to each end of a clock. An interruption is reported in the
+    tally.
+    """
 
     def __init__(self, log: Log, wanted: Estimation, beginning: Beginning | None = None) -> None:
         self.log, self.wanted = log, wanted

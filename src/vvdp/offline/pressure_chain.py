@@ -83,7 +83,7 @@ class Clocks:
 
 
 class PressureChain:
-    """The inlet pressure of a record on its way, and the rows that it is told of."""
+    """The inlet pressure of a record on its way, and the rows that it receives."""
 
     def __init__(
         self,
@@ -109,7 +109,7 @@ class PressureChain:
         self.row_times, self._row_angles, self._bare = np.empty(0), np.empty(0), 0  # of the last rows some lack theirs
 
     def tell(self, tracker: OfflineFilter) -> None:
-        """Has a filter be told of the edges of the pressure, from the first one on."""
+        """Gives a filter the edges of the pressure, from the first one on."""
         self._tracker = tracker
         tracker.add_pressure_edges(self.waves)
 

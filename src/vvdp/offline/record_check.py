@@ -3,7 +3,7 @@
 The rule by which a record is cut: a sample whose time is no number, or is that of the sample before, is left out; where
 time goes backwards, or the next sample comes later than `GAP` usual intervals, a new piece begins. So within a piece
 time rises and has no hole. The usual interval is the median of the portion at hand. Values are never changed, filled
-in or left out: NaN stays in its place, for whoever reads the piece to see.
+in or left out: NaN stays in its place, for the reader of the piece to see.
 """
 
 from collections import Counter
@@ -190,7 +190,7 @@ class Inspection:
 
 
 def _usual_interval(intervals: Array, known: float) -> float:
-    """The usual one of the intervals [s]; what is `known` of it where they are too few to tell."""
+    """The usual one of the intervals [s]; what is `known` of it where they are too few to show."""
     some = intervals[:: 1 + intervals.size // LOOKED_AT]
     rising = some[some > 0.0]
     return float(np.median(rising)) if rising.size >= 3 or (rising.size and np.isnan(known)) else known

@@ -45,7 +45,7 @@ SOURCES: Mapping[type, tuple[str, str]] = {
     Counts: ("counts", "a counter"),
     Stamps: ("edges", "edge times"),
 }
-"""What holds the edges: in a word, and for a person."""
+"""What holds the edges: in a word, and for a user."""
 QUANTITIES: Mapping[str, tuple[Kind, str]] = {
     "duration_s": (DURATION, "length of the log"),
     "estimated_share": (EFFICIENCY, "share of time with an estimate"),
@@ -75,7 +75,7 @@ QUANTITIES: Mapping[str, tuple[Kind, str]] = {
     "speed_doubt_rad_s": (SPEED, "standard deviation of the speed, doubt in it"),
     "standstill_time_s": (DURATION, "time at a standstill"),
     "lost_sensor_s": (DURATION, "time without a sensor"),
-    "nis_mean": (RATIO, "squared innovations over their expected variance, mean"),
+    "nis_mean": (RATIO, "normalised innovation squared, mean"),
     "nis_edges": (COUNT, "edges in that mean"),
     "nis_low": (RATIO, "by chance it would lie above"),
     "nis_high": (RATIO, "by chance it would lie below"),
@@ -271,12 +271,12 @@ def _in_words(outcome: Outcome, frequency: Number) -> str:
 
 
 def _granted_words(outcome: Outcome) -> str:
-    """What the edges themselves cannot tell of how many of them pass in a turn."""
+    """What the edges themselves cannot show of how many of them pass in a turn."""
     n = outcome.sums.tally.sectors
     if outcome.summary["index_found"]:
         return ""
     return (
-        f" That {n} edges pass in a turn, rising and falling ones, was taken for granted: such a wheel does not tell."
+        f" That {n} edges pass in a turn, rising and falling ones, was taken for granted: such a wheel does not show."
     )
 
 

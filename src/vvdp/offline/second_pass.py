@@ -22,7 +22,7 @@ FORGOTTEN = 1e-4
 class SecondPass:
     """Smooths the rows and edges of an open result.h5, whose smoothed columns are there and NaN.
 
-    ripple  what the log has of the ripple that the filter is told of; None where it is told of none
+    ripple  what the log has of the ripple that the filter models; None without one
     """
 
     def __init__(self, file: Any, wanted: Estimation, ripple: SpeedRipple | None, say: Callable[[str], None]) -> None:

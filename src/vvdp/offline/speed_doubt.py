@@ -1,6 +1,6 @@
-"""Doubt about the speed: what edges cannot tell apart.
+"""Doubt about the speed: what edges cannot distinguish.
 
-Derived in docs/logs.md, "What edges cannot tell".
+Derived in docs/logs.md, "What edges cannot show".
 
 Source  ours, docs/logs.md
 """
@@ -15,11 +15,11 @@ from vvdp.offline.noise_fit import Explained
 from vvdp.offline.turn_pattern import Candidate, SpeedRipple
 
 NOTHING_TOLD = SpeedRipple(0, 0.0, 0.0, 0.0)
-"""What a filter is told that estimates no ripple."""
+"""What a filter without a ripple receives."""
 
 EVEN, POSSIBLE = 0.5, 0.05
-"""Ripples that together have a probability above the second count with the first at least: nobody knows better than one
-to one [1]."""
+"""Ripples that together have a probability above the second count with the first at least: there is no better reason
+than one to one [1]."""
 
 
 class Doubt(NamedTuple):

@@ -1,4 +1,4 @@
-"""What a record comes to: what is counted while it goes by, and what its rows and edges add up to on disk."""
+"""Results of a record: what is counted while it goes by, and what its rows and edges add up to on disk."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -22,7 +22,7 @@ HISTOGRAM_END = 8.0
 BINS = np.linspace(0.0, HISTOGRAM_END, 41)
 """Bounds of the histogram of squared normalised innovations."""
 STANDING = 0.5
-"""Probability from which on the wheel is said to stand still."""
+"""Probability from which on the wheel is stated to stand still."""
 ANGLES = 360
 """Bins of a turn in which the pressure is collected."""
 
@@ -270,7 +270,7 @@ class Sums:
 
     @property
     def lost_sensors(self) -> list[Silence]:
-        """Silences in which it was, as far as can be told."""
+        """Silences in which it was, as far as can be determined."""
         return [each for each in self.silences if each.is_lost]
 
 

@@ -1,4 +1,4 @@
-"""What repeats with every turn, told apart: a ripple of the speed, and the places of a wheel's edges.
+"""What repeats with every turn, distinguished: a ripple of the speed, and the places of a wheel's edges.
 
 A ripple that is locked to the spool's angle looks at the edges exactly like a wheel whose edges lie on a sine over the
 turn. Derived in docs/logs.md.
@@ -24,7 +24,7 @@ EXPECTED = 0.035
 CHANCE = 0.05
 """A ripple stands out where the wheel's other offsets would make as much of it with less than this chance."""
 ECCENTRIC = 8
-"""From so many edges on, one wave over the turn is told apart from a ripple."""
+"""From so many edges on, one wave over the turn is distinguished from a ripple."""
 ALIKE = 6.0
 """Ripples fit alike where their squares, over those of an offset's own error, differ by no more: chi square at 5 %."""
 
@@ -64,7 +64,7 @@ class SpeedRipple(NamedTuple):
     def share(self) -> float:
         """The part of the pattern that is expected to be the motion's [1]; the rest is the wheel's.
 
-        Both parts have the variance t^2 = EXPECTED^2/2 beforehand and are seen with the error e: t^2/(t^2 + e^2).
+        Both parts have the variance t^2 = EXPECTED^2/2 before and are seen with the error e: t^2/(t^2 + e^2).
         """
         prior = 0.5 * EXPECTED**2
         return prior / (prior + self.error**2)

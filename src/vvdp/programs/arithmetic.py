@@ -3,12 +3,11 @@
 from collections.abc import Sequence
 from typing import Annotated, NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Kind
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse_rows, require_rising
 from vvdp.base.select import clip
 from vvdp.network.program import ProgramType
-from vvdp.numerics.piecewise import check_rising
 from vvdp.programs.controllers import Value
 from vvdp.programs.generic import GenericProgram, Written
 from vvdp.programs.quantities import (
@@ -87,12 +86,12 @@ class Grid(Params):
     values: Annotated[tuple[float, ...], OUTPUT]
 
     def check(self) -> None:
-        check_rising("Grid.places", self.places)
-        check_rising("Grid.second_places", self.second_places)
+        require_rising(self, "places")
+        require_rising(self, "second_places")
         rows, columns = len(self.second_places), len(self.places)
         if not rows or not columns or len(self.values) != rows * columns:
             expected = f"{columns} places" + (f" x {rows} second_places" if rows > 1 else "")
-            raise ParameterError(f"Grid.values: {len(self.values)} given; expected one for each of the {expected}")
+            refuse_rows(self, "values", f"{len(self.values)} given; expected one for each of the {expected}")
 
 
 def table_step(t: float, memory: NamedTuple, reading: Looked, settings: Grid) -> tuple[NamedTuple, Value]:

@@ -24,7 +24,7 @@ Columns = dict[str, tuple[Array, Kind, str]]
 
 class DrivePaths(NamedTuple):
     """Where a record has what is drawn of an axial drive: true position, and of its control the reference, what the
-    sensor shows, the estimate with its deviation and the pollution, the spool's angle, the stage."""
+    sensor shows, the estimate with its deviation and the periodic sensor error, the spool's angle, the stage."""
 
     spool: str
     reference: str
@@ -71,10 +71,10 @@ def motion_columns(record: "Record", paths: DrivePaths, period: float) -> Column
         "measured_m": (shown["measured"], POSITION, "shown by the sensor"),
         "tracking_error_m": (sampled - shown["reference"], POSITION, "error against the reference"),
         "estimate_error_m": (shown["position"] - sampled, POSITION, "error of the estimate"),
-        "above_m": (2.0 * shown["position_deviation"], POSITION, "two stated deviations"),
-        "below_m": (-2.0 * shown["position_deviation"], POSITION, "less two stated deviations"),
+        "above_m": (2.0 * shown["position_deviation"], POSITION, "two stated standard deviations"),
+        "below_m": (-2.0 * shown["position_deviation"], POSITION, "less two stated standard deviations"),
         "sensor_error_m": (shown["measured"] - sampled, POSITION, "error of the sensor"),
-        "pollution_m": (shown["pollution"], POSITION, "pollution that is believed"),
+        "pollution_m": (shown["pollution"], POSITION, "periodic sensor error that is believed"),
         "turned_rad": (np.mod(shown["spool_angle"], TURN), ANGLE, "angle of the spool within its turn"),
     }
 
@@ -88,8 +88,8 @@ def control_charts(record: "Record", period: float) -> Iterator[tuple[Chart, Tab
 def chamber_charts(
     record: "Record", paths: DrivePaths, chamber: ChamberPaths, period: float
 ) -> Iterator[tuple[Chart, Table]]:
-    """The course of the run of a chamber drive, its errors once control has settled, and the pollution over a turn;
-    the observer samples every `period` [s]."""
+    """The course of the run of a chamber drive, its errors once control has settled, and the periodic sensor error
+    over a turn; the observer samples every `period` [s]."""
     stored = values_over_time(record, chamber.storage)
     columns = motion_columns(record, paths, period) | {
         "pressure_Pa": (values_over_time(record, chamber.pressure), PRESSURE_LEVEL, "chamber"),
@@ -165,7 +165,7 @@ def error_chart(rows: tuple[int, ...]) -> Chart:
     return Chart(
         name="axial-errors",
         caption="Errors once control has settled: of the spool against its reference, and of the estimate within two "
-        "of its stated deviations.",
+        "of its stated standard deviations.",
         table=TABLE,
         panels=(
             Lines(lines=(Line(x="time_s", y="tracking_error_m", rows=rows),), label="against the reference"),
@@ -183,7 +183,8 @@ def pollution_chart(rows: tuple[int, ...]) -> Chart:
     )
     return Chart(
         name="axial-pollution",
-        caption="The pollution of the axial sensor over the last whole turn of the spool: as it is, with the sensor's "
+        caption="The periodic sensor error of the axial sensor over the last whole turn of the spool: as it is, with "
+        "the sensor's "
         "noise, and as the observer has learned it.",
         table=TABLE,
         panels=(Lines(lines=lines, label="pollution"),),

@@ -7,7 +7,6 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import (
     Angle,
     Count,
@@ -24,6 +23,7 @@ from vvdp.base.kinds import (
     Velocity,
 )
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import maximum
 from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step
 from vvdp.estimation.axial_filter import KNOWN_ANGLE, NO_DUTY, AxialEstimate, AxialSeen, Phase, PollutionModel
@@ -34,7 +34,7 @@ PROGRAM = "axial"
 """Name of the program that controls an axial drive."""
 
 HOME, LEARN, RUN, STOP = 0.0, 1.0, 2.0, 3.0
-"""Stages: to the stop; there, with the pollution being learned; controlled; de-energised for good."""
+"""Stages: to the stop; there, with the periodic sensor error being learned; controlled; de-energised for good."""
 
 SETTLED = 1.0
 """From so long after the start of control on errors count [s]."""
@@ -55,7 +55,7 @@ class AxialPlace(NamedTuple):
 
 
 class Turned(Protocol):
-    """What tells how a spool has turned and how fast it does."""
+    """What shows how a spool has turned and how fast it does."""
 
     @property
     def angle(self) -> float: ...
@@ -73,8 +73,8 @@ class Watched(Turned, Protocol):
 
 
 class AxialSequence(Params):
-    """The [axial_sequence] table: how long the drive homes, and learns the pollution at its stop; and from when on it
-    is de-energised for good. Without learning it is controlled from the first sample after homing."""
+    """The [axial_sequence] table: how long the drive homes, and learns the periodic sensor error at its stop; and
+    from when on it is de-energised for good. Without learning it is controlled from the first sample after homing."""
 
     home_time: Time
     learn_time: Time
@@ -82,7 +82,8 @@ class AxialSequence(Params):
 
 
 class AxialObserverTable(Params):
-    """The [axial_observer] table: how often it samples, how many harmonics the pollution has, and what is noise.
+    """The [axial_observer] table: how often it samples, how many harmonics the periodic sensor error has, and what
+    is noise.
 
     Drifts are deviations of a sample; `coefficient_deviation` is that of a harmonic's part before it is learned.
     """
@@ -96,8 +97,7 @@ class AxialObserverTable(Params):
     velocity_drift: Velocity = 0.0
 
     def check(self) -> None:
-        if not self.sample_period > 0.0:
-            raise ParameterError("AxialObserverTable.sample_period: 0 s; expected a time above zero")
+        require_positive(self, "sample_period")
         pollution_model(self, 1.0)  # here, where the line of the table is known
 
 
@@ -145,7 +145,7 @@ class Target(NamedTuple):
 
 
 class Observed(NamedTuple):
-    """Phase of the pollution, what the optical sensor shows, and the observability margin."""
+    """Phase of the periodic sensor error, what the optical sensor shows, and the observability margin."""
 
     phase: Phase
     measured: Position
@@ -183,7 +183,7 @@ UNKNOWN = AxialCommand(
 
 
 def pollution_model(table: AxialObserverTable, helix_length: float) -> PollutionModel:
-    """The pollution as the observer of a table models it; no duty ratio is measured. `helix_length` [m]."""
+    """The periodic sensor error as the observer of a table models it; no duty ratio is measured. `helix_length` [m]."""
     return PollutionModel(
         basis=fourier_basis(int(table.harmonics)),
         sensor_deviation=table.sensor_deviation,
@@ -195,10 +195,11 @@ def pollution_model(table: AxialObserverTable, helix_length: float) -> Pollution
 
 
 def known_phase(estimate: Watched, slip: float, before: float) -> Phase:
-    """The phase of the pollution as an estimate of an angle has it; unknown while its angle is, or the spool stands.
+    """The phase of the periodic sensor error as an estimate of an angle has it; unknown while its angle is, or the
+    spool stands.
 
-    slip    part of the angle's variance that no later edge can tell: jumps by sectors, each of which turns the
-            pollution by a constant angle, once [rad^2]
+    slip    part of the angle's variance that no later edge can show: jumps by sectors, each of which turns the
+            periodic sensor error by a constant angle, once [rad^2]
     before  the same at the last sample [rad^2]
     """
     deviation = np.sqrt(maximum(estimate.angle_deviation * estimate.angle_deviation - slip, 0.0))

@@ -34,9 +34,9 @@ MOTION: Quantities = MappingProxyType(
         "spool_position_error_rms_m": (LENGTH, "spool position: error against the reference"),
         "spool_position_error_max_m": (LENGTH, "spool position: largest error"),
         "spool_estimate_error_rms_m": (LENGTH, "spool position: error of the estimate"),
-        "spool_estimate_deviation_rms_m": (LENGTH, "spool position: stated deviation"),
-        "spool_estimate_coverage": (EFFICIENCY, "spool position: errors within two deviations"),
-        "pollution_rms_m": (LENGTH, "pollution of the axial sensor"),
+        "spool_estimate_deviation_rms_m": (LENGTH, "spool position: stated standard deviation"),
+        "spool_estimate_coverage": (EFFICIENCY, "spool position: errors within ±2σ"),
+        "pollution_rms_m": (LENGTH, "periodic sensor error of the axial sensor"),
         "real_time_factor": (NUMBER, "simulated over computing time"),
     }
 )
@@ -158,7 +158,9 @@ def storage_numbers(found: Controlled, law: ExactLaw, period: float) -> dict[str
 
 
 def flow_deviation(found: Controlled, law: ExactLaw) -> Array:
-    """How far the flow that the law asks for may be off [m^3/s], by the observer's stated deviations; shape (rows,)."""
+    """How far the flow that the law asks for may be off [m^3/s], by the observer's stated standard deviations; shape
+    (rows,).
+    """
     gains, true, shown = law.gains, found.true, found.shown
     flow_of: Any = passivity_law if isinstance(gains, PassivityGains) else backstepping_law
 

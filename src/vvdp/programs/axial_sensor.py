@@ -6,6 +6,7 @@ from typing import Annotated, NamedTuple
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import ANGLE, FRACTION, POSITION, RATIO, Count, Fraction, Length, Position, Time
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse_rows
 from vvdp.network.program import ProgramType
 from vvdp.programs.generic import GenericProgram
 from vvdp.sensing.axial_sensor import (
@@ -20,10 +21,11 @@ from vvdp.sensing.instrument import InstrumentMemory, ideal_instrument
 
 
 class AxialSensorTable(Params):
-    """The [axial_sensor] table: calibration, pollution, noise [m], bias [m], and when the signal is frozen or lost.
+    """The [axial_sensor] table: calibration, periodic sensor error, noise [m], bias [m], and when the signal is
+    frozen or lost.
 
-    `noise` and `bias` are those of the position where the light changes by its mean slope. The pollution at the far end
-    of the calibration is that of the near end unless it is given.
+    `noise` and `bias` are those of the position where the light changes by its mean slope. The periodic sensor error
+    at the far end of the calibration is that of the near end unless it is given.
     """
 
     positions: Annotated[tuple[float, ...], POSITION]
@@ -46,7 +48,7 @@ class AxialSensorTable(Params):
             axial_sensor_of(self)  # here, where the line of the table is known
         except ParameterError as problem:
             field, _, message = str(problem).partition(": ")
-            raise ParameterError(f"AxialSensorTable.{_KEYS.get(field, field)}: {message}") from None
+            refuse_rows(self, _KEYS.get(field, field), message)
 
 
 _KEYS = {
@@ -67,7 +69,7 @@ class AxialSignal(NamedTuple):
 
 
 def axial_sensor_of(table: AxialSensorTable) -> AxialSensor:
-    """The sensor that a table describes. Raises ParameterError where its calibration cannot tell a position."""
+    """The sensor that a table describes. Raises ParameterError where its calibration cannot show a position."""
     curve = LightCurve(positions=table.positions, light=table.light)
     near = Pollution(scale=table.pollution_scale, amplitudes=table.pollution_amplitudes, phases=table.pollution_phases)
     far = near
@@ -90,7 +92,7 @@ def axial_sensor_of(table: AxialSensorTable) -> AxialSensor:
 def sensor_step(
     t: float, memory: InstrumentMemory, reading: SpoolPlace, settings: AxialSensor
 ) -> tuple[InstrumentMemory, AxialSignal]:
-    """Position of a spool as the light off its end tells it, polluted with every turn."""
+    """Position of a spool as the light off its end shows it, polluted with every turn."""
     remembered, seen = axial_sensor_step(memory, reading, settings)
     return remembered, AxialSignal(seen.position, seen.light)
 

@@ -27,7 +27,8 @@ from vvdp.base.kinds import (
     Velocity,
     Volume,
 )
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.units import ATMOSPHERE
 from vvdp.control.backstepping import BacksteppingGains, backstepping_law, refuse_flow_gain
 from vvdp.control.chamber import ChamberDrive, ChamberFlow, ChamberReading, PositionGains
@@ -187,7 +188,7 @@ def wanted_motion(task: ChamberTask) -> Reference:
 
 
 def believed_motion(task: ChamberTask) -> ChamberReading:
-    """What a law is told of the drive."""
+    """What a law receives of the drive."""
     return ChamberReading(task.position, task.velocity, task.pressure)
 
 

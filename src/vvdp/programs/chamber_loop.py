@@ -68,14 +68,14 @@ class BacksteppingLoop(ChamberLoop):
 
 
 class WatchedLoop(Params):
-    """A passive loop whose spool angle an encoder tells."""
+    """A passive loop whose spool angle an encoder shows."""
 
     watch: WatchSettings
     loop: PassiveLoop
 
 
 class LoopMemory(NamedTuple):
-    """What the loop carries from sample to sample; `reading` is what its law was told last."""
+    """What the loop carries from sample to sample; `reading` is what its law received last."""
 
     sensor: InstrumentMemory
     observer: AxialMemory
@@ -122,7 +122,7 @@ def chamber_view(
 ) -> ChamberView:
     """What is known after a sample: stage, estimate and reference.
 
-    phase   of the pollution, as the spool's angle is known
+    phase   of the periodic sensor error, as the spool's angle is known
     wanted  position [m]
     """
     observer, stop = settings.observer, settings.observer.stop_position
@@ -222,7 +222,7 @@ def watched_start(settings: WatchedLoop) -> WatchedMemory:
 def watched_step(
     t: float, memory: WatchedMemory, place: AxialPlace, settings: WatchedLoop
 ) -> tuple[WatchedMemory, AxialCommand]:
-    """Program: encoder and event filter tell the spool's angle, then the passivity law acts."""
+    """Program: encoder and event filter give the spool's angle, then the passivity law acts."""
     shaft = Shaft(place.time, place.angle, place.speed)
     watch, estimate = watch_step(t, memory.watch, shaft, settings.watch)
     wanted = signal_value(t, settings.loop.wanted)

@@ -51,7 +51,7 @@ AT_STOP = 0.2e-3
 
 
 class ChamberSight(NamedTuple):
-    """What is seen of a chamber drive at a sample: sensor, phase of the pollution, absolute pressure."""
+    """What is seen of a chamber drive at a sample: sensor, phase of the periodic sensor error, absolute pressure."""
 
     signal: AxialReading
     phase: Phase
@@ -178,7 +178,8 @@ class WatchedBelief(NamedTuple):
 
 class SeenSpool(NamedTuple):
     """What is believed of a spool. `released` is 1 while it is controlled, `pollution` what the sensor is believed to
-    be off by, `known` 1 while the spool's angle is known, `frozen` 1 while the pollution is kept as learned."""
+    be off by, `known` 1 while the spool's angle is known, `frozen` 1 while the periodic sensor error is kept as
+    learned."""
 
     position: Position
     velocity: Velocity

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from vvdp.base.kinds import Kind, Ratio, Time
-from vvdp.base.params import Params, refuse, require_less, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_less, require_positive
 from vvdp.control.pid import PidGains, PidMemory, Sample, pid_start, pid_step
 from vvdp.network.program import ProgramType
 from vvdp.programs.generic import GenericProgram, Written

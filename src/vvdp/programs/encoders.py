@@ -3,7 +3,8 @@
 from typing import NamedTuple
 
 from vvdp.base.kinds import Angle, AngularVariance, Count, Fraction, Ratio, SignedFraction, Speed, Time
-from vvdp.base.params import Params, refuse
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse
 from vvdp.base.signal import signal_value
 from vvdp.estimation.estimator import Estimate, to_estimate
 from vvdp.estimation.event_filter import event_filter_step
@@ -86,7 +87,7 @@ def filter_settings(table: WheelFilter) -> EventFilter:
 
 class WatchedAngle(NamedTuple):
     """What an event filter believes of a shaft, as in `Estimate`; `slip` is the part of the angle's variance that no
-    later edge can tell: jumps by whole sectors."""
+    later edge can show: jumps by whole sectors."""
 
     angle: Angle
     speed: Speed

@@ -5,7 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.kinds import Area, Count, DutyRatio, Flow, Force, Fraction, Number, Position, Pressure, Speed, Velocity
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.units import ATMOSPHERE
 from vvdp.control.flow_map import FlowMap, duty_for_flow
 from vvdp.estimation.load_observer import LoadMemory, LoadObserver, load_observer_start, load_observer_step

@@ -3,8 +3,9 @@
 from typing import NamedTuple
 
 from vvdp.base.kinds import Fraction, Number, Time
-from vvdp.base.params import Params, require_less, require_positive
+from vvdp.base.params import Params
 from vvdp.base.powers import expm1
+from vvdp.base.rules import require_less, require_positive
 from vvdp.base.select import clip
 from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step
 from vvdp.network.program import ProgramType

@@ -20,7 +20,8 @@ from vvdp.base.kinds import (
     Time,
     Velocity,
 )
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.control.feedforward_pi import FeedforwardPI, PIMemory, SquareRate, pi_start, pi_step
 from vvdp.control.reference import Rate, Reference
 from vvdp.estimation.axial_filter import AxialEstimate, AxialMemory, AxialSeen

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, Flow, Fraction, Position, PositionSignal, Speed, Time
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.signal import signal_value
 from vvdp.control.feedforward_pi import FeedforwardPI, PIMemory, pi_start, pi_step
 from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest
@@ -41,7 +41,9 @@ from vvdp.sensing.encoder import Shaft
 from vvdp.sensing.instrument import InstrumentMemory
 
 ALWAYS_SEEN = 2.0
-"""Observability margin of a position that a known flow moves: no pollution of mean zero looks like it [1]."""
+"""Observability margin of a position that a known flow moves: no periodic sensor error of mean zero looks like it
+[1].
+"""
 
 
 class GerotorPlace(NamedTuple):
@@ -54,7 +56,7 @@ class GerotorPlace(NamedTuple):
 
 
 class GerotorSequence(AxialSequence):
-    """The [axial_sequence] table of a drive that no pressure tells its stop: for the home time `homing_command` drives
+    """The [axial_sequence] table of a drive that no pressure shows its stop: for the home time `homing_command` drives
     it backward."""
 
     homing_command: Fraction
@@ -67,8 +69,7 @@ class DriveBelief(GerotorBelief):
 
     def check(self) -> None:
         super().check()
-        if not self.lag > 0.0:
-            raise ParameterError("DriveBelief.lag: 0 s; no motor follows at once, expected above 0")
+        require_positive(self, "lag", why="no motor follows at once")
 
 
 class GerotorLoop(Params):
@@ -86,7 +87,7 @@ class GerotorLoop(Params):
 
 
 class WatchedGerotor(Params):
-    """The same with the spool's angle told by an encoder."""
+    """The same with the spool's angle given by an encoder."""
 
     watch: WatchSettings
     loop: GerotorLoop
@@ -165,7 +166,7 @@ def gerotor_view(
 
     Until it is controlled the drive is taken to be at its stop, and its flow to move nothing.
 
-    phase   of the pollution, as the spool's angle is known
+    phase   of the periodic sensor error, as the spool's angle is known
     wanted  position [m]
     """
     sensor, signal = axial_sensor_step(
@@ -229,7 +230,7 @@ def watched_gerotor_start(settings: WatchedGerotor) -> WatchedGerotorMemory:
 def watched_gerotor_step(
     t: float, memory: WatchedGerotorMemory, place: GerotorPlace, settings: WatchedGerotor
 ) -> tuple[WatchedGerotorMemory, AxialCommand]:
-    """Program: encoder and event filter tell the spool's angle."""
+    """Program: encoder and event filter give the spool's angle."""
     shaft = Shaft(place.time, place.angle, place.speed)
     watch, estimate = watch_step(t, memory.watch, shaft, settings.watch)
     wanted = signal_value(t, settings.loop.wanted)

@@ -5,12 +5,12 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import TIME, DutyRatio, Fraction, Frequency, Kind, Time
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import refuse_rows, require_positive, require_rising
 from vvdp.base.select import clip, maximum, minimum, select
 from vvdp.network.program import ProgramType
-from vvdp.numerics.piecewise import check_rising, piecewise_linear
+from vvdp.numerics.piecewise import piecewise_linear
 from vvdp.programs.controllers import Value
 from vvdp.programs.generic import GenericProgram, Written
 from vvdp.programs.quantities import OUTPUT, written_quantity
@@ -28,13 +28,13 @@ class Points(Params):
     values: Annotated[tuple[float, ...], OUTPUT]
 
     def check(self) -> None:
-        check_rising("Points.times", self.times)
+        require_rising(self, "times")
         if len(self.times) < 2 or len(self.times) != len(self.values):
-            raise ParameterError(
-                f"Points.values: {len(self.values)} for {len(self.times)} times; expected as many, at least two"
+            refuse_rows(
+                self, "values", f"{len(self.values)} for {len(self.times)} times; expected as many, at least two"
             )
         if self.times[0] != 0.0:
-            raise ParameterError(f"Points.times: begin at {self.times[0]:g} s; expected 0 s")
+            refuse_rows(self, "times", f"begin at {self.times[0]:g} s; expected 0 s")
 
 
 class Now(NamedTuple):

@@ -33,7 +33,7 @@ class ProgramReport:
     QUANTITIES: Quantities = MappingProxyType({})
     """Kind and label of its numbers, by key."""
     HEADLINE: tuple[str, ...] = ()
-    """Keys of the numbers whose ranges are told where values have one."""
+    """Keys of the numbers whose ranges are reported where values have one."""
 
     STEADY = True
     """Whether means of a steady state are expected of a run with it."""
@@ -43,11 +43,11 @@ class ProgramReport:
         self.period = self.program.period or sample_period
 
     def numbers(self, run: "Run") -> dict[str, float]:  # noqa: ARG002
-        """Its numbers of a recorded run; those that a run does not tell are left out."""
+        """Its numbers of a recorded run; those that a run does not show are left out."""
         return {}
 
     def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:  # noqa: ARG002
-        """What a person has to know before the numbers in `found`, a sentence each."""
+        """What a user has to know before the numbers in `found`, a sentence each."""
         yield from ()
 
     def merits(self, found: Mapping[str, Any]) -> Iterator[str]:  # noqa: ARG002

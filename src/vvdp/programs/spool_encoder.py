@@ -5,7 +5,8 @@ from typing import NamedTuple
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, Count, Fraction, FractionSignal, Length
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.estimation.estimator import Estimate, to_estimate
 from vvdp.estimation.event_filter import event_filter_step
 from vvdp.estimation.event_memory import EventFilterMemory, event_filter_start

@@ -61,7 +61,7 @@ def true_path(network: Network, source: Source | None, quantity: str) -> str:
 class SpoolReport(ProgramReport):
     """Of a program that reads a `reference` and a `position`, and gives the `command` of a drive.
 
-    The truth stands where the observer's sensor looks; a law without an observer is told the truth itself.
+    The truth stands where the observer's sensor looks; a law without an observer receives the true state.
     """
 
     GROUP = "Axial control"

@@ -7,7 +7,8 @@ commands the valve `unloading_valve`.
 from typing import NamedTuple
 
 from vvdp.base.kinds import Fraction, Pressure
-from vvdp.base.params import Params, require_less
+from vvdp.base.params import Params
+from vvdp.base.rules import require_less
 from vvdp.base.select import clip, select
 from vvdp.network.program import ProgramType
 

@@ -68,7 +68,7 @@ def blocks(given: Setting) -> list[Block]:
 
 
 def _stands_alone(given: Setting, node: GraphNode) -> bool:
-    """Whether a node needs its own symbol: nothing leads to it, or it is a tank with more to tell than its name."""
+    """Whether a node needs its own symbol: nothing leads to it, or it is a tank with more to show than its name."""
     used = any(node.name in component.ports.values() for component in given.graph.components)
     return not used or (node.kind is NodeKind.TANK and len(given.texts(node.name)) > 1)
 

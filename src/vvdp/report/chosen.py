@@ -1,4 +1,4 @@
-"""A figure of what a person names: charts and single series of a result, over one axis."""
+"""A figure of what a user names: charts and single series of a result, over one axis."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace

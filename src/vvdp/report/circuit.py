@@ -1,4 +1,4 @@
-"""The graph of a network for its diagram: what is joined to what, with the values that a person looks for."""
+"""The graph of a network for its diagram: what is joined to what, with the values that a user looks for."""
 
 from collections.abc import Iterator
 

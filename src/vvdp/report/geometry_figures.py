@@ -142,7 +142,7 @@ def film(shape: ValveShape, valve: RotaryValve, position: float, frames: int) ->
 def animation(
     shape: ValveShape, valve: RotaryValve, position: float, frames: int, heard: Callable[[int], None] | None = None
 ) -> bytes:
-    """One PWM period as an endless GIF of 4 s; `heard` is told how many frames are done."""
+    """One PWM period as an endless GIF of 4 s; `heard` is given how many frames are done."""
     from PIL import Image
 
     pictures: list[Any] = []
@@ -265,7 +265,7 @@ def _openings(axes: "Axes", valve: RotaryValve, position: float) -> None:
     load, tank = port_openings(angles, position, valve)  # type: ignore[arg-type]
     axes.plot(np.degrees(angles), load, color=LOAD, label="load")
     axes.plot(np.degrees(angles), tank, color=TANK, label="tank")
-    axes.set(xlabel="spool angle [deg]", ylabel="open share", ylim=(-0.04, 1.04))
+    axes.set(xlabel="spool angle [deg]", ylabel="open fraction", ylim=(-0.04, 1.04))
     axes.set_xlim(0.0, 360.0)
     axes.xaxis.set_major_locator(_every(30.0))
     legend(axes, 2)

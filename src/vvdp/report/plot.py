@@ -355,7 +355,7 @@ def _draw_bars(axes: "Axes", panel: Bars, table: Table) -> None:
 
 
 def _draw_stacked_bars(axes: "Axes", panel: Bars, table: Table) -> None:
-    """Bars that follow one another, each told its value where it has room for it."""
+    """Bars that follow one another, each with its value if there is room for it."""
     rows = list(panel.rows) or list(range(table.rows))
     names = [str(table[panel.names][row]) for row in rows][::-1]
     parts = [np.clip(np.nan_to_num(shown_values(table, key)[rows][::-1]), 0.0, None) for key in panel.values]

@@ -49,8 +49,8 @@ def write_report(
     """Writes report.html and figures/ into a result directory and gives the path of the page.
 
     All is made from the files in the directory, or from the `run` that was just written there: the bytes are the same.
-    What `dress` makes of the page is written, where it is given. Without a circuit, and `say` hears why, where that
-    needs code that may not be run; `trust` is a module that may be.
+    What `dress` makes of the page is written, where it is given. Without a circuit, and `say` is informed why, where
+    that needs code that may not be run; `trust` is a module that may be.
     Raises ConfigError where the directory is no result directory or the system in it cannot be read.
     """
     if run is None:

@@ -1,7 +1,7 @@
 """The page of a result: one layout for all that vvdp finds, from the files in its directory."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,10 @@ from vvdp.results.store import read_meta, read_result
 
 MOST_SPACED, MOST_BESIDE = 6, 3
 """Columns of a listing that stand wide apart, and with which it has room beside another one."""
+LEAD = "Result"
+"""Title of the section at the head of a page."""
+MOST_LEAD, MOST_OPEN = 12, 3
+"""Lines of a listing that may lead a page, and notes of its box that are not folded."""
 LONG = 12
 """Lines of a listing from which on it is better halved."""
 
@@ -63,28 +67,72 @@ def write_result_page(directory: Path, page: Page) -> Path:
 def _lines(page: Page, drawn: Mapping[str, Drawn]) -> Iterator[str]:
     result, added = page.result, page.added
     title = text(result.title)
-    sections = result.sections or tuple(usual_sections(result))
+    sections = (*_lead(result), *(result.sections or usual_sections(result)))
     yield f"{opening(title, added.style, added.head or live_head())}\n<h1>{title}</h1>"
     yield f'<p class="facts">{" &middot; ".join(_facts(page))}</p>'
     if result.badges:
         marks = (f'<li class="{each.grade}">{text(each.words)}</li>' for each in result.badges)
         yield f'<ul class="badges">{"".join(marks)}</ul>'
-    yield from _findings(result)
+    yield from _state(result)
+    yield from _notes(result)
     yield from filter(None, [added.begin])
+    sections = tuple(_without_repetition(sections))
     yield _contents(sections)
-    count = 0
+    figures = [name for section in sections for name in section.shows if name in drawn]
+    numbers = {name: place for place, name in enumerate(figures, 1)}
     for section in sections:
-        yield f'<h2 id="{_anchor(section)}"{" class=page" if section.starts_page else ""}>{text(section.title)}</h2>'
-        yield from (f"<p>{text(words)}</p>" for words in section.words)
-        for name in section.shows:
-            count += name in drawn
-            yield _part(page, drawn, name, count)
-        if section.text:
-            yield f'<pre class="keys">{text(section.text)}</pre>'
+        parts = [_part(page, drawn, name, numbers.get(name, 0)) for name in section.shows]
+        yield from _section(section, parts, is_lead=section.title == LEAD)
     yield from _references(result.references)
     yield live_body(result.charts.values(), result.tables)
     yield from filter(None, [added.end])
     yield "</body>\n</html>"
+
+
+def _lead(result: Result) -> Iterator[Section]:
+    """The head of a page whose result has none of its own: a short listing or table, and the first figure."""
+    if result.sections and result.sections[0].title == LEAD:
+        return
+    order = [name for section in result.sections for name in section.shows]
+    order += [name for name in (*result.charts, *result.listings, *result.tables) if name not in order]
+    charts = [name for name in order if name in result.charts]
+    short = [name for name in order if 0 < _lines_of(result, name) <= MOST_LEAD]
+    if charts or short:
+        yield Section(title=LEAD, shows=(*short[:1], *charts[:1]))
+
+
+def _lines_of(result: Result, name: str) -> int:
+    """Lines of a listing, or of a table that pages show; 0 for anything else."""
+    if name in result.listings:
+        return len(result.listings[name].rows)
+    found = result.tables.get(name)
+    return 0 if found is None or found.is_data else found.rows
+
+
+def _without_repetition(sections: Sequence[Section]) -> Iterator[Section]:
+    """The sections without what an earlier one shows, and without those that are then empty."""
+    before = set[str]()
+    for section in sections:
+        left = replace(section, shows=tuple(name for name in section.shows if name not in before))
+        before.update(section.shows)
+        if left.shows or left.words or left.text:
+            yield left
+
+
+def _section(section: Section, parts: Sequence[str], *, is_lead: bool) -> Iterator[str]:
+    """The lead of the page, or a section that is folded on the screen, opened by its links and in print."""
+    body = [f"<p>{text(words)}</p>" for words in section.words] + list(parts)
+    if section.text:
+        body.append(f'<pre class="keys">{text(section.text)}</pre>')
+    heading = f"<h2{' class=page' if section.starts_page else ''}>{text(section.title)}</h2>"
+    if is_lead:
+        yield f'{heading}\n<section id="{_anchor(section)}">'
+        yield from body
+        yield "</section>"
+    else:
+        yield f'<details class="fold"><summary>{heading}</summary>\n<section id="{_anchor(section)}">'
+        yield from body
+        yield "</section></details>"
 
 
 def usual_sections(result: Result) -> Iterator[Section]:
@@ -116,7 +164,7 @@ def _quote(word: str) -> str:
     return f'"{word}"' if " " in word or not word else word
 
 
-def _findings(result: Result) -> Iterator[str]:
+def _state(result: Result) -> Iterator[str]:
     if not result.finished:
         words = (
             "<p>Rerun the same command to resume.</p>"
@@ -124,15 +172,24 @@ def _findings(result: Result) -> Iterator[str]:
             else "<p>Run it again to complete them.</p>"
         )
         yield f'<div class="notice bad"><strong>Run interrupted: results are partial</strong>{words}</div>'
-    for grade in (Grade.BAD, Grade.WARNING):
-        yield from (_notice(each) for each in result.findings if each.grade is grade)
     yield from (f'<p class="lead">{text(f.text)}</p>' for f in result.findings if f.grade in (Grade.PLAIN, Grade.GOOD))
 
 
-def _notice(finding: Finding) -> str:
+def _notes(result: Result) -> Iterator[str]:
+    """All warnings in one box, the gravest first; those beyond the first few are folded in it."""
+    found = [each for grade in (Grade.BAD, Grade.WARNING) for each in result.findings if each.grade is grade]
+    if not found:
+        return
+    notes = [_note(each) for each in found]
+    rest = notes[MOST_OPEN:]
+    folded = f'<details class="fold"><summary>{len(rest)} more</summary>{"".join(rest)}</details>' if rest else ""
+    grade = " bad" if found[0].grade is Grade.BAD else ""
+    yield f'<div class="notice{grade}">{"".join(notes[:MOST_OPEN])}{folded}</div>'
+
+
+def _note(finding: Finding) -> str:
     title = f"<strong>{text(finding.title)}</strong>" if finding.title else ""
-    words = "".join(f"<p>{text(each)}</p>" for each in (finding.text, finding.remedy) if each)
-    return f'<div class="notice{" bad" if finding.grade is Grade.BAD else ""}">{title}{words}</div>'
+    return title + "".join(f"<p>{text(each)}</p>" for each in (finding.text, finding.remedy) if each)
 
 
 def _contents(sections: Sequence[Section]) -> str:

@@ -224,7 +224,7 @@ def pilot_check_valve() -> Symbol:
 
 
 def pilot_closed_check_valve() -> Symbol:
-    """A check valve that a pilot pressure holds shut."""
+    """A check valve that a pilot pressure holds closed."""
     terminals = through(28) | {"pilot": Terminal(-34, -16, Side.LEFT)}
     behind = pipe((-34, -16), (-8, -16), (-8, -3), pilot=True)
     return Symbol((-34, -28, 15, 28), _check() + behind, terminals)

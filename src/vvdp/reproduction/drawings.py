@@ -1,4 +1,6 @@
-"""Drawings of the source, drawn anew from what is simulated: circuits from their networks, valves from their solids."""
+"""Drawings of the source, drawn again from what is simulated: circuits from their networks, valves from their
+solids.
+"""
 
 from collections.abc import Callable
 
@@ -14,7 +16,7 @@ from vvdp.results.verdict import Statement, drawing_statement
 
 
 def solid_drawing(what: str, name: str, draw: Callable[[], Drawn], *more: Statement) -> Reproduction:
-    """A drawing that is made from solids; without the libraries that it takes it is not drawn, and says so."""
+    """A drawing that is made from solids; without the libraries that it takes it is not drawn, and states this."""
     try:
         made = draw()
     except MissingExtraError as problem:

@@ -33,7 +33,7 @@ class Reproduction:
 @dataclass(frozen=True)
 class Item:
     """A figure, a table, an equation, or the claimed numbers of a section: its number, its title, and the function
-    that works it out."""
+    that calculates it."""
 
     kind: ItemKind
     number: str

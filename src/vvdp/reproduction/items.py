@@ -1,4 +1,4 @@
-"""All items, in the order of the dissertation, and those that a person names."""
+"""All items, in the order of the dissertation, and those that a user names."""
 
 from collections.abc import Iterable, Sequence
 

@@ -1,4 +1,4 @@
-"""Items that an earlier, stopped run has worked out: a run into the same directory goes on from there."""
+"""Items that an earlier, stopped run has calculated: a run into the same directory goes on from there."""
 
 import shutil
 from collections.abc import Mapping, Sequence
@@ -24,7 +24,7 @@ def write_statements(folder: Path, statements: Sequence[Statement]) -> None:
 
 
 def stopped_items(directory: Path, items: Sequence[Item]) -> Mapping[str, Reproduction]:
-    """What a run of this version into `directory` that was stopped has worked out of the `items`, by name.
+    """What a run of this version into `directory` that was stopped has calculated of the `items`, by name.
 
     Raises ConfigError if a file of it was changed or damaged.
     """
@@ -35,7 +35,7 @@ def stopped_items(directory: Path, items: Sequence[Item]) -> Mapping[str, Reprod
 
 
 def take_over(directory: Path, folder: Path, names: Sequence[str]) -> None:
-    """Copies the folders of items that were worked out already."""
+    """Copies the folders of items that were calculated already."""
     for name in names:
         shutil.copytree(directory / name, folder / name)
 

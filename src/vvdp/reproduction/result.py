@@ -33,7 +33,7 @@ def verdict_result(
 ) -> Result:
     """The table of all verdicts, how many there are of each, and what differs from what is expected.
 
-    `missing` names the items that were asked for and not worked out, since the run was stopped.
+    `missing` names the items that were asked for and not calculated, since the run was stopped.
     """
     statements = all_statements(outcomes)
     counts = Counter(each.verdict for _, each in statements)

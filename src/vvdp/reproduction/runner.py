@@ -20,7 +20,7 @@ VERB = "reproduce"
 
 @dataclass(frozen=True)
 class Outcome:
-    """An item that was worked out; `failure` says what went wrong, where something did."""
+    """An item that was calculated; `failure` says what went wrong, where something did."""
 
     item: Item
     reproduction: Reproduction
@@ -40,8 +40,8 @@ def reproduce(
 ) -> Iterator[Outcome]:
     """Works the items out, writes each into a folder of its own name below `folder`, and yields what came of it.
 
-    `say` hears which item is begun. An item that fails is an outcome as well, and the next one follows. Items that are
-    `done` already, by name, are not worked out again, and their folders are left to the caller.
+    `say` receives which item is begun. An item that fails is an outcome as well, and the next one follows. Items
+    that are `done` already, by name, are not calculated again, and their folders are left to the caller.
     """
     for place, item in enumerate(items, 1):
         if item.name in done:

@@ -29,7 +29,7 @@ def shown_cell(value: float | str | None, kind: Kind | None, digits: int = 4) ->
 
 
 def shown_columns(each: Table) -> list[str]:
-    """The columns that a person is shown: those chosen, but axes along which nothing varies."""
+    """The columns that a user is shown: those chosen, but axes along which nothing varies."""
     keys = [key for key in each.shown or each.columns if key in each.columns]
     return [key for key in keys if key not in each.axes or each.rows < 2 or np.unique(each[key]).size > 1]
 
@@ -40,7 +40,7 @@ def column_head(column: Column) -> str:
 
 
 def table_cell(each: Table, key: str, place: int) -> str:
-    """A cell of a table as a person reads it: what was set as it was set, what was found to four digits."""
+    """A cell of a table as people read it: what was set as it was set, what was found to four digits."""
     column = each.columns[key]
     value, kind = column.values[place], column.kind
     if kind is not None and key in each.axes:

@@ -1,6 +1,6 @@
 """A figure as data: which columns of which table are drawn, and how. Nothing here draws.
 
-A chart names columns; their label and unit come from the column, so that what is drawn is said once. The printed
+A chart names columns; their label and unit come from the column, so that what is drawn is stated once. The printed
 figure, the page that can be zoomed and a notebook are all made from it.
 """
 

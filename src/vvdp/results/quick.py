@@ -1,4 +1,4 @@
-"""A chart of any columns of a table, where nobody has said how they are to be drawn."""
+"""A chart of any columns of a table, without a description of how to draw them."""
 
 from collections.abc import Sequence
 

@@ -23,7 +23,7 @@ Texts: TypeAlias = NDArray[np.str_]
 
 @dataclass(frozen=True)
 class Number:
-    """A value [SI] with what it is; `label` is what a person reads."""
+    """A value [SI] with what it is; `label` is what a user reads."""
 
     value: float
     kind: Kind
@@ -149,7 +149,7 @@ class Section:
 
 @dataclass(frozen=True, kw_only=True)
 class Result:
-    """What a study found. `references` are keys of the bibliography; `command` is what a person types to have it anew.
+    """What a study found. `references` are keys of the bibliography; `command` is what a user types to have it again.
 
     `verb` names what made it, as on the command line. `sections` order the page; what none of them shows is data only.
     """

@@ -44,7 +44,7 @@ def write_result(
     command: Sequence[str] = (),
     more: Mapping[str, Any] = MappingProxyType({}),
 ) -> None:
-    """Writes a result into `folder`, with the text of the resolved `system`; every file is whole or absent.
+    """Writes a result into `folder`, with the text of the resolved `system`; every file is complete or not there.
 
     `command` is what was typed, word by word; `more` is added to meta.json.
     """

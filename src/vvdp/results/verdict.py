@@ -13,7 +13,7 @@ from vvdp.base.kinds import NUMBER, Kind
 from vvdp.results.result import Column, Table
 
 ROUNDING = 1e-6
-"""A tolerance, over the number, that is for rounding alone and shown to nobody."""
+"""A tolerance, over the number, that is for rounding alone and is not shown."""
 
 
 class Verdict(StrEnum):
@@ -48,7 +48,7 @@ class Statement:
     the tolerance comes from. `source` and `result` are words that stand for the numbers. `other` is what a second run
     finds under another `assumption` that the text allows. `contradiction` holds two printed statements that exclude
     each other, each as "place: words". If something was chosen by the printed number, `calibration` names it. All
-    other texts are remarks: they change no verdict.
+    other texts are notes: they change no verdict.
     """
 
     what: str
@@ -89,7 +89,7 @@ class Statement:
 
     @property
     def source_text(self) -> str:
-        """What the source says, as a person reads it."""
+        """What the source says, as people read it."""
         if self.source or (math.isinf(self.low) and math.isinf(self.high)):
             return self.source
         if self.low == self.high:
@@ -102,7 +102,7 @@ class Statement:
 
     @property
     def found_text(self) -> str:
-        """What was found, as a person reads it."""
+        """What was found, as people read it."""
         return self.result or with_unit(self.found, self.kind)
 
     @property
@@ -135,7 +135,7 @@ def _width(value: float, kind: Kind) -> str:
 
 
 def _number_of(text: str) -> float:
-    """A number that was written for a person."""
+    """A number that was written for a user."""
     mantissa, _, exponent = text.replace("−", "-").partition("·10")
     return float(mantissa) * 10.0 ** int(exponent.translate(SUPERSCRIPTS) or 0)
 
@@ -164,7 +164,7 @@ def drawing_statement(what: str, result: str) -> Statement:
 
 
 def missing_statement(what: str, source: str, missing: str) -> Statement:
-    """What could not be worked out, since something is `missing`; `source` are the words of the source."""
+    """What could not be calculated, since something is `missing`; `source` are the words of the source."""
     return Statement(what=what, source=source, result=f"missing: {missing}")
 
 
@@ -174,7 +174,7 @@ def open_statement(what: str, source: str, result: str, assumption: str) -> Stat
 
 
 def verdict_table(statements: Sequence[tuple[str, Statement]], heading: str = "item") -> Table:
-    """Statements under the name of what makes them, a line each, as a person reads them."""
+    """Statements under the name of what makes them, a line each, as people read them."""
 
     def texts(values: Iterable[str], label: str) -> Column:
         return Column(np.array(list(values), str), None, label)

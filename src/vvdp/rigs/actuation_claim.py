@@ -89,7 +89,7 @@ def same_ports_stroke(valve: RotaryValve) -> float:
 
 
 def spool_friction(stand: Stand) -> float:
-    """Torque over speed of the spool's viscous friction at the stand's set point [N m s]."""
+    """Torque over speed of the spool's viscous friction at the stand's operating point [N m s]."""
     return friction_coefficient(float(stand.film_viscosity(stand.set_point)), stand.bench.valve)
 
 

@@ -29,7 +29,7 @@ def capacity_pressures(stand: Stand) -> Array:
 def capacity_points(
     stand: Stand, duty_ratios: Sequence[float], pump_speeds: Sequence[float], temperatures: Sequence[float]
 ) -> list[SetPoint]:
-    """Set points of all settings, the pressure fastest, then duty ratio, speed [rad/s] and temperature [K]."""
+    """Operating points of all settings, the pressure fastest, then duty ratio, speed [rad/s] and temperature [K]."""
     pressures = capacity_pressures(stand).tolist()
     return [SetPoint(d, p, n, t) for t in temperatures for n in pump_speeds for d in duty_ratios for p in pressures]
 

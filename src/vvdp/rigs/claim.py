@@ -1,4 +1,4 @@
-"""What a claim is worked out to: numbers, tables, figures and sentences."""
+"""What a claim is calculated to: numbers, tables, figures and sentences."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from vvdp.results.verdict import Statement
 
 @dataclass(frozen=True, kw_only=True)
 class Claim:
-    """One claim, worked out for a system. `statements` are those of the source that it judges, under their sections."""
+    """One claim, calculated for a system. `statements` are those of the source that it judges, under their sections."""
 
     tables: Mapping[str, Table]
     charts: tuple[Chart, ...]

@@ -27,12 +27,12 @@ from vvdp.valve.geometry import transition_fraction
 LEFT_OUT = (
     "Pump and motor losses beyond the parameters, the same for both ways of control.",
     "What the throttling valve itself adds: its lowest drop and its actuation.",
-    "Power that moves the published linear valves: the source tells it of one, 300 V and up to 30 A while it switches.",
+    "Power that moves the published linear valves: the source shows it of one, 300 V and up to 30 A while it switches.",
     "Stiction, flow forces and springs of the linear valve; energy put into its braking is not recovered.",
     "Seals and bearings of a driven spool's shaft, and the efficiency of its motor.",
 )
 MANNER = (
-    "Claims of chapters 1, 2 and 5 of the source, each worked out for this system: losses and ripple from periodic "
+    "Claims of chapters 1, 2 and 5 of the source, each calculated for this system: losses and ripple from periodic "
     "steady states of the PWM-resolved circuit, actuation powers in closed form."
 )
 DRIVING, RIPPLE = "self-spinning against driven", "ripple"
@@ -51,7 +51,7 @@ def claims(
     Those that need a load line are left out, and said to be, where there is none. So is a driven spool beside a
     self-spinning one where the flow cannot turn it.
 
-    Ctrl-C leaves out those that are not yet worked out; before the first of them is, it is raised. Raises
+    Ctrl-C leaves out those that are not yet calculated; before the first of them is, it is raised. Raises
     ParameterError where the spool does not turn.
 
     Source  wang2017, chapters 1, 2 and 5
@@ -61,7 +61,7 @@ def claims(
     began = time.perf_counter()
     say("against throttling")
     found = [throttling_claim(stand, cores=cores, cache=cache, say=say)]
-    say("against what else there is")
+    say("compared with other circuits")
     found.append(supply_claim(stand, duties, cores=cores, cache=cache, say=say))
     pending, left_out = _with_load_line(stand, cores, cache, say)
     finished = True

@@ -1,4 +1,4 @@
-"""What a test was made under, in words: fluid, temperature, set points."""
+"""What a test was made under, in words: fluid, temperature, operating points."""
 
 from collections.abc import Iterator, Sequence
 
@@ -54,7 +54,7 @@ def limit_findings(stand: Stand) -> Iterator[Finding]:
         yield Finding(
             text=f"The averages do not hold: {limit}.",
             grade=Grade.WARNING,
-            title="Not what the system does",
+            title="Analytic averages not applicable",
             remedy="Simulate it.",
         )
 

@@ -20,7 +20,7 @@ EFFICIENCIES = (
 
 
 def with_efficiencies(stand: Stand, axes: Axes, columns: Mapping[str, Array], capacity: Array) -> dict[str, Array]:
-    """`columns` with the set points before them and the efficiencies and losses that follow from them.
+    """`columns` with the operating points before them and the efficiencies and losses that follow from them.
 
     At duty ratio d the commanded flow is d D omega, the derived one capacity times omega. ISO counts the flow as the
     volume that it has at the outlet, `outlet_flow_m3_s`, and the power as that times the pressure difference. An

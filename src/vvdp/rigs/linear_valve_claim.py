@@ -26,13 +26,13 @@ from vvdp.steady.test_stand import Stand
 FREQUENCIES = (25.0, 50.0, 100.0, 200.0, 300.0, 400.0)
 """Pulsed at these, as far as a valve reaches them [Hz]."""
 UNKNOWN = [0.0], [float("nan")]
-"""The curve of a valve whose drop the source does not tell."""
+"""The curve of a valve whose drop the source does not show."""
 
 
 def linear_valve_claim(
     stand: Stand, *, cores: int | None = None, cache: Path | None = None, say: Callable[[str], None] = quiet
 ) -> Claim:
-    """Published linear valves in the place of the rotary one, at the stand's load pressure and duty ratio 0.5."""
+    """Published linear valves instead of the rotary one, at the stand's load pressure and duty ratio 0.5."""
     point = stand.set_point._replace(duty_ratio=0.5)
     known = [valve for valve in VALVES if np.isfinite(valve.drop)]
     sweeps = {valve.name: _sweep(stand, valve, cache) for valve in known}
@@ -81,10 +81,10 @@ def _valve_table(
             np.array([highest_frequency(valve) for valve in VALVES]), FREQUENCY, "full strokes up to"
         ),
         "parallel_valves": Column(
-            np.array([valves_for(valve, flow, drop) for valve in VALVES]), NUMBER, "side by side for the rotary's drop"
+            np.array([valves_for(valve, flow, drop) for valve in VALVES]), NUMBER, "valves in parallel"
         ),
         "loss_W": Column(np.array(at_rotary), MEAN_POWER, "loss at the rotary's frequency"),
-        "equal_loss_pwm_frequency_Hz": Column(np.array(equal), FREQUENCY, "loses as much at"),
+        "equal_loss_pwm_frequency_Hz": Column(np.array(equal), FREQUENCY, "break-even frequency"),
     }
     return Table(title="Published linear on/off valves", columns=columns)
 
@@ -96,7 +96,7 @@ def _sweep_table(stand: Stand, sweeps: dict[str, Sweep]) -> Table:
         "valve": Column(names, None, "valve"),
         "pwm_frequency_Hz": Column(frequencies, FREQUENCY, "PWM frequency"),
         "loss_W": Column(losses, MEAN_POWER, "loss"),
-        "delivered_share": Column(flows / stand.pump_flow(stand.set_point), EFFICIENCY, "delivered over pump flow"),
+        "delivered_share": Column(flows / stand.pump_flow(stand.set_point), EFFICIENCY, "delivered flow / pump flow"),
     }
     return Table(title="Linear valves over the PWM frequency", columns=columns)
 
@@ -132,7 +132,7 @@ def _chart(table: Table, loss: float, frequency: float) -> Chart:
         levels.append(Level(value=frequency, upright=True))
     return Chart(
         name="linear-valves",
-        caption="Loss of published linear valves over the PWM frequency, so many side by side that they drop as much "
+        caption="Loss of published linear valves versus PWM frequency, enough in parallel for the same pressure drop "
         "as the rotary valve; dashed: that one, at its own frequency. What moves the spools is left out.",
         table="linear_switching",
         panels=(Lines(lines=lines, levels=tuple(levels), low=0.0, left=0.0, legend="valve"),),

@@ -1,4 +1,4 @@
-"""Fast linear on/off valves in the place of the rotary valve: which PWM frequency they reach, and what they lose there.
+"""Fast linear on/off valves instead of the rotary valve: which PWM frequency they reach, and what they lose there.
 
 Source  wang2017, section 1.2.2
 """
@@ -36,7 +36,7 @@ SETTLING, AVERAGED = 6, 6
 
 
 class LinearValve(NamedTuple):
-    """A valve as the source tells it: rated flow [m^3/s], drop [Pa], switching time [s]; nan what it does not tell."""
+    """A valve as the source shows it: rated flow [m^3/s], drop [Pa], switching time [s]; nan what it does not show."""
 
     name: str
     flow: float
@@ -101,7 +101,7 @@ def rotary_drop(stand: Stand) -> float:
 
 
 def pulsed_valve(stand: Stand, switching_time: float, pwm_frequency: float, duty_ratio: float = 0.5) -> Network:
-    """The pump unit of a stand against its load pressure, with linear valves in the place of the rotary one.
+    """The pump unit of a stand against its load pressure, with linear valves instead of the rotary one.
 
     Open they drop as much as that does. Their lap is zero.
 
@@ -134,7 +134,7 @@ def pulsed_valve(stand: Stand, switching_time: float, pwm_frequency: float, duty
 def switched_loss(
     stand: Stand, switching_time: float, pwm_frequency: float, duty_ratio: float = 0.5, cache: Path | None = None
 ) -> Switched:
-    """Simulated loss of linear valves in the place of the rotary one, over whole periods after the first ones.
+    """Simulated loss of linear valves instead of the rotary one, over whole periods after the first ones.
 
     switching_time, pwm_frequency  [s, Hz]
     """

@@ -57,7 +57,7 @@ class Axes:
 
     @property
     def points(self) -> list[SetPoint]:
-        """All set points in the order of a map's columns."""
+        """All operating points in the order of a map's columns."""
         ordered = itertools.product(self.temperatures, self.pump_speeds, self.load_pressures, self.duty_ratios)
         return [SetPoint(d, p, n, t) for t, n, p, d in ordered]
 
@@ -70,7 +70,7 @@ class _Range(NamedTuple):
     highest: float
 
     def words(self, value: float) -> str:
-        """`value` [SI] as a person writes it."""
+        """`value` [SI] as people write it."""
         unit = display_unit(self.kind)
         return f"{round(unit.from_si(value), 6) + 0.0:.6g} {unit.symbol}".rstrip()
 

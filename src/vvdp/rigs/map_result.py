@@ -34,7 +34,7 @@ ANALYTIC = (
     "the delivered one."
 )
 LEFT_OUT = (
-    "The test stand itself: flow meters, hoses and their drops, uncertainty of instruments, thermal settling.",
+    "The test rig itself: flow meters, hoses and their drops, uncertainty of instruments, thermal settling.",
     "Losses of the pump beyond those in its parameters; with none given, the input power is the hydraulic one.",
     "The actuator that sets the spool's axial position: the duty ratio is held exactly.",
     "The pump's own flow ripple, which has no common period with the valve.",
@@ -76,7 +76,7 @@ COLUMNS: Mapping[str, tuple[kinds.Kind, str]] = {
     "pressure_min_load_line_Pa": (kinds.GAUGE_PRESSURE, "lowest load pressure"),
     "pressure_max_load_line_Pa": (kinds.GAUGE_PRESSURE, "highest load pressure"),
     "cavitation_volume": (kinds.FLAG, "a pressure falls below the cavitation limit"),
-    "cavitation_port_share": (kinds.FRACTION, "share of the time in which a port cavitates"),
+    "cavitation_port_share": (kinds.FRACTION, "port cavitation, share of time"),
     "cavitation_number_lowest": (kinds.NUMBER, "cavitation number of the ports, lowest"),
     "second_law": (kinds.FLAG, "no loss gives energy back"),
     "within_validity": (kinds.FLAG, "all laws within their range"),

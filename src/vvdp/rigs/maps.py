@@ -169,7 +169,7 @@ def analytic_map(
 
 
 def averaged_columns(stand: Stand, points: Any, means: Any) -> dict[str, Array]:
-    """What quasi-steady averages `means` give at many set points at once, which `points` has as arrays."""
+    """What quasi-steady averages `means` give at many operating points at once, which `points` has as arrays."""
     d, p, n, _ = points
     bench, tank = stand.bench, stand.tank_pressure
     pump, oil, valve = bench.pump, bench.oil, bench.valve
@@ -233,7 +233,7 @@ def _columns(values: Iterable[Any]) -> tuple[Any, ...]:
 
 
 def _judge(stand: Stand, axes: Axes, columns: Mapping[str, Array], capacities: Array) -> dict[str, Array]:
-    """`columns` with set points, efficiencies and losses, in their order.
+    """`columns` with operating points, efficiencies and losses, in their order.
 
     capacities  of all settings, over temperature, pump speed and duty ratio [m^3/rad]
     """
@@ -276,7 +276,7 @@ def simulated_map(
 
     The derived capacities are simulated before the map, `PRESSURES` points for each setting. Points that `directory`
     already has are not run again; they are known by every number that they depend on. `engine` says where the others
-    are run. Each batch is kept when it is done and `progress` hears of it (points done, of all).
+    are run. Each batch is kept when it is done and `progress` is informed of it (points done, of all).
     Ctrl-C ends the map after the current batches, and running it again resumes it. Raises ConfigError where the
     directory cannot be used, ParameterError where the spool turns at no point, RunError where a worker has another
     vvdp, or none is left.

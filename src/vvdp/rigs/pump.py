@@ -23,7 +23,7 @@ from vvdp.studies.run import silent
 DUTY_RATIOS = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
 PRESSURES = 4
 SPAN = 10e5
-"""Of load pressure, over which the loss of flow is said [Pa]."""
+"""Of load pressure, over which the loss of flow is stated [Pa]."""
 SPEED_SHARES = (0.6, 1.0)
 """Pump speeds, over that of the system."""
 LOWEST_SHARE, STRAIGHT = 0.01, (0.3, 0.95)
@@ -107,7 +107,7 @@ def dead_band(duty_ratios: Array, flow: Array, share: float = LOWEST_SHARE) -> f
 
 
 def linearity(duty_ratios: Array, flow: Array) -> tuple[float, float]:
-    """Gain [m^3/s per unit] of the straight line that comes closest, and the largest distance from it over its span."""
+    """Gain [m^3/s per unit] of the straight line that comes closest, and the largest residual over its span."""
     gain, offset = np.polyfit(duty_ratios, flow, 1)
     apart = np.max(np.abs(flow - gain * duty_ratios - offset))
     return float(gain), float(apart / (np.ptp(flow) or np.nan))

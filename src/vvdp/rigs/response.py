@@ -29,16 +29,18 @@ BAND = 0.05
 AMPLITUDE = 0.05
 """Of the duty ratio in the frequency response."""
 HIGHEST = 0.45
-"""Of the PWM frequency: above half of it the flow cannot tell a frequency from its mirror image."""
+"""Of the PWM frequency: above half of it the flow cannot distinguish a frequency from its mirror image."""
 FOLDED = 1.0 / 3.0
-"""Of the PWM frequency: there the second harmonic, folded back by the switching, falls upon the frequency itself."""
+"""Of the PWM frequency: there the second harmonic, folded back by the switching, falls onto the frequency itself."""
 NEAR = 1.0 / 36.0
-"""Of the PWM frequency: closer to the folding the window cannot tell both apart."""
+"""Of the PWM frequency: closer to the folding the window cannot show both apart."""
 COUNT = 14
 LOWEST, LOWEST_SHARE = 1.0, 0.02
 """Lowest frequency of the response at most [Hz], and over the PWM frequency: of a slow spool it is lower."""
 WINDOW_CYCLES, WINDOW_PERIODS = 3, 24.0
-"""Cycles of a frequency and PWM periods that its window holds at least: enough to tell the sine from the switching."""
+"""Cycles of a frequency and PWM periods that its window holds at least: enough to distinguish the sine from the
+switching.
+"""
 
 
 @dataclass(frozen=True)

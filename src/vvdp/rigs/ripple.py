@@ -30,7 +30,7 @@ HARMONICS = 20
 MANNER = (
     "Pressure ripple, based on ISO 10767: amplitudes of the harmonics of the PWM frequency in the load line and "
     "in the delivered flow, with peak-to-peak and root mean square values. Every point is a periodic steady state "
-    "found by shooting, recorded over one period, so that the harmonics are exact. The load orifice is sized anew to "
+    "found by shooting, recorded over one period, so that the harmonics are exact. The load orifice is sized again to "
     "hold the mean load pressure."
 )
 LEFT_OUT = (
@@ -128,7 +128,7 @@ def ripple(
     waves = [waveform(state, cache=cache) if state.reason is None else None for state in states]
     centre, wave = states[-1], waves[-1]
     if wave is None:
-        raise ParameterError(f"{stand.name}: no periodic state at the system's own set point: {centre.reason}")
+        raise ParameterError(f"{stand.name}: no periodic state at the system's own operating point: {centre.reason}")
     tables, place = {}, 0
     for (name, title), group in zip(SWEEPS.items(), points, strict=True):
         part = slice(place, place + len(group))
@@ -155,7 +155,7 @@ def ripple(
 def _points(
     stand: Stand, duty_ratios: Sequence[float], frequencies: Sequence[float], sizes: Sequence[float]
 ) -> list[list[tuple[Stand, SetPoint]]]:
-    """Stands and set points of the three sweeps."""
+    """Stands and operating points of the three sweeps."""
     here = stand.set_point
     return [
         [(stand, here._replace(duty_ratio=float(d))) for d in duty_ratios],
@@ -205,7 +205,7 @@ def _spectrum(wave: Waveform) -> Table:
         harmonics(values, HARMONICS) for values in (wave.load_pressure, wave.inlet_pressure, wave.load_flow)
     )
     return Table(
-        title="Harmonics at the system's set point",
+        title="Harmonics at the system's operating point",
         columns={
             "harmonic": Column(order, kinds.COUNT, "harmonic of the PWM frequency"),
             "frequency_Hz": Column(order / wave.period, kinds.FREQUENCY, "frequency"),
@@ -219,7 +219,7 @@ def _spectrum(wave: Waveform) -> Table:
 def _wave(wave: Waveform) -> Table:
     swing = wave.load_pressure - float(np.mean(wave.load_pressure))
     return Table(
-        title="One period at the system's set point",
+        title="One period at the system's operating point",
         columns={
             "time_s": Column(wave.times, kinds.TIME, "time"),
             "load_pressure_swing_Pa": Column(swing, kinds.SIGNED_PRESSURE, "load pressure less its mean"),
@@ -264,7 +264,7 @@ def _spectrum_chart() -> Chart:
     wave = Line(x="time_s", y="load_pressure_swing_Pa", colour=Colour.LOAD)
     return Chart(
         name="harmonics",
-        caption="One period at the system's set point, and the harmonics of the pressures there.",
+        caption="One period at the system's operating point, and the harmonics of the pressures there.",
         table="spectrum",
         panels=(
             Lines(table="waveform", lines=(wave,)),
@@ -284,7 +284,7 @@ def power_of(x: Array, y: Array) -> float:
 
 
 def _numbers(row: Mapping[str, float], wave: Waveform, tables: Mapping[str, Table]) -> dict[str, float]:
-    """What the row of the system's own set point and the sweeps come to."""
+    """What the row of the system's own operating point and the sweeps come to."""
     duty, frequency, size = (tables[name] for name in SWEEPS)
     first = harmonics(wave.load_pressure, HARMONICS)
     found = {name: row[name] for name in (
@@ -306,7 +306,7 @@ def _findings(n: Mapping[str, float]) -> Iterator[Finding]:
         with_unit(n[key], kinds.PRESSURE_DIFFERENCE, 3) for key in ("load_ripple_Pa", "estimated_ripple_Pa")
     )
     yield Finding(
-        text=f"At the system's set point the load pressure swings by {swing} from peak to peak at "
+        text=f"At the system's operating point the load pressure swings by {swing} from peak to peak at "
         f"{with_unit(n['pwm_frequency_Hz'], kinds.FREQUENCY)}; {percent(n['first_harmonic_share'])} of its power is in "
         f"the first harmonic. The estimate q (1 - q/Q) / (f C) gives {estimate}."
     )

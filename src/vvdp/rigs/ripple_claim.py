@@ -25,7 +25,7 @@ QUANTITIES = {
 def ripple_claim(
     stand: Stand, *, cores: int | None = None, cache: Path | None = None, say: Callable[[str], None] = quiet
 ) -> Claim:
-    """Ripple over PWM frequency and gas volume. Raises ParameterError where the set point has no steady state."""
+    """Ripple over PWM frequency and gas volume. Raises ParameterError where the operating point has no steady state."""
     waves = ripple(stand, [stand.set_point.duty_ratio], FREQUENCIES, SIZES, cores=cores, cache=cache, say=say)
     _, f, v, *_ = waves.tables.values()  # over duty ratio, PWM frequency, gas volume
     tables = {

@@ -136,8 +136,8 @@ def _checked_frequencies(frequencies: Sequence[float], pwm: float) -> Array:
     asked = np.array(list(frequencies), float)
     if not asked.size or np.any(asked <= 0.0) or np.any(asked > 0.5 * pwm):
         raise ParameterError(
-            f"frequencies {', '.join(f'{f:g}' for f in asked)} Hz; expected some above 0 and up to half the PWM "
-            f"frequency, {0.5 * pwm:.4g} Hz"
+            f"frequencies {', '.join(f'{f:g}' for f in asked)} Hz; expected some greater than 0 Hz and up to half the "
+            f"PWM frequency, {0.5 * pwm:.4g} Hz"
         )
     return asked
 
@@ -260,8 +260,9 @@ def _bode_chart(table: Table, pwm: float) -> Chart:
     return Chart(
         name="frequency-response",
         caption="Gain and phase of the delivered flow over a sinusoidal duty ratio, relative to the static gain; "
-        "dotted: half the PWM frequency, beyond which no frequency can be told from its mirror image. Near a third of "
-        "the PWM frequency, left out, the second harmonic of the flow folds back upon the frequency itself.",
+        "dotted: half the PWM frequency, beyond which no frequency can be distinguished from its mirror image. "
+        "Near a third of "
+        "the PWM frequency, left out, the second harmonic of the flow folds back onto the frequency itself.",
         table="frequency",
         panels=(
             _bode_panel(table, pwm, "gain_dB", "gain", (-6.0, 3.0)),

@@ -75,7 +75,7 @@ def supply_claim(
                     low=0.5,
                     source="keeps the efficiency of variable displacement machines",
                     because="half of all points (ours)",
-                    note="what the ports lose while they are partly shut: docs/when-switching-pays.md",
+                    note="what the ports lose while they are partly closed: docs/when-switching-pays.md",
                 ),
             ),
         ),
@@ -110,7 +110,7 @@ def _map_table(stand: Stand, share: Array, rise: Array, found: Spread) -> Table:
     losses = {"switched": found.nominal.switched, **found.nominal.rivals}
     columns = {
         "load_pressure_Pa": Column(rise + stand.tank_pressure - stand.reference, GAUGE_PRESSURE, "load pressure"),
-        "delivered_share": Column(share, EFFICIENCY, "delivered over pump flow"),
+        "delivered_share": Column(share, EFFICIENCY, "delivered flow / pump flow"),
         "delivered_flow_m3_s": Column(share * stand.pump_flow(stand.set_point), FLOW, "delivered flow"),
     }
     columns |= {f"loss_{key}_W": Column(losses[key], MEAN_POWER, f"loss, {WAYS[key]}") for key in WAYS}
@@ -118,9 +118,9 @@ def _map_table(stand: Stand, share: Array, rise: Array, found: Spread) -> Table:
         low, high = found.lowest[rival], found.highest[rival]
         open_question = ((low < 0.0) & (high > 0.0)).astype(float)
         columns[f"gain_over_{rival}_W"] = Column(found.gain(rival), MEAN_POWER, f"more lost, {name}")
-        columns[f"gain_over_{rival}_low_W"] = Column(low, MEAN_POWER, f"more lost at least, {name}")
+        columns[f"gain_over_{rival}_low_W"] = Column(low, MEAN_POWER, f"extra loss, minimum over assumptions, {name}")
         columns[f"gain_over_{rival}_high_W"] = Column(high, MEAN_POWER, f"more lost at most, {name}")
-        columns[f"undecided_{rival}"] = Column(open_question, FLAG, f"rests on what is assumed, {name}")
+        columns[f"undecided_{rival}"] = Column(open_question, FLAG, f"result depends on assumptions, {name}")
     columns["winner"] = Column(np.array(_winners(losses)), None, "least lost, but for displacement control")
     shown = ("load_pressure_Pa", "delivered_share", *(f"loss_{key}_W" for key in WAYS), "winner")
     axes = ("load_pressure_Pa", "delivered_share")
@@ -212,7 +212,7 @@ def _gain_chart() -> Chart:
     return Chart(
         name="supply-gains",
         caption="What each rival loses more than the PWM valve [W], over delivered flow and load pressure; below 0 the "
-        "rival wins. Hatched: which of both wins rests on what is assumed; grey: more than the valve delivers.",
+        "rival wins. Hatched: which of both wins depends on assumptions; grey: more than the valve delivers.",
         table="supply",
         panels=tuple(
             Field(
@@ -249,7 +249,8 @@ def _winner_chart(table: Table) -> Chart:
             )
     return Chart(
         name="supply-winners",
-        caption="Who loses least, displacement control left out, which loses less than each of them.",
+        caption="Circuit with the lowest loss versus delivered flow and load pressure, without displacement control "
+        "(lowest everywhere).",
         table="supply",
         panels=(Lines(lines=tuple(lines), legend="least lost", left=0.0, right=1.02, low=0.0),),
         height=3.2,

@@ -80,7 +80,7 @@ def _with_periodic_state(states: Sequence[Steady]) -> list[Steady]:
     """Those that have a periodic state. Raises ParameterError where none has."""
     found = [state for state in states if state.reason is None]
     if not found:
-        raise ParameterError(f"no set point has a steady state; the first: {states[0].reason}")
+        raise ParameterError(f"no operating point has a steady state; the first: {states[0].reason}")
     return found
 
 

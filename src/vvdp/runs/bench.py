@@ -1,4 +1,4 @@
-"""What a run of a test bench of the rotary valve shows beside what any run does."""
+"""What a run of a test rig of the rotary valve shows beside what any run does."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
@@ -39,7 +39,7 @@ COMPONENTS = {
     "valve_leakage": "valve leakage",
     "pump_leakage": "pump leakage",
     "pump_friction": "pump friction",
-    "pump_compression": "filling of the pump's chambers",
+    "pump_compression": "pump filling",
     "coupling": "spool coupling",
 }
 PUMP_AND_COUPLING = frozenset({"pump_leakage", "pump_friction", "pump_compression", "coupling"})
@@ -89,7 +89,7 @@ def causes(run: RecordedRun) -> tuple[Loss, ...]:
 
 
 def bench_loss_listings(run: RecordedRun) -> dict[str, Listing]:
-    """Losses by component, and by cause beside the analytic ones, with shares of the power put in."""
+    """Losses by component, and by cause beside the analytic ones, with shares of the input power."""
     whole = run.number("input_power_W") + run.number("spool_motor_power_W")
     total = run.number("loss_total_W")
     spool = run.number("loss_spool_friction_W") - run.number("spool_shaft_power_W")
@@ -112,7 +112,7 @@ def bench_loss_listings(run: RecordedRun) -> dict[str, Listing]:
                 by_cause.append(row(Loss(name, np.nan), np.nan, analytic, np.nan, is_part=True))
     by_cause.append(row(both, both.simulated, both.analytic, _difference(both), is_sum=True))
     heads = ("simulated", "analytic", "difference")
-    note = "Shares are of the power put in."
+    note = "Shares are of the input power."
     return {
         "losses_by_component": Listing(title="By component", heads=("mean",), rows=tuple(by_component), note=note),
         "losses_by_cause": Listing(title="By cause", heads=heads, rows=tuple(by_cause)),
@@ -193,7 +193,7 @@ def _mean(run: RecordedRun, total: str, datum: float, kind: Kind, label: str) ->
 
 
 def _estimate(run: RecordedRun, bench: RotaryBench, series: BenchSeries) -> dict[str, Column]:
-    """The spool as its encoder sees it, its errors, and two stated deviations around none."""
+    """The spool as its encoder sees it, its errors, and two stated standard deviations around none."""
     shown = {name: run.command(f"encoder.{name}") for name in Estimate._fields}
     sampled = {name: run.memory(f"encoder.encoder.{name}") for name in Shaft._fields}
     pitch = bench.averaging_angle
@@ -207,7 +207,7 @@ def _estimate(run: RecordedRun, bench: RotaryBench, series: BenchSeries) -> dict
         found[f"{name}_error_{unit}"] = Column(error, kind, f"error of the {words}")
         for end, sign in (("low", -STATED), ("high", STATED)):
             band: Array = sign * shown[f"{name}_deviation"]
-            found[f"{name}_band_{end}_{unit}"] = Column(band, kind, f"two stated deviations of the {words}")
+            found[f"{name}_band_{end}_{unit}"] = Column(band, kind, f"two stated standard deviations of the {words}")
     found["standstill"] = Column(shown["standstill"], FRACTION, "probability that the spool stands")
     return found
 

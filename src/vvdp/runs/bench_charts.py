@@ -1,4 +1,4 @@
-"""The figures of a run of a test bench of the rotary valve, as data."""
+"""The figures of a run of a test rig of the rotary valve, as data."""
 
 from collections.abc import Iterator
 

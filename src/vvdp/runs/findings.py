@@ -10,6 +10,7 @@ from vvdp.results.result import Badge, Finding, Grade
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.balance import LIMIT
 from vvdp.simulation.outcome import SETTLED
+from vvdp.systems.assumed import assumed_words
 from vvdp.systems.bench import RotaryBench
 from vvdp.systems.bench_validity import efficiency_doubt
 from vvdp.systems.overview import expects_steady_state, impossible_part, loss_lines, node_lines, power_lines
@@ -40,7 +41,7 @@ def badges(run: RecordedRun) -> Iterator[Badge]:
         yield Badge("motor overloaded", Grade.BAD) if over else Badge("motor within its rating", Grade.GOOD)
     if run.has("stiff_method"):
         yield Badge("stiff method at the end")
-    yield Badge(f"{len(run.system.assumptions)} assumed values")
+    yield Badge(assumed_words(run.system.assumptions))
 
 
 def warnings(run: RecordedRun) -> Iterator[Finding]:
@@ -111,7 +112,7 @@ def _fault_warnings(run: RecordedRun) -> Iterator[Finding]:
             grade=Grade.WARNING,
             title="Fault",
             text=f"{fault.sentence[:1].upper()}{fault.sentence[1:]}.",
-            remedy="The file says so in its table [faults]; the numbers are those of the machine with it.",
+            remedy="The file states this in its table [faults]; the numbers are those of the machine with it.",
         )
 
 
@@ -121,12 +122,12 @@ def _range_warnings(run: RecordedRun) -> Iterator[Finding]:
             grade=Grade.BAD,
             title="Outside the range of a law",
             text=f"{sentence[:1].upper()}{sentence[1:]}.",
-            remedy="The numbers are those of the equations, not of the machine. docs/design.md tells the ranges.",
+            remedy="The numbers are those of the equations, not of the machine. docs/design.md shows the ranges.",
         )
 
 
 def bench_warnings(run: RecordedRun, bench: RotaryBench) -> Iterator[Finding]:
-    """What may be wrong with the run of a test bench of the rotary valve."""
+    """What may be wrong with the run of a test rig of the rotary valve."""
     if run.has("motor_overloaded"):
         power, rated = run.number("input_power_W"), run.number("motor_rated_power_W")
         yield Finding(
@@ -142,14 +143,13 @@ def bench_warnings(run: RecordedRun, bench: RotaryBench) -> Iterator[Finding]:
             grade=Grade.WARNING,
             title="No efficiency",
             text=f"{doubt[:1].upper()}{doubt[1:]}.",
-            remedy="Average over a time in which as much goes into store as comes out, or over a longer one.",
+            remedy="Average over a time in which as much energy is stored as is released, or over a longer one.",
         )
     if not np.isfinite(run.number("loss_transition_W")):
         yield Finding(
             grade=Grade.WARNING,
             title="No loss by transition",
-            text="The valve turns less to heat than one port of it would if it were fully open: there is no fully open "
-            "valve to compare with.",
+            text="The valve loss is below that of one fully open port: there is no fully open valve to compare with.",
         )
     if not run.number("averaged_periods") >= 1:
         yield Finding(
@@ -167,7 +167,7 @@ def _estimate_warnings(run: RecordedRun, bench: RotaryBench) -> Iterator[Finding
     for sentence in estimate_doubts(run.summary, bench.averaging_angle):
         yield Finding(
             grade=Grade.WARNING,
-            title="The estimate does not know how good it is",
+            title="Estimated uncertainty is inconsistent with the errors",
             text=f"{sentence[:1].upper()}{sentence[1:]}.",
             remedy="Look at what spool_filter expects: edge_variance of the edges, acceleration_density of the speed, "
             "ripple_order and ripple_variance of its ripple within a PWM period.",
@@ -182,8 +182,8 @@ def in_words(run: RecordedRun) -> str:
     taken = -sum(power for power in powers.values() if power < 0.0)
     lost = sorted(loss_lines(run.system, run.summary), key=lambda line: -line.loss)
     words = f"From {begin} to {end} the circuit took in {_power(put_in)}"
-    words += f" and gave {_power(taken)} to the outside" if taken > 0.0 else ""
-    words += f"; its components turned {_power(sum(line.loss for line in lost))} to heat"
+    words += f" and gave {_power(taken)} to its load" if taken > 0.0 else ""
+    words += f"; its components dissipated {_power(sum(line.loss for line in lost))}"
     if lost and lost[0].loss > 0.0:
         words += f", most of it, {_power(lost[0].loss)}, in {lost[0].component}"
     pressures = [line for line in node_lines(run.system, run.summary) if line.quantity == "pressure"]
@@ -194,7 +194,7 @@ def in_words(run: RecordedRun) -> str:
 
 
 def bench_in_words(run: RecordedRun) -> str:
-    """The result of a run of a test bench in one paragraph."""
+    """The result of a run of a test rig in one paragraph."""
     n, numbers = run.number, run.numbers
     text = {key: with_unit(each.value, each.kind) for key, each in numbers.items()}
     periods = n("averaged_periods")
@@ -206,7 +206,7 @@ def bench_in_words(run: RecordedRun) -> str:
     return (
         f"{over} the load received {text['mean_load_flow_m3_s']} of the pump's {text['mean_pump_flow_m3_s']} "
         f"({text['load_flow_fraction']}) at a mean pressure of {text['pressure_mean_load_line_Pa']}, "
-        f"{frequency if periods >= 1 else 'without the valve switching'}. Of the power put in, {text['efficiency']} "
+        f"{frequency if periods >= 1 else 'without the valve switching'}. Of the input power, {text['efficiency']} "
         f"reached the load: {text['load_power_W']}. The pump takes {text['input_power_W']} of the motor's "
         f"{text['motor_rated_power_W']}{rated}.{driven}"
     )

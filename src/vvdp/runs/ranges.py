@@ -17,7 +17,7 @@ from vvdp.systems.summary import simulated_summary
 from vvdp.systems.system import System
 
 MOST_EVALUATIONS = 1.5e7
-"""Evaluations of a circuit that runs at the ends may take where nobody asks for them: about a second."""
+"""Evaluations of a circuit that runs at the ends may take by default: about a second."""
 
 
 def run_ranges(
@@ -32,13 +32,13 @@ def run_ranges(
         variants = list(at_ends(system))
         ready = iter(_outcomes(system, [each for each, _ in variants if each is not None], stop, say))
         found = [reason if variant is None else _numbers(variant, next(ready)) for variant, reason in variants]
-    except KeyboardInterrupt:  # by whoever stops, or at any moment by Ctrl-C
+    except KeyboardInterrupt:  # by whatever stops, or at any moment by Ctrl-C
         return None
     return ranges_of(system, headline(run), run.summary, found)
 
 
 def headline(run: RecordedRun) -> tuple[str, ...]:
-    """The numbers of a run whose ranges are told: those that the system names, else the pressures and speeds."""
+    """The numbers of a run whose ranges are reported: those that the system names, else the pressures and speeds."""
     extras = run.system.extras
     if extras is not None and extras.HEADLINE:
         return extras.HEADLINE
@@ -69,7 +69,7 @@ def _outcomes(
 ) -> list[Outcome | str]:
     """What the runs of all variants come to, or why they do not end; those of another shape run alone.
 
-    Raises KeyboardInterrupt where somebody stops.
+    Raises KeyboardInterrupt where the user stops.
     """
     shape = (system.circuit.digest, case_shape(system.case))
     alike = [(variant.circuit.digest, case_shape(variant.case)) == shape for variant in variants]

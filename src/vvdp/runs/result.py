@@ -19,6 +19,7 @@ from vvdp.runs.bench import (
 from vvdp.runs.bench_charts import CYCLE, CYCLE_CHART, SPECTRUM, SPECTRUM_CHART, bench_charts
 from vvdp.runs.charts import SERIES, loss_chart, run_charts, with_faults
 from vvdp.runs.findings import badges, bench_in_words, bench_warnings, in_words, warnings
+from vvdp.runs.lead import lead
 from vvdp.runs.ranges import kept_ranges
 from vvdp.runs.run import RecordedRun
 from vvdp.runs.tables import (
@@ -31,10 +32,14 @@ from vvdp.runs.tables import (
     overview,
     series_table,
 )
+from vvdp.systems.assumed import assumed_words
 from vvdp.systems.bench import RotaryBench
 from vvdp.systems.overview import loss_lines, power_lines
 from vvdp.systems.quantities import quantities
 from vvdp.systems.range_display import result_with_ranges
+
+LEAD = "lead"
+"""The listing at the head of the page."""
 
 
 def run_result(run: RecordedRun) -> Result:
@@ -49,7 +54,7 @@ def run_result(run: RecordedRun) -> Result:
         title=run.system.title,
         system=run.system.name,
         numbers=run.numbers,
-        listings=number_listings(run) | of_losses | harmonics,
+        listings={LEAD: lead(run)} | number_listings(run) | of_losses | harmonics,
         tables=tables,
         charts={chart.name: chart for chart in (*shown, *losses)},
         badges=tuple(badges(run)),
@@ -66,7 +71,7 @@ def run_result(run: RecordedRun) -> Result:
 def course(run: RecordedRun, shown: Collection[str] | None = None) -> tuple[list[Chart], dict[str, Table]]:
     """The charts of the course of a run, without losses and findings, and the tables that they show.
 
-    Of charts whose names are not among `shown`, nothing is worked out.
+    Of charts whose names are not among `shown`, nothing is calculated.
     """
     extras, bench = run.system.extras, _bench(run)
     tables = {SERIES: recorded_series(run)}
@@ -136,7 +141,7 @@ def _losses(run: RecordedRun, tables: dict[str, Table]) -> list[Chart]:
     put_in = sum(power for _, power in power_lines(run.system, run.summary) if power > 0.0)
     labels = tuple(line.component.replace("_", " ") for line in parts)
     tables["powers-component"] = bar_table("component", {"mean": tuple(p.loss for p in parts)}, labels, put_in)
-    caption = "Mean power turned to heat by each component over the averaging window; shares are of the power put in."
+    caption = "Mean power dissipated by each component over the averaging window; shares are of the input power."
     return [loss_chart(tables["powers-component"], caption)]
 
 
@@ -156,12 +161,12 @@ def _bench_losses(run: RecordedRun, tables: dict[str, Table]) -> list[Chart]:
 def _sections(run: RecordedRun, bench: RotaryBench | None, course: list[Chart], losses: list[Chart],
               of_losses: tuple[str, ...], harmonics: tuple[str, ...]) -> tuple[Section, ...]:  # fmt: skip
     words = () if bench is None else tuple(analytic_words(run, bench))
-    assumed = (
-        f"{len(run.system.assumptions)} of {len(run.system.rows)} values are assumptions; the results depend on them."
-    )
+    assumed = f"{assumed_words(run.system.assumptions)}; {len(run.system.rows)} values in all."
     shown = (*(chart.name for chart in course), *harmonics)
     inner = [f"circuit-{part}" for part in run.network.circuits]
+    chart = losses[0].name if losses and run.system.extras is not None else "circuit"
     return (
+        Section(title="Result", shows=(LEAD, chart)),
         Section(title="Circuit", words=(f"Circuit: {run.system.circuit_name}.",), shows=("circuit", *inner)),
         Section(title="Key numbers", shows=(*key_listings(run), "nodes", "components")),
         Section(title="Course of the run", shows=shown, starts_page=True),

@@ -40,7 +40,7 @@ def run_system(
 ) -> RecordedRun:
     """Simulates a system to its end, or to where `stop` or Ctrl-C ends it, which is kept.
 
-    `progress` hears the time reached [s]; `command` is what was typed; `checked` as of `simulate`. Raises RunError
+    `progress` receives the time reached [s]; `command` is what was typed; `checked` as of `simulate`. Raises RunError
     where the simulation fails.
     """
     done = simulate(system.model, system.case, system.stepping, progress=progress, stop=stop, say=say, checked=checked)

@@ -107,7 +107,7 @@ def component_listing(run: RecordedRun) -> Listing:
 
 
 def loss_listing(run: RecordedRun) -> Listing:
-    """What the components turn to heat, what is stored, and what comes from outside."""
+    """What the components dissipate, what is stored, and what comes from outside."""
     powers = [power for _, power in power_lines(run.system, run.summary)]
     put_in, given = sum(p for p in powers if p > 0.0), -sum(p for p in powers if p < 0.0)
     stored, largest = run.number("stored_power_W"), max(map(abs, powers), default=0.0)
@@ -123,15 +123,15 @@ def loss_listing(run: RecordedRun) -> Listing:
         rows += [row(f"of which {name.replace('_', ' ')}", power, is_part=True) for name, power in line.parts]
     rows += [
         row("stored in the circuit", stored),
-        row("given to the outside", given),
-        row("put in", put_in, is_sum=True),
+        row("output power", given),
+        row("input power", put_in, is_sum=True),
     ]
-    note = "Shares are of the power put in."
+    note = "Shares are of the input power."
     return Listing(title="Losses by component", heads=("mean",), rows=tuple(rows), note=note)
 
 
 def circuit_loss_listings(run: RecordedRun) -> dict[str, Listing]:
-    """What the parts that are circuits of their own turn to heat, by name; none where the circuit has none."""
+    """What the parts that are circuits of their own dissipate, by name; none where the circuit has none."""
     rows, powers = [], dict(circuit_power_lines(run.system, run.summary))
     for line in circuit_loss_lines(run.system, run.summary):
         name = line.component.replace("_", " ")
@@ -167,7 +167,7 @@ def computation(run: RecordedRun) -> Listing:
 
 
 def series_table(run: RecordedRun) -> Table:
-    """Everything that a person looks at over time: pressures, flows, motions, commands of programs."""
+    """Everything that a user looks at over time: pressures, flows, motions, commands of programs."""
     columns = {"time_s": Column(run.times, DURATION, "time", "t")}
     for name, values, kind, label in _all_series(run):
         columns[name + key_suffix(kind)] = Column(values, kind, label)

@@ -14,8 +14,9 @@ from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import ANGLE, FRACTION, POSITION, RATIO, Angle, Fraction, Length, Position, Time
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse_rows, require_rising
 from vvdp.base.select import clip
-from vvdp.numerics.piecewise import check_rising, piecewise_linear
+from vvdp.numerics.piecewise import piecewise_linear
 from vvdp.sensing.instrument import Instrument, InstrumentMemory, instrument_start, instrument_step
 
 
@@ -28,9 +29,7 @@ class Pollution(Params):
 
     def check(self) -> None:
         if len(self.amplitudes) != len(self.phases):
-            raise ParameterError(
-                f"Pollution.phases: {len(self.phases)} for {len(self.amplitudes)} amplitudes; expected one each"
-            )
+            refuse_rows(self, "phases", f"{len(self.phases)} for {len(self.amplitudes)} amplitudes; expected one each")
 
 
 class LightCurve(Params):
@@ -41,26 +40,30 @@ class LightCurve(Params):
 
     def check(self) -> None:
         if len(self.positions) < 2 or len(self.positions) != len(self.light):
-            raise ParameterError(
-                f"LightCurve.light: {len(self.light)} rows for {len(self.positions)} positions; expected one for each "
-                "of at least two"
+            refuse_rows(
+                self,
+                "light",
+                f"{len(self.light)} rows for {len(self.positions)} positions; expected one for each of at least two",
             )
-        check_rising("LightCurve.positions", self.positions)
+        require_rising(self, "positions")
         sign = -1.0 if self.light[-1] < self.light[0] else 1.0
         for row in range(1, len(self.light)):
             if not sign * (self.light[row] - self.light[row - 1]) > 0.0:
-                raise ParameterError(
-                    f"LightCurve.light: row {row + 1} has {self.light[row]:g} after {self.light[row - 1]:g}, from "
-                    f"{self.light[0]:g} to {self.light[-1]:g} in all; a position can be told only where the light "
-                    "falls or rises from row to row"
+                refuse_rows(
+                    self,
+                    "light",
+                    f"row {row + 1}, {self.light[row]:g} after {self.light[row - 1]:g}, must keep to the direction "
+                    f"from {self.light[0]:g} to {self.light[-1]:g}: a position follows only from light that rises or "
+                    "falls throughout",
                 )
 
 
 class AxialSensor(Params):
-    """Light curve and calibration, pollution at the lower and at the upper end of the calibration, and instrument.
+    """Light curve and calibration, periodic sensor error at the lower and at the upper end of the calibration, and
+    instrument.
 
-    Between the ends the pollution goes over from one to the other. The instrument measures the share of light: its
-    offset is a bias, its faults are a frozen and a lost signal.
+    Between the ends the periodic sensor error goes over from one to the other. The instrument measures the share of
+    light: its offset is a bias, its faults are a frozen and a lost signal.
     """
 
     curve: LightCurve
@@ -79,7 +82,7 @@ class SpoolPlace(NamedTuple):
 
 
 class AxialReading(NamedTuple):
-    """One sample of the axial sensor: the position that its calibration tells, and the share of light."""
+    """One sample of the axial sensor: the position that its calibration shows, and the share of light."""
 
     time: Time
     position: Position
@@ -102,7 +105,7 @@ def pollution_at(angle: float, pollution: Pollution) -> float:
 
 
 def seen_position(position: float, angle: float, sensor: AxialSensor) -> float:
-    """Position whose light comes off the spool [m], with the pollution there.
+    """Position whose light comes off the spool [m], with the periodic sensor error there.
 
     position  of the spool [m]
     angle     of the spool [rad]
@@ -121,7 +124,7 @@ def light_at(position: float, curve: LightCurve) -> float:
 
 
 def calibrated_position(light: float, calibration: LightCurve) -> float:
-    """Position that a calibration tells [m]; beyond its ends, the end.
+    """Position that a calibration shows [m]; beyond its ends, the end.
 
     light  share that comes back [1]
     """
@@ -155,9 +158,9 @@ def calibrate(positions: Array, light: Array) -> LightCurve:
 
 
 def recorded_pollution(record: Array, harmonics: int) -> Pollution:
-    """The pollution that a turn recorded against a hard stop shows: its first harmonics, without the mean.
+    """The periodic sensor error that a turn recorded against a hard stop shows: its first harmonics, without the mean.
 
-    Raises ParameterError where the record is too short to tell them.
+    Raises ParameterError where the record is too short to show them.
 
     record  positions seen at even angles from 0 over a turn, shape (samples,) [m]
     """

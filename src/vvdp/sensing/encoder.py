@@ -39,7 +39,7 @@ class Shaft(NamedTuple):
 
 
 class Acquisition(Params):
-    """How the time of an edge is told: `SAMPLED`, `INTERPOLATED`, or by a unit made with `capture_unit`."""
+    """How the time of an edge is reported: `SAMPLED`, `INTERPOLATED`, or by a unit made with `capture_unit`."""
 
     interpolated: Fraction
     captured: Fraction
@@ -47,7 +47,7 @@ class Acquisition(Params):
 
 
 SAMPLED = Acquisition(interpolated=0.0, captured=0.0, resolution=0.0)
-"""Only the counter at the samples tells: the edge lies somewhere in the interval."""
+"""Only the counter at the samples shows: the edge lies somewhere in the interval."""
 
 INTERPOLATED = Acquisition(interpolated=1.0, captured=0.0, resolution=0.0)
 """The photodiode's wave is sampled, and a line through the samples on both sides of the threshold gives the time."""
@@ -101,7 +101,7 @@ NO_FAULTS = Faults(
 class Encoder(Params):
     """Code wheel, light spot, comparator with `threshold` and `hysteresis` (shares of the light), counter, faults.
 
-    `noise` is the standard deviation of the light at the comparator, drawn anew for each edge.
+    `noise` is the standard deviation of the light at the comparator, drawn again for each edge.
     """
 
     wheel: CodeWheel
@@ -117,13 +117,14 @@ class Encoder(Params):
         narrow, w = min(sector_widths(self.wheel)), ramp_width(self.spot)
         if not w < narrow:
             raise ParameterError(
-                f"a spot of {self.spot.width:g} m covers {w:.4g} rad of the wheel, its narrowest sector has "
-                f"{narrow:.4g} rad; expected a spot narrower than every sector"
+                f"spot.width: {1e3 * self.spot.width:g} mm covers {np.degrees(w):.4g} deg of the wheel; it must be "
+                f"narrower than the narrowest sector, {np.degrees(narrow):.4g} deg"
             )
         if not 1.0 <= self.counter_bits <= 48.0 or self.counter_bits % 1.0:
             raise ParameterError(f"counter_bits = {self.counter_bits:g}; expected a whole number from 1 to 48")
         if not abs(self.faults.eccentricity) < 1.0:
-            raise ParameterError(f"an eccentricity of {self.faults.eccentricity:g} rad; expected less than 1 rad")
+            angle = np.degrees(self.faults.eccentricity)
+            raise ParameterError(f"faults.eccentricity: {angle:.4g} deg must be less than 57.3 deg (1 rad)")
 
 
 class EncoderMemory(NamedTuple):

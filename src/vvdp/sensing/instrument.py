@@ -9,9 +9,9 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Count, Fraction, Kind, Time
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_less
 from vvdp.numerics.random import Random, normal, random_start
 
 MEASURED = Kind("measured value", "SI", -1e12, 1e12, "1e5 SI", units=("SI",))
@@ -22,7 +22,7 @@ Measured = Annotated[float, MEASURED]
 class Instrument(Params):
     """What an instrument makes of a value; each part is switched off by 0, and all values are in its SI unit.
 
-    It follows the value with the time constant `lag`, adds `offset` and a noise of deviation `noise`, drawn anew for
+    It follows the value with the time constant `lag`, adds `offset` and a noise of deviation `noise`, drawn again for
     each sample, rounds to a multiple of `resolution` and shows no more than `range_low` to `range_high`. From
     `bias_begin` to `bias_end` it adds `bias` as well; its reading stays as it is from `freeze_begin` to `freeze_end`,
     and is `dropout_reading` from `dropout_begin` to `dropout_end`.
@@ -45,21 +45,16 @@ class Instrument(Params):
     seed: Count
 
     def check(self) -> None:
-        if self.range_low >= self.range_high:
-            raise ParameterError(
-                f"Instrument.range_low: {self.range_low:g} is not below the upper end of the range, {self.range_high:g}"
-            )
+        require_less(self, "range_low", "range_high")
         span = self.range_high - self.range_low
         if not 0.0 <= self.resolution <= span:
-            raise ParameterError(
-                f"Instrument.resolution: {self.resolution:g}; expected a step from 0 to the whole range, {span:g}"
-            )
+            refuse(self, "resolution", f"must lie between 0 and the range, {span:g}")
         if self.noise < 0.0:
-            raise ParameterError(f"Instrument.noise: {self.noise:g}; expected a deviation from 0 on")
+            refuse(self, "noise", "must be at least 0")
         for fault in ("freeze", "dropout", "bias"):
             begin, end = getattr(self, f"{fault}_begin"), getattr(self, f"{fault}_end")
             if end < begin:
-                raise ParameterError(f"Instrument.{fault}_end: {end:g} s lies before its begin, {begin:g} s")
+                refuse(self, f"{fault}_end", f"must be at least {fault}_begin, {begin:g} s")
 
 
 class InstrumentMemory(NamedTuple):

@@ -6,7 +6,8 @@ Source  ours, docs/models/encoder.md, where a function names no other.
 import numpy as np
 
 from vvdp.base.kinds import Fraction, Length
-from vvdp.base.params import Params, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip, select
 from vvdp.sensing.wheel import TURN, CodeWheel
 

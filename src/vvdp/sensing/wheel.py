@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vvdp.base.errors import ParameterError
+from vvdp.base.rules import POSITIVE
 
 TURN = 2.0 * np.pi
 
@@ -27,8 +28,10 @@ class CodeWheel:
         if n < 2 or n % 2:
             raise ParameterError(f"a code wheel with {n} edges; bright and dark alternate, so expected an even number")
         if not (self.edges[0] >= 0.0 and self.edges[-1] < TURN and all(np.diff(self.edges) > 0.0)):
-            shown = ", ".join(f"{edge:.4g}" for edge in self.edges)
-            raise ParameterError(f"edges at {shown} rad; expected increasing angles of at least 0 and below 2 pi")
+            shown = ", ".join(f"{np.degrees(edge):.4g}" for edge in self.edges)
+            raise ParameterError(
+                f"edges at {shown} deg; expected increasing angles of at least 0 deg and less than 360 deg"
+            )
 
     @property
     def has_index(self) -> bool:
@@ -60,7 +63,7 @@ def wheel_of_widths(widths: Sequence[float]) -> CodeWheel:
     Raises ParameterError where a width is not positive.
     """
     if not all(width > 0.0 for width in widths):
-        raise ParameterError(f"sector widths {list(widths)}; expected all above 0")
+        raise ParameterError(f"sector widths {list(widths)}: each {POSITIVE}")
     ends = np.cumsum([0.0, *widths])
     return CodeWheel(tuple(float(x) for x in TURN * ends[:-1] / ends[-1]))
 

@@ -98,7 +98,7 @@ class Assembly:
         return f"{name}_{self.digest}"
 
     def failure_number(self, place: int) -> int:
-        """The number by which its code tells a failure, from the place of its reason."""
+        """The number by which its code shows a failure, from the place of its reason."""
         return self._base + place + 1
 
     def load(

@@ -20,7 +20,7 @@ SLACK = 1e-3
 
 @dataclass(frozen=True)
 class OilBalance:
-    """One oil in, out, and into store over a run [m^3 at tank conditions]."""
+    """One oil in, out, and stored over a run [m^3 at tank conditions]."""
 
     taken_in: float
     given_out: float
@@ -35,7 +35,7 @@ class OilBalance:
 
 @dataclass(frozen=True)
 class Balance:
-    """Energy [J] in, out, and into store over a run, and the balance of each oil.
+    """Energy [J] in, out, and stored over a run, and the balance of each oil.
 
     `falling` names the entries of `spent` that gave energy back (flow that runs up the pressure, a friction that
     drives), but for those of the kind `EXCHANGED_ENERGY`; `outside` the states that left the range of their kind.
@@ -116,7 +116,7 @@ def balance_between(
 
 
 def _oil_balances(before: Books, after: Books, held: Any, holds: Any) -> Iterator[OilBalance]:
-    """The balance of each oil, from the books and the volumes in store at both ends."""
+    """The balance of each oil, from the books and the stored volumes at both ends."""
     taken_in, given_out = flat(after.taken_in) - flat(before.taken_in), flat(after.given_out) - flat(before.given_out)
     for into, out, begin, end in zip(taken_in, given_out, flat(held), flat(holds), strict=True):
         most = max(abs(into), abs(out), abs(end - begin), end)

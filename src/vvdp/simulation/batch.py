@@ -40,7 +40,7 @@ class BatchRun:
 
     Marks are those from `average_from` on, of which `kept_marks` are held; a case without any has NaN. `reasons` says
     why a case could not be carried to the end, None where it was; the row of such a case holds what it had reached.
-    `stopped` says whether somebody stopped the batch; cases that had ended by then are as they would be anyway.
+    `stopped` says whether the batch was stopped; cases that had ended by then are as they would be anyway.
     """
 
     model: Model
@@ -71,7 +71,7 @@ class BatchRun:
     why_alone: str | None  # why all of them did; None where only those did that are stiff or cannot go on
 
     def outcome(self, case: int) -> Outcome | None:
-        """What the summary of a case is worked out from; None where it failed, or no means are wanted."""
+        """What the summary of a case is calculated from; None where it failed, or no means are wanted."""
         if self.reasons[case] or self.stepping.average_from is None:
             return None
         return Outcome(
@@ -118,8 +118,8 @@ def simulate_batch(
     and where the result says that a case ran alone, they agree with `simulate` to the last bit.
 
     A case that fails is reported in the result and stops no other. `stop` is asked every few milliseconds, in the
-    thread of the caller; once it says so, no case goes on, and those that have not ended are reported likewise. Raises
-    ParameterError where the cases are not of one shape, or `cores` (all, unless said) is not a number of them.
+    thread of the caller; once it states this, no case goes on, and those that have not ended are reported likewise.
+    Raises ParameterError where the cases are not of one shape, or `cores` (all, unless said) is not a number of them.
     """
     _are_of_one_shape(cases)
     crew = Crew(_threads(cores), stop)

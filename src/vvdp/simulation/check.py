@@ -13,6 +13,7 @@ import numpy as np
 from vvdp.base.conservation import Nothing
 from vvdp.base.errors import RunError, VvdpError
 from vvdp.base.params import field_kinds
+from vvdp.base.rules import POSITIVE
 from vvdp.base.tables import nearest
 from vvdp.simulation.model import Case, Model, Program
 from vvdp.simulation.reach import Functions, paths, reachable
@@ -77,11 +78,11 @@ def check_times(model: Model, sample_period: float) -> None:
             if program.period is not None or program.phase:
                 raise RunError(f"program {name!r} has a trigger; it goes by events, and period and phase mean nothing")
             if not 0.0 <= program.latency < np.inf:
-                raise RunError(f"program {name!r}: latency = {program.latency:g} s; expected 0 s or more")
+                raise RunError(f"program {name!r}: latency = {program.latency:g} s must be at least 0 s")
             continue
         period = sample_period if program.period is None else program.period
         if not 0.0 < period < np.inf:
-            raise RunError(f"program {name!r}: period = {period:g} s; expected more than 0 s")
+            raise RunError(f"program {name!r}: period: {period:g} s {POSITIVE}")
         if not 0.0 <= program.phase < period:
             raise RunError(
                 f"program {name!r}: phase = {program.phase:g} s; expected 0 s to below one period, {period:g} s"
@@ -250,12 +251,12 @@ def _call(what: str, function: Callable[..., Any], expected: str, *arguments: An
         raise
     except Exception as problem:
         raise RunError(
-            f"{what}, {_name(function)}, cannot be worked out: {_explain(problem)}{_place(problem)}"
+            f"{what}, {_name(function)}, cannot be calculated: {_explain(problem)}{_place(problem)}"
         ) from None
 
 
 def _explain(problem: Exception) -> str:
-    """What a Python error means for a person who wrote a circuit."""
+    """What a Python error means for a user who wrote a circuit."""
     text = str(problem)
     if isinstance(problem, AttributeError) and names(problem.obj):
         hint = nearest(str(problem.name), names(problem.obj))

@@ -30,7 +30,7 @@ def never() -> bool:
 
 @dataclass(frozen=True)
 class Crew:
-    """So many threads, for one piece of work after the other until `stop` says so; then all is left as it is."""
+    """So many threads, for one piece of work after the other until `stop` states this; then all is left as it is."""
 
     threads: int
     stop: Callable[[], bool] = never

@@ -83,7 +83,7 @@ def model_options(
 
 @cache
 def _in_place_texts(fused: bool | None) -> dict[str, str]:
-    """The LLVM text of each function that is worked out in place."""
+    """The LLVM text of each function that is calculated in place."""
     from llvmlite import ir
 
     from vvdp.generator.binding import is_fused

@@ -1,6 +1,7 @@
 """The exchange of a sampled step with a partner outside of compiled code, such as the model in a foreign FMU.
 
-A step calls `exchange`; whoever has such partners puts the function that carries an exchange out into `OUTSIDE`.
+A step calls `exchange`; the package that has such partners puts the function that carries an exchange out into
+`OUTSIDE`.
 """
 
 from collections.abc import Callable, Iterable, Mapping

@@ -1,6 +1,6 @@
 """Powers and exponentials as instructions in the midst of compiled code.
 
-A call of the C library makes the code around it save all it has in hand, and nothing is worked out beside it. Here
+A call of the C library makes the code around it save all it has in hand, and nothing is calculated beside it. Here
 tables stand for most of an argument, and a short series for the rest; what is rare goes to the library all the same.
 Powers are within two units in the last place of the exact value for exponents up to 4, whatever the base; large
 exponents of bases near 1 lose four units for each factor of e. Zeros come out without their sign.

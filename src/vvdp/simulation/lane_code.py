@@ -1,4 +1,4 @@
-"""A traced graph as machine code that works out the rates of many cases side by side, without a compiler around.
+"""A traced graph as machine code that calculates the rates of many cases side by side, without a compiler around.
 
 The graph is written as LLVM's text for vectors as wide as the processor's. The compiled object is kept in the cache
 under the hash of the graph and of what writes its text, so that the next process only loads it.
@@ -42,7 +42,7 @@ class LaneRates(NamedTuple):
 
 
 def lane_rates(graph: Graph, cache: Path | None = None, say: Callable[[str], None] = quiet) -> LaneRates:
-    """The compiled form of `graph` for this processor; `say` hears when it must be compiled.
+    """The compiled form of `graph` for this processor; `say` is informed when it must be compiled.
 
     Raises RunError where the cache cannot be trusted.
     """

@@ -1,6 +1,6 @@
 """The compiled loop for many cases at once: as many as a vector of the processor has numbers, each in a lane.
 
-Each lane has a time, a step and events of its own; only the stages of the explicit method are worked out for all at
+Each lane has a time, a step and events of its own; only the stages of the explicit method are calculated for all at
 once. What happens seldom (the search for an event, samples, modes, marks) is done lane by lane with what the loop for
 one case is made of. A lane whose case ends takes the next from a queue. No lane reads what is another's, so a case
 ends with the same bits in any company.

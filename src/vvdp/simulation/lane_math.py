@@ -83,7 +83,7 @@ def power(code: Code, x: Vector, y: Vector) -> Vector:
     e, rest = code.product(y, high)
     result = _exp2(code, e, code.multiply_add(y, low, rest), _scale_in_range)
     usual = (x > 2.0**-1022) & (x < math.inf) & (abs(e) < 1000.0) & (abs(y) < HUGE)
-    is_zero = x.equals(0.0) & (y > 0.0)  # as often as a port is shut
+    is_zero = x.equals(0.0) & (y > 0.0)  # as often as a port is closed
     with code.where_any(~(usual | is_zero), is_zero.select(0.0, result)) as held:
         held[0] = _any_power(code, x, y)
     return held[0]

@@ -179,7 +179,7 @@ def scatter(vectors, lane, row):
 
 
 def tell(signals, cases, lanes):
-    """Works out the signals that move, each lane's at the time of its stage."""
+    """Calculates the signals that move, each lane's at the time of its stage."""
     for lane in range(WIDTH):
         case = lanes.case[lane]
         if case >= 0 and cases.moving[case]:
@@ -201,7 +201,7 @@ def stage(rates, signals, cases, lanes, c, trial, k):
 
 
 def sweep(rates, signals, cases, lanes, y, trial, first, last):
-    """An explicit step of each lane as in `steps.explicit_step`; leaves the error, and what tells of stiffness."""
+    """An explicit step of each lane as in `steps.explicit_step`; leaves the error, and what reports stiffness."""
     C = TSIT5_C
     h, k, active = lanes.h, lanes.k, lanes.error.size
     k0, k1, k2, k3, k4, k5, k6 = k[first], k[1], k[2], k[3], k[4], k[5], k[last]

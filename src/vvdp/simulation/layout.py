@@ -96,7 +96,7 @@ def _vectors(case: Case, frame: _Frame) -> Vectors:
 
 
 def all_but_state(case: Case) -> tuple[object, ...]:
-    """What tells whether two cases at hand share all their values but the numbers of the state."""
+    """What shows whether two cases at hand share all their values but the numbers of the state."""
     shared = (case.params, case.command, *case.memory.values(), *case.settings.values())
     return (type(case.state), *map(id, shared))
 

@@ -40,7 +40,7 @@ class LimitingState:
 
     @property
     def words(self) -> str:
-        """The state that was counted most, for a person: `middle (volume 0.01 cc)`; empty before the first count."""
+        """The state that was counted most, for a user: `middle (volume 0.01 cc)`; empty before the first count."""
         return state_words(self.case, self.counts.most_common(1)[0][0]) if self.counts else ""
 
 

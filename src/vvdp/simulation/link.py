@@ -61,7 +61,8 @@ def link(
     *,
     checked: bool = False,
 ) -> Linked:
-    """The compiled form of `model` for values of the shape of `case`; `say` hears when something must be compiled.
+    """The compiled form of `model` for values of the shape of `case`; `say` is informed when something must be
+    compiled.
 
     checked  whether bounds, divisions, whole numbers and assertions are checked while the code runs
 

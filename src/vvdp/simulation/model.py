@@ -59,7 +59,7 @@ class Model:
     circuit(t, state, command, params) -> (rates, outputs)   rates have the NamedTuple of the state; see below
     stored(state, params) -> Stored                          what the books' balance needs; None leaves it unchecked
     start(params) -> state                                   where a run begins; None: the case has to say it
-    conditions(t, params) -> held                            worked out once per sample period and held in between
+    conditions(t, params) -> held                            calculated once per sample period and held in between
     mark(t, state, command, params) -> float                 a period ends wherever its floor changes
     stop(t, command, params) -> float                        the next time after t at which the rates jump
 

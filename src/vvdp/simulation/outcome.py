@@ -1,4 +1,4 @@
-"""What the numbers of a run are worked out from, whether it ran alone or in a batch."""
+"""What the numbers of a run are calculated from, whether it ran alone or in a batch."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -161,7 +161,7 @@ def is_paced(times: Array) -> bool:
 
 
 def remaining_change(means: Array) -> Array:
-    """By how much a mean over three spans would still change if it were taken for ever, shape (n,).
+    """By how much a mean over three spans would still change if it were taken indefinitely, shape (n,).
 
     Of a first-order lag the means of spans of equal length make a geometric series: their changes d_1 and d_2 have the
     ratio r of the decay over a span, and d_2 r/(1 - r) is still to come behind the last span.

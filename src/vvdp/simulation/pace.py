@@ -106,7 +106,7 @@ def choose_method(clock, step, cut, heaviness, stiffness):
     next time, and fewer again where it has paid.
 
     heaviness  step times fastest rate at which the stiff method costs what the explicit one does
-    stiffness  step times fastest rate, as the last two stages of an explicit step tell it
+    stiffness  step times fastest rate, as the last two stages of an explicit step show it
     """
     if clock[METHOD] == STIFF:
         clock[SPARED] += 6.0 / STABLE * step * clock[FASTEST]  # six evaluations for each explicit step

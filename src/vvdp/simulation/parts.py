@@ -31,7 +31,7 @@ class Part:
     result: Scalar | None = None
 
     def function(self) -> Callable[..., Any]:
-        """The function of this text, whose lines are known to whoever reads its source."""
+        """The function of this text, whose lines are known to readers of its source."""
         known = {"np": np, "signal": signal, "view": view, "store": store, **self.called}
         known |= dict(self.classes.tuples())
         known |= {name: stand_in(cls) for name, cls in self.classes.records()}
@@ -41,7 +41,7 @@ class Part:
 
 
 class _Arguments:
-    """Sources of the arguments of a circuit's functions, and the lines that work out where their numbers are."""
+    """Sources of the arguments of a circuit's functions, and the lines that calculate where their numbers are."""
 
     def __init__(self, case: Case) -> None:
         self.classes, self.lines = Classes(), list[str]()

@@ -1,4 +1,4 @@
-"""Where what lies in the flat arrays that Python and the compiled loop hand to each other."""
+"""Layout of the flat arrays that Python and the compiled loop share."""
 
 # What `run` returns.
 DONE, PAUSED, MARKS_FULL, NOT_FINITE, STEP_TOO_SMALL, STOP_BEHIND, TOO_MANY_WAITING, RESTLESS, BELOW_ZERO = range(9)

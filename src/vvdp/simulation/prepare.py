@@ -121,7 +121,7 @@ def _width(model: Model, case: Case) -> Array:
 
 
 def free_rates(ready: Prepared, command: Array | None = None) -> Callable[[float, Array], Array]:
-    """rates(t, y) [per second], shape (n,), of a prepared case for a solver of one's own.
+    """rates(t, y) [per second], shape (n,), of a prepared case for a solver of your own.
 
     Modes follow the state at each call, so that nothing is landed on; a mode that does not come to rest is left as it
     is.

@@ -7,7 +7,7 @@ from vvdp.simulation.places import NEXT
 
 
 def take(queue: Any) -> int:
-    """The number of the next case, which is one more afterwards, whoever else takes one at the same time."""
+    """The number of the next case, which is one more afterwards, whichever thread takes one at the same time."""
     number = int(queue[NEXT])
     queue[NEXT] += 1
     return number

@@ -64,7 +64,7 @@ def origin(run: Run) -> dict[str, Any]:
 
 
 def write_results(folder: Path, results: Results) -> None:
-    """Writes a run into `folder`; each file is whole or absent. `results.directory` is not looked at."""
+    """Writes a run into `folder`; each file is complete or not there. `results.directory` is not looked at."""
     with write_listed(folder, [SYSTEM, SUMMARY, META, RECORD]):
         write_whole(folder / SYSTEM, results.system)
         write_json(folder / SUMMARY, results.summary)
@@ -111,7 +111,7 @@ def _check_meta(path: Path, meta: Mapping[str, Any]) -> None:
         raise unusable(path, f"is damaged: finished = {meta.get('finished')!r}; expected true or false")
     remarks = meta.get("remarks", [])
     if not isinstance(remarks, list) or not all(isinstance(text, str) for text in remarks):
-        raise unusable(path, "is damaged: remarks is not a list of texts")
+        raise unusable(path, "is damaged: notes is not a list of texts")
 
 
 def _read_summary(directory: Directory) -> dict[str, Any]:

@@ -37,15 +37,15 @@ class Pace(NamedTuple):
 
 
 PROMPT, UNHURRIED = Pace(1e3, 7e-3), Pace(1e4, 0.2)
-"""Where somebody may stop the run, and where only the keyboard may: each portion costs some tenths of a millisecond."""
+"""Where a caller may stop the run, and where only the keyboard may: each portion costs some tenths of a millisecond."""
 MOST_GROWTH = 20.0
 MOST_MARKS = 1e6
 SOON, LONG = 1.0, 60.0
-"""After so long [s] a run that is to take longer than that says so, and why."""
+"""After so long [s] a run that is to take longer than that states this, and why."""
 MOST_STATES = 3
-"""So many states are told where a run cannot go on."""
+"""So many states are reported where a run cannot go on."""
 MANY_JUMPS = 5
-"""From so many places on at which steps were refused in series, and no stop was named, a run has a remark."""
+"""From so many places on at which steps were refused in series, and no stop was named, a run has a note."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ class Run:
 
     @property
     def final_case(self) -> Case:
-        """A case that starts as this run has ended; its programs start anew in time. See `simulate` to go on."""
+        """A case that starts as this run has ended; its programs start again in time. See `simulate` to go on."""
         return replace(self.case, state=self.final_state, command=self.final_command, memory=dict(self.final_memory))
 
     @property
@@ -155,7 +155,7 @@ def _over_time(value: Any, shape: tuple[int, ...]) -> Any:
 def carried_on(before: Run, ready: Prepared, stepping: Stepping) -> Reached:
     """Where `before` has ended, to be carried on by another model and case of its text and shape."""
     if before.digest != ready.linked.digest:
-        raise RunError("the run to continue is that of another model; start anew from its final_case")
+        raise RunError("the run to continue is that of another model; start again from its final_case")
     reached = before.reached.copy()
     for place in (places.RECORDS, places.MARKS, places.STORED, places.SPANS, places.JUMPS, places.JUMP_TIME):
         reached.clock[place] = 0.0
@@ -185,11 +185,11 @@ def simulate(
     on a sample, the result is to the last bit that of a run without a break.
 
     A run goes without the interpreter's lock, in portions of 0.2 s, of 7 ms where there is a `stop`, or of so many
-    evaluations as `portion` says. After each one `progress` hears the time [s] reached, and `stop` is asked whether to
-    end the run there; then, as after Ctrl-C, what was reached is kept (`Run.finished` is False). With `checked` bounds,
-    divisions, whole numbers and assertions are checked on the way, and what passes keeps its bits. Raises RunError when
-    the state becomes infinite or the step vanishes, with the time and the states concerned, and where a function of the
-    model raises an error or a check fails, with file and line.
+    evaluations as `portion` says. After each one `progress` receives the time [s] reached, and `stop` is asked
+    whether to end the run there; then, as after Ctrl-C, what was reached is kept (`Run.finished` is False). With
+    `checked` bounds, divisions, whole numbers and assertions are checked on the way, and what passes keeps its bits.
+    Raises RunError when the state becomes infinite or the step vanishes, with the time and the states concerned, and
+    where a function of the model raises an error or a check fails, with file and line.
     """
     if continue_from is not None:
         stepping = replace(stepping, begin=continue_from.end)
@@ -334,7 +334,7 @@ def long_run(until: float, gone: float, before: Count, now: Count) -> str:
 
 
 class _Watcher(NamedTuple):
-    """Who hears of a run between its portions, and how large these are."""
+    """What is informed of a run between its portions, and how large these are."""
 
     progress: Callable[[float], None] | None
     stop: Callable[[], bool] | None
@@ -343,11 +343,11 @@ class _Watcher(NamedTuple):
 
     @property
     def pace(self) -> Pace:
-        """How soon it must hear of the run again."""
+        """How soon it must be informed of the run again."""
         return UNHURRIED if self.stop is None else PROMPT
 
     def hears(self, now: float) -> bool:
-        """Tells the time [s] that is reached; whether the run is to stop there."""
+        """Shows the time [s] that is reached; whether the run is to stop there."""
         if self.progress:
             self.progress(now)
         return self.stop is not None and self.stop()
@@ -371,7 +371,7 @@ def _counts(before: Reached, reached: Reached) -> dict[str, Any]:
 
 
 def remarks(clock: Array) -> tuple[str, ...]:
-    """What a person should know of a run that went to its end."""
+    """What a user should know of a run that went to its end."""
     found = []
     if (jumps := int(clock[places.JUMPS])) >= MANY_JUMPS:
         first = clock[places.JUMP_TIME]

@@ -8,6 +8,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Ratio, Time
 from vvdp.base.params import Params
+from vvdp.base.rules import field_text, refuse, require_positive
 
 
 class Method(Enum):
@@ -22,7 +23,7 @@ class Stepping(Params):
     """How long and how finely a run is stepped and recorded.
 
     The whole run is recorded every `record_interval`, its last `window` every `window_interval` as well. Conditions,
-    and programs without a period of their own, are worked out every `sample_period`. Means are taken from
+    and programs without a period of their own, are calculated every `sample_period`. Means are taken from
     `average_from` on, with None not at all.
     """
 
@@ -38,11 +39,9 @@ class Stepping(Params):
     method: Method = Method.AUTOMATIC
 
     def check(self) -> None:
-        for name in ("until", "sample_period", "longest_step", "record_interval", "window_interval"):
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(f"{name} = {getattr(self, name):g} s; expected more than 0 s")
+        require_positive(self, "until", "sample_period", "longest_step", "record_interval", "window_interval")
         if not self.until > self.begin:
-            raise ParameterError(f"until = {self.until:g} s; expected a time after begin, {self.begin:g} s")
+            refuse(self, "until", f"must be greater than begin, {field_text(self, 'begin')}")
         if not 1e-13 <= self.relative_tolerance <= 1e-2:
             raise ParameterError(f"relative_tolerance = {self.relative_tolerance:g}; expected 1e-13 to 0.01")
         lasts = self.until - self.begin

@@ -12,7 +12,7 @@ import numpy as np
 
 
 class Untraceable(Exception):
-    """What a circuit does with its numbers cannot be written as a graph of operations; says why, to a person."""
+    """What a circuit does with its numbers cannot be written as a graph of operations; says why, to a user."""
 
 
 class Op(Enum):
@@ -82,7 +82,7 @@ class Recorder:
         if isinstance(value, Symbol | Condition):
             return value.place
         if isinstance(value, bool | np.bool_) or np.ndim(value) or not isinstance(value, int | float | np.number):
-            raise Untraceable(f"a number meets {_kind(value)}, with which it cannot be reckoned")
+            raise Untraceable(f"a number meets {_kind(value)}, with which it cannot be calculated")
         return self._node(Op.CONSTANT, (), float(value))
 
     def number(self, op: Op, *values: Any) -> Any:
@@ -97,7 +97,7 @@ class Recorder:
     def _node(self, op: Op, inputs: tuple[int, ...], number: float = 0.0) -> int:
         if op in SYMMETRIC:
             inputs = tuple(sorted(inputs))
-        key = (op, inputs, number.hex())  # tells -0.0 from 0.0, and finds nan again
+        key = (op, inputs, number.hex())  # shows -0.0 from 0.0, and finds nan again
         if key not in self._known:
             self._known[key] = len(self.nodes)
             self.nodes.append(Node(op, inputs, number))

@@ -1,7 +1,7 @@
-"""Tables of numbers kept in the cache: what was worked out once from the same values by the same code is read.
+"""Tables of numbers kept in the cache: what was calculated once from the same values by the same code is read.
 
 Beside the compiled code, since it goes out of date with it. A file begins with the hash of its own bytes, so that a
-damaged one is worked out anew; the oldest make room.
+damaged one is calculated again; the oldest make room.
 """
 
 import contextlib

@@ -32,7 +32,7 @@ class Classes:
 
 @dataclasses.dataclass
 class Place:
-    """A place in a vector: so many numbers behind one that is known, or is worked out where the text runs."""
+    """A place in a vector: so many numbers behind one that is known, or is calculated where the text runs."""
 
     offset: int = 0
     base: str = ""
@@ -57,7 +57,7 @@ def parameters(value: Any, place: Place, classes: Classes) -> str:
 def numbers(value: Any, vector: str, place: Place, shapes: Place, lines: list[str], classes: Classes) -> str:
     """Source that makes `value` from the numbers of a flat vector; `place` is moved behind it.
 
-    The shapes of its arrays are in the parameters at `shapes`, which is moved on too. What has to be worked out
+    The shapes of its arrays are in the parameters at `shapes`, which is moved on too. What has to be calculated
     before is added to `lines`.
     """
     if inner := names(value):

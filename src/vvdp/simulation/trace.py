@@ -36,7 +36,7 @@ class Graph:
 
 
 def trace(model: Model, case: Case, wanted: Callable[[Model, Case], Part] = rates_part) -> Graph:
-    """The rates of `model` for values of the shape of `case`, or what another part of it, `wanted`, works out.
+    """The rates of `model` for values of the shape of `case`, or what another part of it, `wanted`, calculates.
 
     Raises Untraceable, with the reason, where they cannot be written as a graph.
     """

@@ -1,8 +1,8 @@
-"""Whether functions are still what they were: what was worked out from them once is then still right.
+"""Whether functions are still what they were: what was calculated from them once is then still right.
 
 Far less work than their hash, and as careful: each function's code and defaults, and each constant that one reads, must
-be the same object as before; a class that is written anew is another. What may change within, as an array may, is told
-in words again.
+be the same object as before; a class that is written again is another. What may change within, as an array may, is
+detected in words again.
 """
 
 import types
@@ -69,7 +69,7 @@ class Watch:
 
 
 def model_key(model: Model, case: Case) -> Hashable | None:
-    """What tells models at hand, and cases of different forms, apart; None where something else than functions may.
+    """What shows models at hand, and cases of different forms, apart; None where something else than functions may.
 
     It holds on to the functions, so that no other can take the place of one.
     """

@@ -29,7 +29,7 @@ EXAMPLE = CyclePoint(
     density=870.0,
     viscosity=0.04,
 )
-"""A row, for its shape alone: one that plain Python works out quickly."""
+"""A row, for its shape alone: one that plain Python calculates quickly."""
 
 
 def averages(

@@ -67,7 +67,7 @@ class CycleMeans(NamedTuple):
 
     `slowness` is the time that the spool takes for half a period, driven by the torque at each angle with its own
     inertia, over the time at `spool_speed`: about 1 for a spool that turns, beyond `SLOWEST` for one that stops where
-    both ports are nearly shut.
+    both ports are nearly closed.
     """
 
     load_flow: Flow
@@ -164,7 +164,7 @@ def instant(openings: Openings, point: CyclePoint, law: BranchLaw, valve: Rotary
         behind = point.load_pressure if openings.load > 0.0 else point.tank_pressure
         drops = branch_drops(point.flow, opening, point.density, valve)
         pressure = behind + drops.nozzle + drops.centre_section + drops.outlet_turbine
-        # What a shut port would pass per open fraction, and the shares of the drop, are of no account here.
+        # What a closed port would pass per open fraction, and the shares of the drop, are of no account here.
         whole = BranchFlow(point.flow, point.flow / opening, 1.0, 0.0, 0.0)
         if pressure <= point.relief_pressure and choking_ratio(whole, pressure, law) <= 1.0:
             none = BranchFlow(0.0, 0.0, 1.0, 0.0, 0.0)

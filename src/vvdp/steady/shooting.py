@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
+from vvdp.base.rules import POSITIVE
 from vvdp.simulation.batch import BatchRun, simulate_batch
 from vvdp.simulation.crew import never
 from vvdp.simulation.link import quiet
@@ -26,7 +27,7 @@ LIMIT = 1e-5
 """Largest relative change of a state over the period at which it counts as periodic, some times the noise of steps."""
 
 DISTANCE = 3e-4
-"""Largest relative distance from the periodic state, as the next Newton step tells it, at which it counts as found."""
+"""Largest relative distance from the periodic state, as the next Newton step shows it, at which it counts as found."""
 
 PERTURBATION = 5e-3
 """Relative change of a state for the columns of the Jacobian: far above the noise of the stepping, 1e-6."""
@@ -53,7 +54,7 @@ class Periodic:
     """The periodic steady state of one case, or why it has none.
 
     `residual` is the largest change of a state over the period, relative to its size, and `distance` how far the
-    periodic state may still be, as the next Newton step tells it. Means over the period come from `outcome`.
+    periodic state may still be, as the next Newton step shows it. Means over the period come from `outcome`.
     """
 
     case: Case
@@ -90,13 +91,15 @@ def periodic_states(
     period for each unknown and one more; a step that leads into the impossible is halved. Raises ParameterError where
     the cases differ in shape or a period is not above zero.
 
-    `stop` is asked every few milliseconds; once it says so, the states found by then are kept, and the other cases have
-    that as their reason.
+    `stop` is asked every few milliseconds; once it states this, the states found by then are kept, and the other
+    cases have that as their reason.
 
     Source  ours, docs/models/periodic-states.md
     """
     if len(periods) != len(cases) or not all(p > 0.0 for p in periods):
-        raise ParameterError(f"{len(cases)} cases with periods {list(periods)}; expected a period above 0 s for each")
+        raise ParameterError(
+            f"{len(cases)} cases with periods {list(periods)} s; each case has a period, which {POSITIVE}"
+        )
     unknown = _unknowns(cases[0])
     scale = np.array([kind.scale if kind else 1.0 for _, _, kind in leaves(cases[0].state)])[unknown]
     stepping = replace(stepping, relative_tolerance=min(stepping.relative_tolerance, TOLERANCE))
@@ -188,7 +191,7 @@ def _without_state(case: Case, residual: float, period: float, rounds: int, reas
 
 
 def _unknowns(case: Case) -> npt.NDArray[np.intp]:
-    """Places of the states that must come back: all but the books and what grows for ever, an angle."""
+    """Places of the states that must come back: all but the books and what grows indefinitely, an angle."""
     kinds = enumerate(leaves(case.state))
     return np.array(
         [i for i, (path, _, kind) in kinds if not path.startswith("books.") and not (kind and kind.accumulates)],

@@ -1,4 +1,4 @@
-"""Steady states of a test stand, many set points at once: shooting, and for an orifice load the area that holds the
+"""Steady states of a test rig, many operating points at once: shooting, and for an orifice load the area that holds the
 pressure."""
 
 from collections.abc import Callable, Sequence
@@ -19,7 +19,7 @@ from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import pwm_frequency
 
 HELD = 2e-4
-"""Largest relative distance of the mean load pressure from its set point; both above the tank's pressure."""
+"""Largest relative distance of the mean load pressure from its operating point; both above the tank's pressure."""
 MOST_SIZINGS = 8
 LARGEST_CHANGE = 3.0
 """Factor by which an orifice grows or shrinks from one sizing to the next."""
@@ -27,7 +27,9 @@ LARGEST_CHANGE = 3.0
 
 @dataclass(frozen=True)
 class Steady:
-    """A set point and its periodic state, or why there is none. `area` is that of an orifice load, nan otherwise."""
+    """A operating point and its periodic state, or why there is none. `area` is that of an orifice load, nan
+    otherwise.
+    """
 
     stand: Stand
     point: SetPoint
@@ -37,7 +39,7 @@ class Steady:
 
     @property
     def summary(self) -> Summary:
-        """What the state comes to, as docs/keys.md has it; empty where there is none."""
+        """Results of the state, as docs/keys.md has it; empty where there is none."""
         if self.periodic is None or self.periodic.outcome is None:
             return {}
         bench = self.stand.at(self.point)
@@ -52,10 +54,10 @@ def steady_states(
     cache: Path | None = None,
     say: Callable[[str], None] = quiet,
 ) -> list[Steady]:
-    """The periodic state at every set point, each on its own stand; all stands are of one circuit.
+    """The periodic state at every operating point, each on its own stand; all stands are of one circuit.
 
     An orifice load is sized, by a secant on the logarithms of area and pressure, until the mean load pressure is within
-    `HELD` of its set point. With an `area` [m^2] it has that, and the load pressure of the points is a guess.
+    `HELD` of its operating point. With an `area` [m^2] it has that, and the load pressure of the points is a guess.
 
     Source  ours, docs/models/periodic-states.md
     """
@@ -123,7 +125,7 @@ class _Sizing:
 
 
 def _first_sizing(stand: Stand, point: SetPoint, means: CycleMeans, area: float | None) -> "_Sizing | str":
-    """Where the search at a set point begins, or why there is nothing to search for."""
+    """Where the search at a operating point begins, or why there is nothing to search for."""
     opened = (area or stand.load_area(point, means)) if stand.makes_pressure else np.nan
     speed = stand.guessed_speed(means)
     if opened is None:
@@ -137,7 +139,7 @@ def _first_sizing(stand: Stand, point: SetPoint, means: CycleMeans, area: float 
 
 
 def _above_tank(run: Periodic, stand: Stand, point: SetPoint) -> float:
-    """Mean load pressure over its set point, both above the tank's [1]."""
+    """Mean load pressure over its operating point, both above the tank's [1]."""
     assert run.outcome is not None
     mean = stand.bench.mean(run.outcome, stand.bench.LOAD_TOTAL)
     return (mean - stand.tank_pressure) / (point.load_pressure - stand.tank_pressure)

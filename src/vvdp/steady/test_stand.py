@@ -1,4 +1,6 @@
-"""A system on a virtual test stand: everything prescribed held constant, so that set points can be run one by one."""
+"""A system on a virtual test rig: everything prescribed held constant, so that operating points can be run one by
+one.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,8 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import DutyRatio, Pressure, Speed, Temperature
+from vvdp.base.kinds import SPEED, DutyRatio, Pressure, Speed, Temperature
+from vvdp.base.rules import require_positive_value
 from vvdp.base.signal import constant
 from vvdp.fluid.oil import density, film_viscosity
 from vvdp.hydraulics.orifice import Orifice, orifice_area_for
@@ -26,7 +28,7 @@ SMALLEST_SHARE = 2e-3
 
 
 class SetPoint(NamedTuple):
-    """What a test stand holds: the pressure is the mean at the load, absolute."""
+    """What a test rig holds: the pressure is the mean at the load, absolute."""
 
     duty_ratio: DutyRatio
     load_pressure: Pressure
@@ -36,7 +38,7 @@ class SetPoint(NamedTuple):
 
 @dataclass(frozen=True)
 class Stand:
-    """A bench whose set point can be chosen; made by `stand`.
+    """A bench whose operating point can be chosen; made by `stand`.
 
     All that is prescribed is constant, the pump does not pulsate and nothing is watched: only what repeats itself with
     the valve has a periodic state.
@@ -86,7 +88,7 @@ class Stand:
 
     @property
     def set_point(self) -> SetPoint:
-        """The set point of the system itself, at the start of its run."""
+        """The operating point of the system itself, at the start of its run."""
         bench, operation = self.bench, self.bench.operation
         return SetPoint(
             bench.duty_ratio.base, bench.load_pressure, operation.pump_speed.base, operation.oil_temperature.base
@@ -109,7 +111,7 @@ class Stand:
         )
 
     def at(self, point: SetPoint, area: float | None = None) -> RotaryBench:
-        """The bench at a set point, an orifice load with an `area` [m^2], that of the system unless given."""
+        """The bench at a operating point, an orifice load with an `area` [m^2], that of the system unless given."""
         operation = {name: constant(value) for name, value in point._asdict().items() if name != "load_pressure"}
         bench = self.bench.with_tables(operation=operation)
         if not self.makes_pressure:
@@ -117,7 +119,8 @@ class Stand:
         return bench if area is None else bench.with_tables(load={"area": constant(area)})
 
     def case(self, point: SetPoint, means: CycleMeans, area: float | None = None) -> Case:
-        """The case of a set point from a guess of its periodic state, at a mark: load port in the middle of its phase.
+        """The case of a operating point from a guess of its periodic state, at a mark: load port in the middle of
+        its phase.
 
         means  the quasi-steady averages there
         area   of an orifice load; that of the table unless given [m^2]
@@ -155,11 +158,11 @@ class Stand:
         friction = friction_coefficient(float(self.film_viscosity(point)), valve)
         return (
             f"the spool does not turn: with a friction of {friction:.3g} N*m*s (valve.friction_area "
-            f"{valve.friction_area:.3g} m^2) it stops where both ports are nearly shut"
+            f"{valve.friction_area:.3g} m^2) it stops where both ports are nearly closed"
         )
 
     def cycle_point(self, point: SetPoint) -> CyclePoint:
-        """A set point as the quasi-steady averages take it; arrays of many points pass through as well."""
+        """A operating point as the quasi-steady averages take it; arrays of many points pass through as well."""
         oil, relief = self.bench.oil, self.bench.relief_valve
         return CyclePoint(
             duty_ratio=point.duty_ratio,
@@ -176,7 +179,7 @@ class Stand:
         )
 
     def means(self, point: SetPoint) -> CycleMeans:
-        """The quasi-steady averages at a set point, in plain Python."""
+        """The quasi-steady averages at a operating point, in plain Python."""
         return cycle_means(self.cycle_point(point), self.bench.valve)
 
     def leakage(self, point: SetPoint) -> float:
@@ -196,13 +199,12 @@ class Stand:
 
 
 def stand(system: System, verb: str = "rig") -> Stand:
-    """`system` on a test stand. What is prescribed over time is held at its first value.
+    """`system` on a test rig. What is prescribed over time is held at its first value.
 
     Raises ConfigError, which names `verb`, where it is no bench of a rotary valve, ParameterError where the pump does
     not turn.
     """
     bench = rotary_bench(system, verb).hold()
     speed = bench.operation.pump_speed.base
-    if not speed > 0.0:
-        raise ParameterError(f"operation.pump_speed = {speed:g} rad/s; expected more than 0 rad/s on a test stand")
+    require_positive_value("operation.pump_speed", speed, SPEED)
     return Stand(bench)

@@ -25,7 +25,7 @@ class Waveform:
 
 
 def waveform(state: Steady, *, samples: int = SAMPLES, cache: Path | None = None) -> Waveform:
-    """The waveform of a periodic state. Raises ValueError where the set point has none."""
+    """The waveform of a periodic state. Raises ValueError where the operating point has none."""
     if state.periodic is None or state.periodic.outcome is None:
         raise ValueError(f"no periodic state at {state.point}: {state.reason}")
     period = state.periodic.period

@@ -1,7 +1,7 @@
 """Engines on Dask: workers of this machine, those of a scheduler that runs already, and jobs of a SLURM cluster.
 
 Every one keeps as many items under way as there are workers, and gives each all threads of its worker. A worker that is
-lost costs the item it was at, which another one begins anew.
+lost costs the item it was at, which another one begins again.
 """
 
 import functools
@@ -46,7 +46,7 @@ CONNECTING = 15.0
 class DaskEngine(ABC):
     """What the engines on Dask have in common.
 
-    Workers are started for every call of `run_all`; within `with engine:` they are kept. `say` hears of a wait.
+    Workers are started for every call of `run_all`; within `with engine:` they are kept. `say` is informed of a wait.
     """
 
     _longest_wait: ClassVar[float] = math.inf  # [s] for workers to come
@@ -247,7 +247,9 @@ class Slurm(DaskEngine):
         return cluster
 
     def _tend(self, count: int) -> None:
-        """Submits jobs again that have ended before they were workers; of those that were, Dask hears by itself."""
+        """Submits jobs again that have ended before they were workers; of those that were, Dask is informed by
+        itself.
+        """
         if count:
             self._lost = 0
         if count >= self.jobs or time.monotonic() - self._looked < CENSUS:
@@ -277,7 +279,7 @@ def library(name: str) -> Any:
 
 
 def _check_job(script: str) -> None:
-    """Raises ConfigError with what sbatch has against a job; once submitted, nobody would hear of it."""
+    """Raises ConfigError with what sbatch has against a job; once submitted, it would not be reported."""
     with tempfile.NamedTemporaryFile("w", suffix=".sh") as file:
         file.write(script)
         file.flush()
@@ -287,7 +289,7 @@ def _check_job(script: str) -> None:
 
 
 def _is_queued(job: str) -> bool:
-    """Whether SLURM has a job waiting or running; one of which it cannot tell is taken for it."""
+    """Whether SLURM has a job waiting or running; one of which it cannot show is taken for it."""
     found = subprocess.run(["squeue", "-h", "-o", "%i", "-j", job], capture_output=True, text=True)
     return bool(found.stdout.strip()) or (found.returncode != 0 and "Invalid job id" not in found.stderr)
 

@@ -4,7 +4,7 @@
     cases(key, file, failure, settings, summary)     its cases; settings and summary are JSON
 
 It may be missing, damaged, locked or behind at any time: it then knows less, and its files are read instead. A file of
-that name which is not ours, told by its `application_id`, is renamed and never opened; a link is neither.
+that name which is not ours, known by its `application_id`, is renamed and never opened; a link is neither.
 """
 
 import itertools
@@ -82,10 +82,10 @@ def companions(path: Path) -> list[Path]:
 
 
 def _put_aside(path: Path) -> None:
-    """Renames what is in the place of an index and cannot be used as one.
+    """Renames what is instead of an index and cannot be used as one.
 
     A journal names files that SQLite deletes when it rolls a database back, so none is opened with its database: it is
-    left by a process that died, or by whoever made the directory. Raises ConfigError for a link.
+    left by a process that died, or by the author of the directory. Raises ConfigError for a link.
     """
     found = [each for each in (path, *companions(path)) if os.path.lexists(each)]
     for each in found:
@@ -166,7 +166,7 @@ def _write(path: Path, files: Mapping[str, tuple[Stamp, Iterable[Row]]], gone: I
 def _open_index(path: Path) -> Iterator[sqlite3.Connection]:
     """The index within a transaction, without a journal beside it, which a process that is killed would leave.
 
-    Until the transaction has ended its version is 0, so that what is left of a broken one is made anew.
+    Until the transaction has ended its version is 0, so that what is left of a broken one is made again.
     """
     with closing(sqlite3.connect(path, timeout=WAITING)) as base:
         base.execute("pragma journal_mode = memory")

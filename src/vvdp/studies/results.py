@@ -1,4 +1,4 @@
-"""What a study comes to: a row for every case, ranges, and its results over what was varied."""
+"""Results of a study: a row for every case, ranges, and its results over what was varied."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from vvdp.systems.system import System
 FEWEST = 3
 """Values of either axis from which on a result is drawn as a field; with fewer it is drawn as lines."""
 MOST_TOLD = 10
-"""Failed cases that are told one by one."""
+"""Failed cases that are reported one by one."""
 
 
 @dataclass(frozen=True)

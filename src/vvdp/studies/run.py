@@ -70,9 +70,9 @@ def run_study(
     """The results of all cases of `study`; those that `directory` already has are not run again.
 
     A case is known by its resolved values, stepping, equations and the version of vvdp: where one of these has
-    changed, it is run anew. `engine` says where: in this process, unless told otherwise. A worker keeps a batch when it
-    is done, here if it does not see `directory`, and `progress` hears of it (cases done, of all). Ctrl-C ends the study
-    after the current batches, at once the second time; running it again resumes it.
+    changed, it is run again. `engine` says where: in this process, by default. A worker keeps a batch
+    when it is done, here if it does not see `directory`, and `progress` is informed of it (cases done, of all). Ctrl-C
+    ends the study after the current batches, at once the second time; running it again resumes it.
 
     Raises ConfigError, before anything is run, with every setting that does not fit, every unknown output, and a
     directory that cannot be used; RunError where a worker has another vvdp, or none is left.

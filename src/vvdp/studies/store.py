@@ -4,9 +4,9 @@
     cases-<hash>.json   finished cases by key: what was set, results, or why it failed; and the SHA-256 of that
     index.sqlite        the same cases in one table
 
-Whatever happens, a file is whole or absent (`base.files`). The files count; the index only saves opening them all,
-answers questions, and is made anew from them where it is missing, damaged or old. Many processes write files, one the
-index.
+Whatever happens, a file is complete or not there (`base.files`). The files count; the index only saves opening them
+all, answers questions, and is made again from them where it is missing, damaged or old. Many processes write files,
+one the index.
 """
 
 import hashlib

@@ -75,7 +75,7 @@ class Normal:
         (mean, unit), (deviation, other) = number_and_unit(self.mean), number_and_unit(self.deviation)
         if unit != other or not deviation >= 0.0:
             raise ParameterError(
-                f"normal around {self.mean!r} by {self.deviation!r}; expected one unit, the second not below 0"
+                f"normal around {self.mean!r} by {self.deviation!r}; expected one unit, and a deviation of at least 0"
             )
         normal = NormalDist()
         tail = normal.cdf(-DEVIATIONS)

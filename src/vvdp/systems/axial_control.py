@@ -49,7 +49,7 @@ Step = Callable[..., Any]
 
 
 class Laws(NamedTuple):
-    """A law's programs: told by the observer, or what the sensor shows; and both where an encoder watches it.
+    """A law's programs: with the observer's estimate, or what the sensor shows; and both where an encoder watches it.
     None: there is no such program."""
 
     observed: Step
@@ -91,7 +91,7 @@ def chosen_law(
 class AxialControl:
     """The tables of the control of an axial drive, and the `wanted` position [m].
 
-    The law is told what the observer estimates, unless a `feedback` says otherwise. `asked_by` is the value that asks
+    The law receives what the observer estimates, unless a `feedback` says otherwise. `asked_by` is the value that asks
     for the position.
     """
 

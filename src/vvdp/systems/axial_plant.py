@@ -39,7 +39,7 @@ class AxialPlant(NamedTuple):
 
 class AxialSight(NamedTuple):
     """What an axial sensor of a system sees, as far as the circuit says: what moves, by its name, the spool's speed at
-    the start [rad/s], and how many harmonics its pollution has."""
+    the start [rad/s], and how many harmonics its periodic sensor error has."""
 
     moved: str = ""
     spool_speed: float | None = None

@@ -57,7 +57,7 @@ class AxialTruth(NamedTuple):
 
 class TallySettings(Params):
     """The `drive` as it truly is, what its control follows, every `sample_period`, and the gains that its storage is
-    reckoned with. Samples count from `settling_time` after the start of control on."""
+    calculated with. Samples count from `settling_time` after the start of control on."""
 
     drive: ChamberDrive
     gains: PositionGains

@@ -1,4 +1,4 @@
-"""What a test bench of the rotary valve brings along beyond other systems, and what verbs about it ask for."""
+"""What a test rig of the rotary valve brings along beyond other systems, and what verbs about it ask for."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
@@ -218,7 +218,7 @@ class RotaryBench(Extras):
 
     @property
     def case(self) -> Case:
-        """The case of its tables, without drawing the network anew."""
+        """The case of its tables, without drawing the network again."""
         params = self.system.case.params
         known = {field.name for field in fields(params)}
         given = {name: table for name, table in self.tables.items() if name in known}
@@ -246,7 +246,8 @@ class RotaryBench(Extras):
         """
         if isinstance(spool_source(self.system.circuit.network), str):
             message = (
-                "its duty ratio is held by a control and cannot be prescribed at set points; take a bench without one, "
+                "its duty ratio is held by a control and cannot be prescribed at operating points; take a "
+                "bench without one, "
                 "such as prototype"
             )
             raise ConfigError([Fault(self.system.name, 0, "", message)])
@@ -351,7 +352,7 @@ class RotaryBench(Extras):
         """The analytic results at the mean load pressure, to stand beside the simulated ones in `found`.
 
         There are none without flow or load, with anything prescribed that changes over time, with a driven spool, nor
-        where `closed_form_limits` says why. They take as long to work out as a short run.
+        where `closed_form_limits` says why. They take as long to calculate as a short run.
         """
         if not self._is_analytic(found) or any(self.closed_form_limits(found)):
             return {}
@@ -400,7 +401,7 @@ def rotary_bench(system: System, verb: str) -> RotaryBench:
     if isinstance(found, RotaryBench):
         return found
     message = (
-        f"`vvdp {verb}` needs a pump unit with a rotary valve on a test bench (circuit = "
+        f"`vvdp {verb}` needs a pump unit with a rotary valve on a test rig (circuit = "
         '"orifice-load" or "constant-load"); this circuit has none'
     )
     raise ConfigError([Fault(system.name, 0, "", message)])

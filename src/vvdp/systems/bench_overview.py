@@ -1,4 +1,4 @@
-"""The numbers of a test bench of the rotary valve: what each means, and the lines that a person is shown."""
+"""The numbers of a test rig of the rotary valve: what each means, and the lines that a user is shown."""
 
 from vvdp.base.display import plain
 from vvdp.base.kinds import (
@@ -41,7 +41,7 @@ QUANTITIES: dict[str, tuple[Kind, str]] = {
     "mean_leakage_flow_m3_s": (FLOW, "leakage of the valve, mean"),
     "load_flow_fraction": (EFFICIENCY, "load flow over pump flow"),
     "mean_load_opening": (FRACTION, "open fraction of the load port, mean"),
-    "cavitation_port_share": (FRACTION, "share of the time in which a port cavitates"),
+    "cavitation_port_share": (FRACTION, "port cavitation, share of time"),
     "cavitation_number_lowest": (NUMBER, "cavitation number of the ports, lowest"),
     "input_power_W": (MEAN_POWER, "input power at the pump shaft"),
     "spool_motor_power_W": (MEAN_POWER, "input power of the spool motor"),
@@ -77,7 +77,7 @@ OVERVIEW: tuple[Line, ...] = (
     Line("spool speed, lowest", ("speed_min_spool_rad_s",), SPEED, (), "Valve"),
     Line("spool speed, highest", ("speed_max_spool_rad_s",), SPEED, (), "Valve"),
     Line("open fraction of the load port, mean", ("mean_load_opening",), FRACTION, (), "Valve"),
-    Line("share of the time in which a port cavitates", ("cavitation_port_share",), FRACTION, (), "Valve"),
+    Line("port cavitation, share of time", ("cavitation_port_share",), FRACTION, (), "Valve"),
     Line("cavitation number of the ports, lowest", ("cavitation_number_lowest",), NUMBER, (), "Valve"),
     Line("pump flow, displaced", ("mean_pump_flow_m3_s",), FLOW, (), "Flows, mean"),
     Line("flow to the load", ("mean_load_flow_m3_s",), FLOW, ("analytic_load_flow_m3_s",), "Flows, mean"),
@@ -100,14 +100,14 @@ OVERVIEW: tuple[Line, ...] = (
     Line("loss, transition and compression", ("loss_transition_W",), MEAN_POWER, TRANSITION, "Losses"),
     Line("loss, leakage of the valve", ("loss_valve_leakage_W",), MEAN_POWER, ("analytic_loss_leakage_W",), "Losses"),
     Line("loss, leakage and friction of the pump", PUMP, MEAN_POWER, ("analytic_loss_pump_W",), "Losses"),
-    Line("loss, filling of the pump's chambers", ("loss_pump_compression_W",), MEAN_POWER, (), "Losses"),
+    Line("pump filling loss", ("loss_pump_compression_W",), MEAN_POWER, (), "Losses"),
     Line("power stored in oil and spool", ("stored_power_W",), MEAN_POWER, (), "Losses"),
     Line("input power minus load power", ("loss_total_W",), MEAN_POWER, ("analytic_loss_total_W",), "Losses"),
 )
 """Simulated numbers beside the analytic ones."""
 OVERVIEW_NOTE = (
     "The cavitation number of a port is the pressure that is left above cavitation behind its nozzles over their "
-    f"pressure drop; below {plain(CAVITATION_NUMBER)} oil is held to evaporate there. Each port passes through that "
-    "while it is nearly shut, so a low number is usual and no warning: the share tells for how much of the time the "
+    f"pressure drop; below {plain(CAVITATION_NUMBER)} cavitation is assumed. Each port passes through that "
+    "while it is nearly closed, so a low number is usual and no warning: the share shows for how much of the time the "
     "orifice law is in doubt and the edges may erode."
 )

@@ -1,4 +1,4 @@
-"""The tables of the test benches of the rotary valve that are not a component's."""
+"""The tables of the test rigs of the rotary valve that are not a component's."""
 
 from vvdp.base.kinds import (
     Angle,

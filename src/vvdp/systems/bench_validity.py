@@ -1,4 +1,4 @@
-"""Up to where the laws of a test bench of the rotary valve hold, and which of its numbers mean something."""
+"""Up to where the laws of a test rig of the rotary valve hold, and which of its numbers mean something."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
@@ -29,10 +29,10 @@ from vvdp.valve.validity import (
 )
 
 STORED = 0.02
-"""Stored power, over the power put in, above which there is no efficiency: given to the load instead, or saved at the
+"""Stored power, over the input power, above which there is no efficiency: given to the load instead, or saved at the
 input, it would change the efficiency by as much."""
 DUST = 1e-6
-"""Share of the power put in by which an efficiency may miss 0 and 1, and a loss 0: the limit of the balances."""
+"""Share of the input power by which an efficiency may miss 0 and 1, and a loss 0: the limit of the balances."""
 FILLING = 0.5
 """Time to fill the inlet, over that in which a port opens, from which on the analytic losses and frequency are a tenth
 off those of the simulation."""
@@ -68,10 +68,10 @@ class ValveReading(NamedTuple):
 
 
 def efficiency(load_power: float, put_in: float, stored: float) -> float:
-    """Load power over the power put in [1]; nan where that means nothing, `efficiency_doubt` says why.
+    """Load power over the input power [1]; nan where that means nothing, `efficiency_doubt` says why.
 
     load_power, put_in  means [W]
-    stored              what the power put in has left in the circuit, mean [W]
+    stored              what the input power has left in the circuit, mean [W]
     """
     if efficiency_doubt(load_power, put_in, stored):
         return float("nan")
@@ -81,12 +81,12 @@ def efficiency(load_power: float, put_in: float, stored: float) -> float:
 def efficiency_doubt(load_power: float, put_in: float, stored: float) -> str:
     """Why there is no efficiency; empty where there is one. Arguments as those of `efficiency`."""
     if not put_in > 0.0:
-        return f"the power put in is {with_unit(put_in, MEAN_POWER)}"
+        return f"the input power is {with_unit(put_in, MEAN_POWER)}"
     if abs(stored) > STORED * put_in:
-        moved = "went into store" if stored > 0.0 else "came out of store"
+        moved = "was stored" if stored > 0.0 else "came from stored energy"
         share = abs(stored) / put_in
         much = f"{percent(share)} of" if share < 1.0 else f"{share:.3g} times"
-        return f"{with_unit(abs(stored), MEAN_POWER)}, {much} the power put in, {moved} while means were taken"
+        return f"{with_unit(abs(stored), MEAN_POWER)}, {much} the input power, {moved} while means were taken"
     if not -DUST * put_in <= load_power <= (1.0 + DUST) * put_in:
         return f"{with_unit(load_power, MEAN_POWER)} reach the load of {with_unit(put_in, MEAN_POWER)} put in"
     return ""
@@ -253,7 +253,7 @@ def bench_warnings(bench: BenchValues, found: Mapping[str, Any], limits: Iterabl
     if doubt := efficiency_doubt(found["load_power_W"], put_in, found["stored_power_W"]):
         yield f"no efficiency: {doubt}"
     if found["loss_transition_W"] != found["loss_transition_W"]:
-        yield "no loss by transition: the valve turns less to heat than one port of it would if it were fully open"
+        yield "no transition loss: the valve loss is below that of one fully open port"
     if found["motor_overloaded"]:
         power, rated = found["input_power_W"], found["motor_rated_power_W"]
         yield f"the input power of {power:.4g} W exceeds the motor's {rated:.4g} W"

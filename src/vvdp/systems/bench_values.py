@@ -1,4 +1,4 @@
-"""What the checks of a test bench of the rotary valve read of it."""
+"""What the checks of a test rig of the rotary valve read of it."""
 
 from dataclasses import dataclass
 

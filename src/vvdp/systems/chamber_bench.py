@@ -1,4 +1,4 @@
-"""The chamber drive of a system as a test bench of its control: the drive that is and the one that its control knows
+"""The chamber drive of a system as a test rig of its control: the drive that is and the one that its control knows
 may differ, the control is any program, and every case has noise of its own.
 
 Source  ours, docs/models/axial-control.md
@@ -99,7 +99,7 @@ def _sensor_table(system: System) -> AxialSensorTable:
 
 
 def controlled_circuit(bench: ChamberBench, control: AxialControl, loop: ChamberLoop) -> Circuit:
-    """The drive of a bench under a control with the values `loop`, and the tally of what that comes to."""
+    """The drive of a bench under a control with the values `loop`, and the tally of its results."""
     operation = bench.operation
     net = Network(
         bench.parts.oil,
@@ -124,7 +124,9 @@ def controlled_circuit(bench: ChamberBench, control: AxialControl, loop: Chamber
 
 
 def seeded_case(circuit: Circuit, seed: int) -> Case:
-    """The case of a controlled circuit whose sensor has noise, and a place of its pollution on the spool, of a seed."""
+    """The case of a controlled circuit whose sensor has noise, and a place of its periodic sensor error on the
+    spool, of a seed.
+    """
     loop = circuit.case.settings[PROGRAM]
     turned = float(np.random.default_rng([seed, 4]).uniform(0.0, 2.0 * np.pi))
     sensor = replace(turn_sensor(loop.sensor, turned), instrument=replace(loop.sensor.instrument, seed=float(seed)))
@@ -138,6 +140,6 @@ def turn_sensor(sensor: AxialSensor, angle: float) -> AxialSensor:
 
 
 def turn_pollution(pollution: Pollution, angle: float) -> Pollution:
-    """The pollution of a spool whose end is turned by an angle [rad]."""
+    """The periodic sensor error of a spool whose end is turned by an angle [rad]."""
     phases = tuple(phase + (g + 1.0) * angle for g, phase in enumerate(pollution.phases))
     return replace(pollution, phases=phases)

@@ -1,14 +1,14 @@
-"""What else a law of the chamber drive may be told than an observer's estimate: the sensor as it is, or the truth.
+"""What else a law of the chamber drive may receive than an observer's estimate: the sensor as it is, or the truth.
 
-Both are there to be compared with. The observer runs along, and is shown, but nothing hears it.
+Both are there to be compared with. The observer runs along, and is shown, but it is not used.
 
 Source  ours, docs/models/axial-control.md, where a function names no other.
 """
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.signal import signal_value
 from vvdp.control.backstepping import backstepping_law
 from vvdp.control.chamber import ChamberReading
@@ -38,12 +38,13 @@ class VelocityFilter(Params):
     velocity_rate: Rate
 
     def check(self) -> None:
-        if not self.velocity_rate > 0.0:
-            raise ParameterError(f"{type(self).__name__}.velocity_rate: 0 1/s; expected a rate above 0")
+        require_positive(self, "velocity_rate")
 
 
 class RawFeedback(VelocityFilter):
-    """The [raw_feedback] table: the law is told the sensor's position, pollution and all, and its filtered slope."""
+    """The [raw_feedback] table: the law receives the sensor's position, with its periodic error, and its filtered
+    slope.
+    """
 
 
 def view_with(view: ChamberView, reading: ChamberReading) -> ChamberView:
@@ -68,7 +69,7 @@ def low_pass(before: float, velocity: float, settings: ChamberLoop) -> float:
 
 
 def raw_view(memory: LoopMemory, place: AxialPlace, phase: Phase, wanted: float, settings: ChamberLoop) -> ChamberView:
-    """What is known after a sample, the law being told what the sensor shows; at the stop the spool stands still."""
+    """What is known after a sample, the law being shown what the sensor shows; at the stop the spool stands still."""
     view = chamber_view(memory, place, phase, wanted, settings)
     slope = (view.measured - memory.reading.position) / settings.observer.sample_period
     velocity = 0.0 if view.stage.held > 0.0 else low_pass(memory.reading.velocity, slope, settings)
@@ -78,7 +79,7 @@ def raw_view(memory: LoopMemory, place: AxialPlace, phase: Phase, wanted: float,
 def raw_passive_axial_step(
     memory: LoopMemory, place: AxialPlace, phase: Phase, wanted: float, settings: PassiveLoop
 ) -> tuple[LoopMemory, AxialCommand]:
-    """One sample of the passivity law that is told what the sensor shows."""
+    """One sample of the passivity law that receives what the sensor shows."""
     view = raw_view(memory, place, phase, wanted, settings)
     flow = passivity_law(view.reference, view.reading, settings.gains, settings.drive)
     return chamber_command(view, flow, settings.gains, settings)
@@ -87,14 +88,14 @@ def raw_passive_axial_step(
 def raw_passive_step(
     t: float, memory: LoopMemory, place: AxialPlace, settings: PassiveLoop
 ) -> tuple[LoopMemory, AxialCommand]:
-    """Program: the passivity law, told what the sensor shows; the spool's angle known."""
+    """Program: the passivity law, shown what the sensor shows; the spool's angle known."""
     return raw_passive_axial_step(memory, place, turned_phase(place), signal_value(t, settings.wanted), settings)
 
 
 def raw_printed_step(
     t: float, memory: LoopMemory, place: AxialPlace, settings: PassiveLoop
 ) -> tuple[LoopMemory, AxialCommand]:
-    """Program: the published passivity law, told what the sensor shows; the spool's angle known."""
+    """Program: the published passivity law, shown what the sensor shows; the spool's angle known."""
     view = raw_view(memory, place, turned_phase(place), signal_value(t, settings.wanted), settings)
     flow = printed_passivity_law(view.reference, view.reading, settings.gains, settings.drive)
     return chamber_command(view, flow, settings.gains, settings)
@@ -103,7 +104,7 @@ def raw_printed_step(
 def raw_backstepping_step(
     t: float, memory: LoopMemory, place: AxialPlace, settings: BacksteppingLoop
 ) -> tuple[LoopMemory, AxialCommand]:
-    """Program: backstepping, told what the sensor shows; the spool's angle known."""
+    """Program: backstepping, shown what the sensor shows; the spool's angle known."""
     view = raw_view(memory, place, turned_phase(place), signal_value(t, settings.wanted), settings)
     flow = backstepping_law(view.reference, view.reading, settings.gains, settings.drive)
     return chamber_command(view, flow, settings.gains, settings)
@@ -112,7 +113,7 @@ def raw_backstepping_step(
 def watched_raw_step(
     t: float, memory: WatchedMemory, place: AxialPlace, settings: WatchedLoop
 ) -> tuple[WatchedMemory, AxialCommand]:
-    """Program: as `watched_step`, but the law is told what the sensor shows."""
+    """Program: as `watched_step`, but the law receives what the sensor shows."""
     shaft = Shaft(place.time, place.angle, place.speed)
     watch, estimate = watch_step(t, memory.watch, shaft, settings.watch)
     wanted = signal_value(t, settings.loop.wanted)

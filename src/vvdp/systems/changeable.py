@@ -1,8 +1,8 @@
 """Values of a system that may be changed without reading it again, and how each reaches the vectors of a case.
 
-The case is built anew with other values of an entry, and it is looked which numbers of its vectors change, and whether
-they follow the value by one operation that gives the same bits in a browser. A value that does anything else is told
-with the reason, and stays as it is.
+The case is built again with other values of an entry, and it is looked which numbers of its vectors change, and whether
+they follow the value by one operation that gives the same bits in a browser. A value that does anything else is
+reported with the reason, and stays as it is.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -34,7 +34,7 @@ OPERATIONS: Mapping[str, Callable[[float, float], float]] = {
     "/": lambda x, c: x / c,
     "over": lambda x, c: c / x,
 }
-"""What a browser works out with the same bits: of a value and a constant."""
+"""What a browser calculates with the same bits: of a value and a constant."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class Changeable:
 
 
 def changeable_values(system: System, fixed: Callable[[System], object]) -> tuple[Changeable, ...]:
-    """The values of a system that are one number each; `fixed` gives what a page cannot work out anew."""
+    """The values of a system that are one number each; `fixed` gives what a page cannot calculate again."""
     base, before = vectors(system.case), fixed(system)
     found = []
     for row in system.rows:
@@ -129,7 +129,7 @@ def _with_followers(
 
 
 def _followers(base: Any, rows: Sequence[Any], values: Sequence[float], held: slice) -> Iterator[Follower | None]:
-    """What follows a value, None for what does so by no single operation. What is held is worked out by the module."""
+    """What follows a value, None for what does so by no single operation. What is held is calculated by the module."""
     for name, place in zip(VECTORS, range(len(VECTORS)), strict=True):
         probed: Array = np.stack([each[place] for each in rows])
         changed = (probed != base[place]).any(axis=0)

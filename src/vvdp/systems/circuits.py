@@ -1,4 +1,4 @@
-"""What a system file may name as its circuit: an entry point, or a function in a module of one's own."""
+"""What a system file may name as its circuit: an entry point, or a function in a module of your own."""
 
 import importlib
 import inspect
@@ -25,7 +25,9 @@ NetworkFunction = Callable[..., Network]
 
 @dataclass(frozen=True)
 class TableSlot:
-    """A table that a circuit takes: one of several classes, told apart by their keys; or none, where it is optional."""
+    """A table that a circuit takes: one of several classes, distinguished by their keys; or none, where it is
+    optional.
+    """
 
     classes: tuple[type[Params], ...]
     optional: bool

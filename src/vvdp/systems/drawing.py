@@ -24,7 +24,8 @@ from vvdp.base.kinds import (
     Velocity,
     Volume,
 )
-from vvdp.base.params import Params, field_names, without_class
+from vvdp.base.params import Params, field_names
+from vvdp.base.rules import without_class
 from vvdp.base.signal import Signal
 from vvdp.base.tables import (
     Sourced,
@@ -240,7 +241,7 @@ class Drawer(ProgramDrawer):
         return [(name, part) for name, part in found.items() if isinstance(part, Mapping)]
 
     def _validly_named_parts(self, net: Network, table: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
-        """The parts of a table whose name can be given; of another one nothing but its name is told."""
+        """The parts of a table whose name can be given; of another one nothing but its name is reported."""
         for name, part in self._parts(table):
             path = f"{table}.{name}"
             self._try(path, partial(net.check_name, name))
@@ -264,7 +265,7 @@ class Drawer(ProgramDrawer):
         return types[word]
 
     def _type_hint(self, path: str, types: Mapping[str, Any]) -> str:
-        """What is said of a part without a type: perhaps the name of another one is meant."""
+        """What is stated of a part without a type: perhaps the name of another one is meant."""
         table, _, name = path.partition(".")
         others = [other for other, part in self._parts(table) if "type" in part]
         return "has no type" + (suggestion(name, others) or nearest("", list(types)))
@@ -345,7 +346,7 @@ class Drawer(ProgramDrawer):
         self._place(net, name, path, part)
 
     def _has_own_keys(self, path: str, part: Mapping[str, Any], types: Mapping[str, PartType]) -> bool:
-        """Whether the keys of a part are not those of another type; unknown ones are told."""
+        """Whether the keys of a part are not those of another type; unknown ones are reported."""
         word = str(part["type"])
         if meant := other_type(word, part, types):
             self._fault(path, meant)

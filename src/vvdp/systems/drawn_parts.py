@@ -100,7 +100,7 @@ class DrawnCircuit:
         part, _, value = path.rpartition(".")
         name = inner_name(scope.prefix + part, self.parts)
         if name not in self.parts and part.partition(".")[0] in scope.parts:
-            return ()  # why it is not drawn is told
+            return ()  # why it is not drawn is reported
         if name not in self.parts:
             own = [each.removeprefix(scope.prefix) for each in self.parts if each.startswith(scope.prefix)]
             raise ParameterError(f"{part!r} is no part{nearest(part, own) if own else ''}")
@@ -110,7 +110,7 @@ class DrawnCircuit:
         return tuple(values[value])
 
     def content(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        """The circuit in the place of the `given` content of its file."""
+        """The circuit instead of the `given` content of its file."""
         drawn = {group: table for group, table in self.tables.items() if table or group in given}
         found = dict(given) | drawn | {PARTS: {name: {DRAWN: part} for name, part in self.parts.items()}}
         if isinstance(given.get(FAULTS), Mapping):

@@ -10,7 +10,8 @@ from typing import Any
 
 from vvdp.base.errors import Fault, NetworkError, ParameterError
 from vvdp.base.kinds import NUMBER, TIME, Kind, Time
-from vvdp.base.params import Params, field_kinds, refused_field
+from vvdp.base.params import Params, field_kinds
+from vvdp.base.rules import refused_field
 from vvdp.base.signal import Signal, signal_value
 from vvdp.base.tables import Sourced, Table, fault_at, inner_table, join, nearest, read_sourced, read_values
 from vvdp.base.units import parse, parsed_difference

@@ -161,7 +161,7 @@ class Expansion:
         return inner
 
     def _use_drawn(self, scope: Scope, name: str, entry: Mapping[str, Any]) -> None:
-        """A part that was drawn before: its values may be set anew."""
+        """A part that was drawn before: its values may be set again."""
         place, circuit = scope.place(f"{PARTS}.{name}"), self.circuit
         if not is_record(entry[DRAWN], circuit.tables):
             circuit.tell(place.below(DRAWN), "is not what vvdp keeps of a part; name its file or type instead")

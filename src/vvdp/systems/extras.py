@@ -21,7 +21,7 @@ Summary = dict[str, float | bool]
 
 
 class Line(NamedTuple):
-    """A line of the overview that a person is shown: what it is called, and keys of the summary that are added up.
+    """A line of the overview that a user is shown: what it is called, and keys of the summary that are added up.
 
     `closed_form` are keys of an analytic result beside it; lines of one `group` stand together.
     """
@@ -77,16 +77,16 @@ class Extras:
     PERIOD = "period"
     """What passes between two marks of a run."""
     STEADY = True
-    """Whether a person expects means of a steady state from a run."""
+    """Whether a user expects means of a steady state from a run."""
     OVERVIEW: tuple[Line, ...] = ()
     """The lines of the overview; where there are none, nodes and components are shown."""
     IS_ALL = True
-    """Whether these lines are all that a person is shown; else they stand below nodes and components."""
+    """Whether these lines are all that a user is shown; else they stand below nodes and components."""
     OVERVIEW_NOTE = ""
     """What a reader has to know of these lines, in sentences."""
 
     HEADLINE: tuple[str, ...] = ()
-    """Keys of the numbers whose ranges are told where values have one; without, pressures and speeds."""
+    """Keys of the numbers whose ranges are reported where values have one; without, pressures and speeds."""
 
     QUANTITIES: Mapping[str, tuple[Kind, str]] = {}
     """Kind and label of the numbers that it adds to a summary, by key."""
@@ -116,7 +116,7 @@ class Extras:
         return {}
 
     def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:  # noqa: ARG002
-        """What a person has to know before the numbers of a summary, each in one line."""
+        """What a user has to know before the numbers of a summary, each in one line."""
         yield from ()
 
     def merits(self, found: Mapping[str, Any]) -> Iterator[str]:  # noqa: ARG002

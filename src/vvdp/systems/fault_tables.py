@@ -146,7 +146,7 @@ class FaultReader:
 
 
 class _Unreadable(ParameterError):
-    """A fault that cannot be, and which key of its table says so."""
+    """A fault that cannot be, and which key of its table states this."""
 
     def __init__(self, key: str, message: str) -> None:
         super().__init__(message)
@@ -234,7 +234,7 @@ def _jam(network: Network, name: str, node: str, rest: Mapping[str, Any], window
 
 
 def _entry(origin: Table, where: str, entry: Any, window: Window) -> Any:
-    """What stands in the place of a value in a file that draws its network."""
+    """What stands instead of a value in a file that draws its network."""
     before: Any = origin.content
     for word in where.split("."):
         before = before.get(word) if isinstance(before, Mapping) else None

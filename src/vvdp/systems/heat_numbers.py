@@ -14,7 +14,7 @@ from vvdp.systems.bound import Bound
 from vvdp.systems.extras import LoadedSystem
 
 COLDEST, HOTTEST = 258.15, 373.15
-"""Oil temperatures [K] between which two points of a data sheet tell the viscosity: from -15 degC, at which DIN 51524
+"""Oil temperatures [K] between which two points of a data sheet give the viscosity: from -15 degC, at which DIN 51524
 has an oil of ISO VG 46 still flow, to 100 degC, the upper point itself."""
 
 
@@ -59,7 +59,7 @@ def heat_quantities(system: LoadedSystem) -> Iterator[tuple[str, tuple[Kind, str
 
 
 def temperature_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
-    """The bounds of the temperature of each volume of which a run tells it."""
+    """The bounds of the temperature of each volume of which a run shows it."""
     for name in warm_volumes(system.circuit.network):
         if f"temperature_max_{name}_K" in found:
             yield Bound(
@@ -69,5 +69,5 @@ def temperature_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterat
                 high=float(found[f"temperature_max_{name}_K"]),
                 least=COLDEST,
                 most=HOTTEST,
-                otherwise="the data sheet does not tell the viscosity there",
+                otherwise="the data sheet does not show the viscosity there",
             )

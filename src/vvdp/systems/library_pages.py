@@ -1,4 +1,4 @@
-"""What a person wants to know of a component or program of the library, collected from the code.
+"""What a user wants to know of a component or program of the library, collected from the code.
 
 Meanings of words are those of docs/nomenclature.md, which the package carries.
 """
@@ -43,7 +43,7 @@ LAST_PARAGRAPHS = re.compile(r"\n\s*\n(?:Source|Holds|Error)  .*\Z", re.DOTALL)
 
 @dataclass(frozen=True)
 class Described:
-    """A value, input or output: example as a file gives it and usual value as a person reads it; empty without one."""
+    """A value, input or output: example as a file gives it and usual value as people read it; empty without one."""
 
     name: str
     meaning: str

@@ -5,6 +5,7 @@ from typing import Any
 
 from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.kinds import TIME
+from vvdp.base.rules import POSITIVE
 from vvdp.base.tables import SET_BY_OPTION, Table
 from vvdp.base.units import parse
 
@@ -36,7 +37,7 @@ def lasting(table: Table, until: str, settings: Sequence[str] = ()) -> Table:
     except ParameterError as problem:
         raise ConfigError([Fault("--until", 0, "", str(problem))]) from None
     if not seconds > 0.0:
-        raise ConfigError([Fault("--until", 0, "", f"{until!r}; expected more than 0 s")])
+        raise ConfigError([Fault("--until", 0, "", f"{until!r} {POSITIVE}")])
     run = table.content.get("run", {})
     if not isinstance(run, Mapping):
         return table

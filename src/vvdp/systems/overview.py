@@ -1,4 +1,4 @@
-"""The numbers of a summary by node and by component, as a person reads them."""
+"""The numbers of a summary by node and by component, as people read them."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
@@ -41,7 +41,7 @@ class FlowLine(NamedTuple):
 
 
 class LossLine(NamedTuple):
-    """What a component turns to heat [W], whole and by its parts."""
+    """What a component dissipates [W], whole and by its parts."""
 
     component: str
     loss: float
@@ -95,7 +95,7 @@ def flow_ports(part: Part) -> dict[str, str]:
 
 
 def loss_lines(system: System, found: Mapping[str, Any]) -> Iterator[LossLine]:
-    """What the components turn to heat."""
+    """What the components dissipate."""
     network = system.circuit.network
     hidden = inside(network)
     for part in network.parts.values():
@@ -109,7 +109,7 @@ def loss_lines(system: System, found: Mapping[str, Any]) -> Iterator[LossLine]:
 
 
 def circuit_loss_lines(system: System, found: Mapping[str, Any]) -> Iterator[LossLine]:
-    """What each part that is a circuit of its own turns to heat, whole and by what is in it."""
+    """What each part that is a circuit of its own dissipates, whole and by what is in it."""
     lines = tuple(loss_lines(system, found))
     for name, circuit in system.circuit.network.circuits.items():
         inner = (line for line in lines if line.component in circuit.names)
@@ -134,7 +134,7 @@ def power_lines(system: System, found: Mapping[str, Any]) -> Iterator[tuple[str,
 
 
 def warnings(system: System, found: Mapping[str, Any]) -> Iterator[str]:
-    """What a person has to know before the numbers of a summary, each in one line; the gravest first."""
+    """What a user has to know before the numbers of a summary, each in one line; the gravest first."""
     if "second_law" in found:
         yield from _impossible(system, found)
     if not found["finished"]:

@@ -67,7 +67,7 @@ def run_local_module(name: str, path: Path) -> types.ModuleType:
     assert spec and spec.loader
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
-    linecache.checkcache(str(path))  # whoever reads the text of its functions reads what is run here
+    linecache.checkcache(str(path))  # whatever reads the text of its functions reads what is run here
     try:
         spec.loader.exec_module(module)
     except Exception as problem:

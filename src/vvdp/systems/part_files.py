@@ -34,7 +34,7 @@ class PartFile:
 
     @property
     def identity(self) -> str:
-        """What tells it from all other files."""
+        """What distinguishes it from all other files."""
         return self.name if self.path is None else str(self.path.resolve())
 
     @property

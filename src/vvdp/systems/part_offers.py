@@ -19,7 +19,7 @@ from vvdp.systems.part_scopes import as_table
 from vvdp.systems.part_uses import joined_ports
 
 GENERIC = frozenset(replacements(PLAIN, PLAIN, PLAIN))
-"""Kinds that stand for those of a circuit: what a file gives tells the quantity."""
+"""Kinds that stand for those of a circuit: what a file gives shows the quantity."""
 
 
 @dataclass(frozen=True)
@@ -104,6 +104,6 @@ def _kind(group: str, word: str, key: str) -> tuple[Kind | None, Any]:
 
 
 def _text(entry: Any, kind: Kind | None) -> str:
-    """An entry as a person wrote it."""
+    """An entry as a user wrote it."""
     value = entry.get("value", "changes" if kind else "") if isinstance(entry, Mapping) else entry
     return "" if value is None else str(value)

@@ -91,7 +91,7 @@ class PartUse:
         nodes = [each for each in as_table(self.scope.content.get("nodes")) if each not in self.scope.parts]
         node = self.entry.get(port)
         if node is None and port in (closest_word(key, self.file.ports) for key in self._other_keys):
-            return None  # what is misspelt is told
+            return None  # what is misspelt is reported
         if node is None:
             message = f"port {port!r} is not connected; join it to one of {', '.join(nodes) or 'no node yet'}"
             self.circuit.tell(self.place, message)

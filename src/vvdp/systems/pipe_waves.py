@@ -101,7 +101,7 @@ def wave_numbers(system: LoadedSystem, run: Run) -> dict[str, float]:
 
 
 def wave_bounds(found: Mapping[str, Any]) -> Iterator[Bound]:
-    """The bounds of the roughness of the pipes of which a run tells it."""
+    """The bounds of the roughness of the pipes of which a run shows it."""
     for key in found:
         if key.startswith("wave_roughness_"):
             name = key.removeprefix("wave_roughness_").replace("_", " ")

@@ -1,4 +1,4 @@
-"""Results that no machine could show: pressures and speeds beyond all components, relief valves that stay shut,
+"""Results that no machine could show: pressures and speeds beyond all components, relief valves that stay closed,
 throttles that are laminar at any drop; and orifices that throttle nothing, which may be meant."""
 
 import math
@@ -18,7 +18,7 @@ from vvdp.systems.bound import Bound
 from vvdp.systems.extras import LoadedSystem
 
 ABOVE_SETTING = 1.2
-"""Pressure above the outside, over that at which a relief valve passes its rated flow, from which one that stays shut
+"""Pressure above the outside, over that at which a relief valve passes its rated flow, from which one that stays closed
 is a mistake."""
 
 
@@ -65,7 +65,7 @@ def plausible_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator
         yield from _velocity(found, part, limits)
         yield from _transitions(part)
         for relief in (value for value in part.values if isinstance(value, ReliefValve)):
-            yield from _stays_shut(system, found, part, relief)
+            yield from _stays_closed(system, found, part, relief)
 
 
 def _transitions(part: Part) -> Iterator[Bound]:
@@ -103,7 +103,7 @@ def _highest(system: LoadedSystem, found: Mapping[str, Any], node: str) -> float
     return float(found[f"pressure_max_{node}_Pa"]) + float(oil.reference_pressure)
 
 
-def _stays_shut(system: LoadedSystem, found: Mapping[str, Any], part: Part, relief: ReliefValve) -> Iterator[Bound]:
+def _stays_closed(system: LoadedSystem, found: Mapping[str, Any], part: Part, relief: ReliefValve) -> Iterator[Bound]:
     """Of a relief valve through which nothing flowed, the highest pressure behind it; its setting is its bound.
 
     Only where a prescribed pressure is before it, which no valve limits: between two volumes either may be the higher.

@@ -19,7 +19,7 @@ def lowest_cavitation_number(bench: BenchValues, found: Mapping[str, Any], angle
     """A lower bound of the cavitation number of the nozzles over a run [1]; nan where no port is open.
 
     It belongs to the highest inlet pressure, the lowest pressure behind the port, and the smallest opening: a port that
-    shuts takes the whole drop with its nozzles just before, however little flows.
+    closes takes the whole drop with its nozzles just before, however little flows.
 
     found   the numbers of the run
     angles  the least and the greatest angle of the spool [rad]
@@ -39,7 +39,7 @@ def lowest_cavitation_number(bench: BenchValues, found: Mapping[str, Any], angle
 
 
 def smallest_openings(bench: BenchValues, angles: tuple[float, float]) -> Openings:
-    """The smallest openings of both ports while the spool turns between two `angles` [rad]; 0 for one that shuts.
+    """The smallest openings of both ports while the spool turns between two `angles` [rad]; 0 for one that closes.
 
     One that never opens has nan.
     """

@@ -28,7 +28,7 @@ WORDS = (
     "further."
 )
 CAPTION = (
-    "What the results rest on: how far each number moves where one value lies at either end of its range, all others "
+    "What the results depend on: how far each number moves where one value lies at either end of its range, all others "
     "as they are. The upright line is the system as it is."
 )
 
@@ -38,7 +38,7 @@ def result_with_ranges(result: Result, ranges: Ranges, known: Known, before: str
     if not ranges.rows:
         return result
     charts = {RESTS_ON: range_chart(ranges, known)} if any(map(ranges.moves, ranges.nominal)) else {}
-    section = Section(title="What the results rest on", words=(WORDS,), shows=(SPANS, *charts, ENDS))
+    section = Section(title="What the results depend on", words=(WORDS,), shows=(SPANS, *charts, ENDS))
     place = next((at for at, each in enumerate(result.sections) if each.title == before), len(result.sections))
     return replace(
         result,
@@ -62,11 +62,11 @@ def range_table(ranges: Ranges, known: Known) -> Table:
         ends, (kind, label) = ranges.ends[key], known[key]
         for place, end in enumerate(("low", "high")):
             columns[_column(key, kind, end)] = Column(ends[:, place], kind, f"{label}, {end} end")
-    return Table(title="What the results rest on", columns=columns, is_data=True)
+    return Table(title="What the results depend on", columns=columns, is_data=True)
 
 
 def end_listing(ranges: Ranges, known: Known) -> Listing:
-    """Every value that has a range, and each number at its lower and at its upper end, as a person reads it."""
+    """Every value that has a range, and each number at its lower and at its upper end, as people read it."""
     rows = []
     for place, row in enumerate(ranges.rows):
         pairs = ((known[key][0], ranges.ends[key][place]) for key in ranges.nominal)
@@ -122,7 +122,7 @@ def _left_out(ranges: Ranges) -> str:
 
 
 def value_words(row: Sourced) -> str:
-    """What a person calls a value: its key, and the table that it stands in."""
+    """What a user calls a value: its key, and the table that it stands in."""
     name = re.sub(r"^(viscosity)_(\d+)$", r"\1 at \2 °C", row.key)
     return f"{name} of the {row.table.rpartition('.')[2]}".replace("_", " ")
 

@@ -1,4 +1,4 @@
-"""The test benches of the rotary valve: a pump unit against a load line with an orifice, or against a pressure source.
+"""The test rigs of the rotary valve: a pump unit against a load line with an orifice, or against a pressure source.
 
 The two functions that return a `Network` are what a system file names as its circuit; the fields of their argument
 are its tables.
@@ -67,7 +67,7 @@ class PumpUnitTables:
 
 @dataclass(frozen=True, kw_only=True)
 class BenchTables(PumpUnitTables):
-    """A pump unit on a test bench."""
+    """A pump unit on a test rig."""
 
     motor: DriveMotor
     load: OrificeLoad | PressureLoad
@@ -171,7 +171,7 @@ def join_load(net: Network, tables: OrificeBench, joined: UnitJoints) -> None:
 
 
 def cavitation_limit(limits: Limits) -> float:
-    """Pressure below which oil is held to evaporate, absolute [Pa]."""
+    """Pressure below which cavitation is assumed, absolute [Pa]."""
     return limits.cavitation_pressure
 
 

@@ -1,4 +1,4 @@
-"""Whether one speed of sound tells the waves of a line whose delay is fixed: how it changes over their pressures."""
+"""Whether one speed of sound shows the waves of a line whose delay is fixed: how it changes over their pressures."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any

@@ -14,11 +14,13 @@ from vvdp.systems.extras import Line, Summary
 SETTLED = 0.5
 """From this time of a run on the errors of the estimate are counted [s]: the filter has found speed and index."""
 STATED = 2.0
-"""Within so many stated deviations 95 % of the errors lie if they are Gaussian and the deviations true."""
+"""Within so many stated standard deviations 95 % of the errors lie if they are Gaussian and the deviations true."""
 COVERAGE = (0.90, 0.99)
 """Between these the share of the errors within so many deviations lies where the estimate knows how good it is."""
 MODEST = 2.0
-"""Stated deviation over the errors from which on, beyond chance, an estimate is far less sure than it may be."""
+"""Stated standard deviation over the errors from which on, beyond chance, an estimate is far less sure than it may
+be.
+"""
 UNITS: Mapping[str, tuple[Kind, str]] = {"angle": (ANGLE, "rad"), "speed": (SPEED, "rad_s")}
 
 
@@ -34,7 +36,7 @@ class EstimateErrors(NamedTuple):
 def estimate_errors(estimate: Mapping[str, Array], sampled: Mapping[str, Array], pitch: float) -> EstimateErrors:
     """Errors of the estimates of a watched spool.
 
-    The wheel cannot tell which way it turns: they are against the angle turned through and the magnitude of the speed.
+    The wheel cannot show which way it turns: they are against the angle turned through and the magnitude of the speed.
 
     estimate  columns of `Estimate` over the recorded rows
     sampled   the spool's `angle` [rad] and `speed` [rad/s] at the last sample and its `time` [s], over the same rows
@@ -62,7 +64,7 @@ def mean_speed(times: Array, angle: Array, pitch: float) -> Array:
 def estimate_numbers(
     times: Array, estimate: Mapping[str, Array], sampled: Mapping[str, Array], pitch: float
 ) -> Summary:
-    """What a run comes to of its estimate, from `SETTLED` on; empty for a shorter run.
+    """Results of the estimate of a run, from `SETTLED` on; empty for a shorter run.
 
     Means over time are by the trapezoidal rule over the recorded rows. Errors in a row with one sign count as one.
     Arguments as those of `estimate_errors`, and `times` [s] of the rows.
@@ -98,8 +100,8 @@ def estimate_quantities(pitch: float) -> dict[str, tuple[Kind, str]]:
         kind, unit = UNITS[name]
         found |= {
             f"spool_{name}_error_rms_{unit}": (kind, f"{words}: error"),
-            f"spool_{name}_deviation_rms_{unit}": (kind, f"{words}: stated deviation"),
-            f"spool_{name}_coverage": (EFFICIENCY, f"{words}: errors within two deviations"),
+            f"spool_{name}_deviation_rms_{unit}": (kind, f"{words}: stated standard deviation"),
+            f"spool_{name}_coverage": (EFFICIENCY, f"{words}: errors within ±2σ"),
             f"spool_{name}_nees": (NUMBER, f"{words}: squared errors over stated variance"),
             f"spool_{name}_errors": (COUNT, f"{words}: independent errors"),
         }
@@ -115,7 +117,7 @@ def of_what(pitch: float) -> str:
 
 
 def estimate_lines(pitch: float) -> tuple[Line, ...]:
-    """What a person is shown of the estimate; `pitch` [rad] as that of `estimate_errors`."""
+    """What a user is shown of the estimate; `pitch` [rad] as that of `estimate_errors`."""
     shown = {key: each for key, each in estimate_quantities(pitch).items() if not key.endswith(("_nees", "_errors"))}
     return tuple(Line(label, (key,), kind, (), "Estimate of the spool") for key, (kind, label) in shown.items())
 
@@ -136,6 +138,7 @@ def estimate_doubts(found: Mapping[str, Any], pitch: float) -> Iterator[str]:
             stated, true = (found[f"spool_{name}_{which}_rms_{unit}"] for which in ("deviation", "error"))
             yield (
                 f"the estimate of the spool states {with_unit(stated, kind, 3)} ({words}) and errs by "
-                f"{with_unit(true, kind, 3)}: {percent(share)} of the errors lie within two stated deviations, where "
+                f"{with_unit(true, kind, 3)}: {percent(share)} of the errors lie within two stated standard "
+                "deviations, where "
                 f"{percent(COVERAGE[0], 0)} to {percent(COVERAGE[1], 0)} should"
             )

@@ -1,4 +1,4 @@
-"""What a run comes to: means, losses by component, extremes, balances, in plain numbers by the names of the circuit."""
+"""Summary of a run: means, losses by component, extremes, balances, in plain numbers by the names of the circuit."""
 
 from collections.abc import Iterator, Mapping
 from operator import attrgetter
@@ -104,9 +104,9 @@ def validity(system: System, found: Mapping[str, Any]) -> Summary:
 
 
 def is_filling(found: Mapping[str, Any]) -> bool:
-    """Whether more than `SETTLED` of the power put in goes into store, or comes out of it, which ends some day.
+    """Whether more than `SETTLED` of the input power enters or leaves the stored energy, which ends some day.
 
-    It tells a drift too slow to show in the means. Without power put in they tell all.
+    It shows a drift too slow to show in the means. Without input power they show all.
     """
     put_in = sum(max(value, 0.0) for key, value in found.items() if key.startswith("power_"))
     return bool(put_in > 0.0 and abs(found.get("stored_power_W", 0.0)) > SETTLED * put_in)

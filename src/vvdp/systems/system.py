@@ -15,7 +15,8 @@ from vvdp.base.display import readable
 from vvdp.base.errors import ConfigError, Fault, NetworkError, ParameterError
 from vvdp.base.kinds import Ratio, Time
 from vvdp.base.manifest import Directory
-from vvdp.base.params import Params, without_class
+from vvdp.base.params import Params
+from vvdp.base.rules import without_class
 from vvdp.base.signal import Signal
 from vvdp.base.tables import (
     Sourced,
@@ -188,7 +189,7 @@ class System:
         return replace(self, circuit=build_circuit(network), tables=tables, redrawn=True)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """A system travels to other processes as its text: its functions are written anew where it arrives."""
+        """A system travels to other processes as its text: its functions are written again where it arrives."""
         return _build_network, (self.table, self.name, self.folder.absolute(), self.tables if self.redrawn else None)
 
 

@@ -33,7 +33,7 @@ def bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
         high=hottest,
         least=COLDEST,
         most=HOTTEST,
-        otherwise="the data sheet does not tell the viscosity there",
+        otherwise="the data sheet does not show the viscosity there",
     )
     least = -float("inf") if system.circuit.network.oil.vapour_pressure > 0.0 else cavitation_pressure(system)
     for number, (node, lowest) in enumerate(lowest_pressures(system, found) or [("", float("nan"))]):

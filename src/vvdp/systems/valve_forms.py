@@ -23,7 +23,7 @@ from vvdp.valve.validity import CAVITATION_PRESSURE
 def unit_forms(unit: ValveUnit, load_pressure: float) -> dict[str, float]:
     """The analytic results of a unit against `load_pressure` [Pa, absolute], by the keys `ANALYTIC`.
 
-    They take as long to work out as a short run.
+    They take as long to calculate as a short run.
     """
     point = unit.operating_point(load_pressure)
     pump = point.cycle.pump_loss + pump_friction_power(unit.pump_speed, unit.pump)

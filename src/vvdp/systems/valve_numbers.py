@@ -49,7 +49,7 @@ def driven_spools(network: Network) -> dict[str, DrivenShaft]:
 
 
 def valve_numbers(system: LoadedSystem, means: Mapping[str, float], found: Summary) -> Summary:
-    """Numbers of each rotary valve, beside those in `found`; none where the system tells them itself.
+    """Numbers of each rotary valve, beside those in `found`; none where the system shows them itself.
 
     means  of all that the books add up, by its path in them
     """

@@ -86,7 +86,7 @@ class ValveUnit:
             yield f"the relief valve opens with a lag of {lag}, which is in no quasi-steady average"
         if relief.reseat_drop > 0.0:
             drop = with_unit(relief.reseat_drop, PRESSURE_DIFFERENCE)
-            yield f"the relief valve shuts only {drop} below its setting, which is in no quasi-steady average"
+            yield f"the relief valve closes only {drop} below its setting, which is in no quasi-steady average"
         if self.is_softened:
             yield "a check valve past the load port, or a chamber that takes the flow, is in no closed form"
 
@@ -94,7 +94,7 @@ class ValveUnit:
 def chosen_valve(system: LoadedSystem, verb: str, part: str = "") -> PlacedValve:
     """The rotary valve of a system; of several the one that is called `part`, or is alone in the part of that name.
 
-    Raises ConfigError, which names `verb`, where there is none, or which one is not told.
+    Raises ConfigError, which names `verb`, where there is none, or which one is not stated.
     """
     found = {each.name: each for each in placed_valves(system.circuit.network)}
     name = part.replace(".", "_")

@@ -35,7 +35,7 @@ class BranchFlow(NamedTuple):
     """Flow of a branch, the flow that the same drop would send through its nozzle per open fraction, and the parts'
     shares of the drop, which sum to 1.
 
-    `full_section_flow` is `flow` over the open fraction, and stays finite when the port shuts.
+    `full_section_flow` is `flow` over the open fraction, and stays finite when the port closes.
     """
 
     flow: Flow
@@ -197,8 +197,8 @@ def branch_flow(pressure_drop: float, opening: float, density: float, valve: Rot
     return law_flow(pressure_drop, opening, branch_law(density, valve))
 
 
-def shut_flow(pressure_drop: float, law: BranchLaw) -> BranchFlow:
-    """What `law_flow` comes to for a shut port: no flow, and the whole drop over the nozzles [m^3/s, 1].
+def closed_flow(pressure_drop: float, law: BranchLaw) -> BranchFlow:
+    """What `law_flow` comes to for a closed port: no flow, and the whole drop over the nozzles [m^3/s, 1].
 
     pressure_drop  from inlet rail to outlet port, either sign [Pa]
     """
@@ -219,13 +219,13 @@ def law_flow(pressure_drop: float, opening: float, law: BranchLaw) -> BranchFlow
 
 
 def law_flow_compiled(pressure_drop: float, opening: float, law: BranchLaw) -> BranchFlow:
-    """The same as `law_flow`, which it replaces in compiled code: most of the time one of the ports is shut.
+    """The same as `law_flow`, which it replaces in compiled code: most of the time one of the ports is closed.
 
     pressure_drop  from inlet rail to outlet port, either sign [Pa]
     opening        open fraction of the branch's ports, 0 to 1 [1]
     """
     if opening == 0.0:
-        return shut_flow(pressure_drop, law)
+        return closed_flow(pressure_drop, law)
     return open_flow(pressure_drop, opening, law)
 
 

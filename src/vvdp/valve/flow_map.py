@@ -53,7 +53,7 @@ class CycleMean(NamedTuple):
 def static_relief_flow(
     pressure: float, cracking_pressure: float, override: float, rated_flow: float, tank_pressure: float
 ) -> float:
-    """Flow over a relief valve without lag at a pressure [m^3/s]; 0 for an ideal one, whose flow no pressure tells.
+    """Flow over a relief valve without lag at a pressure [m^3/s]; 0 for an ideal one, whose flow no pressure shows.
 
     Q_r (P - P_cr) / override root((P - P_T) / (P_cr + override - P_T)) above P_cr: it opens in proportion, and passes
     Q_r at the override. The simulated valve has the same law.

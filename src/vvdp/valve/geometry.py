@@ -219,7 +219,7 @@ def shape_openings(spool_angle: float, axial_position: float, shape: PortShape) 
 
 
 def port_edges(spool_angle: float, axial_position: float, shape: PortShape) -> PortEdges:
-    """On which side of the angles at which a port begins or ceases to open or shut the spool stands [1].
+    """On which side of the angles at which a port begins or ceases to open or closed the spool stands [1].
 
     The openings have kinks where |2 |w| -/+ d_c|/2 pitches lie between the nozzle's centre and the middle of the
     nearest wedge, w half the width of the load's wedge or of the load's with both barriers, d_c the nozzle's width.

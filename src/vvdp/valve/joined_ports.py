@@ -16,7 +16,7 @@ from vvdp.base.select import clip, maximum, select
 from vvdp.fluid.mixture import NODES, WEIGHTS
 
 STEPS = 5
-"""Of Newton, to where the relief valve shuts: what is left of it moves a mean by its square only."""
+"""Of Newton, to where the relief valve closes: what is left of it moves a mean by its square only."""
 RELIEF_STEPS = 3
 """Of Newton, to the pressure at which the relief valve takes the rest: the flows hardly bend over its override."""
 LEAST_JOINT = 1e-9
@@ -46,15 +46,15 @@ class JoinedPorts(NamedTuple):
 def joined_ports(joint: float, ends: Ends) -> JoinedPorts:
     """Integrals while both ports are open, together by `joint` = max(1 - lambda, 0) [Pa, 1, 1].
 
-    By 16 Gauss points on each of three stretches, which end where the relief valve shuts, and where it opens again or
+    By 16 Gauss points on each of three stretches, which end where the relief valve closes, and where it opens again or
     the load begins to flow back.
 
     joint  what the open fractions add up to [1]
     """
     whole = maximum(joint, LEAST_JOINT)
-    shuts, turns = _breaks(whole, ends)
+    closes, turns = _breaks(whole, ends)
     excess = load = relief = 0.0
-    for start, end in ((0.0, shuts), (shuts, turns), (turns, whole)):
+    for start, end in ((0.0, closes), (closes, turns), (turns, whole)):
         for i in range(16):
             found = _at(start + (0.5 + NODES[i]) * (end - start), whole, ends)
             weight = WEIGHTS[i] * (end - start)
@@ -87,19 +87,19 @@ def _capacity_slope(tank_opening: float, whole: float, ends: Ends) -> float:
 
 
 def _breaks(whole: float, ends: Ends) -> tuple[float, float]:
-    """Tank openings at which the relief valve shuts, and at which it opens again or the load begins to flow back.
+    """Tank openings at which the relief valve closes, and at which it opens again or the load begins to flow back.
 
     Newton on a concave function from where it is below 1 does not pass its root. Where the relief valve stays open both
     lie anywhere, which moves nothing.
     """
-    shuts, opens = 0.0 * whole, 1.0 * whole
+    closes, opens = 0.0 * whole, 1.0 * whole
     for _ in range(STEPS):
-        shuts = _newton(shuts, whole, ends)
+        closes = _newton(closes, whole, ends)
         opens = _newton(opens, whole, ends)
     over_tank = maximum(ends.relief_over_tank - ends.relief_over_load - ends.other, ends.nozzle)
     backflow = np.sqrt(ends.nozzle / over_tank)
     turns = select(_capacity(whole, whole, ends) < 1.0, opens, backflow)
-    return shuts, clip(turns, shuts, whole)
+    return closes, clip(turns, closes, whole)
 
 
 def _newton(tank_opening: float, whole: float, ends: Ends) -> float:
@@ -111,7 +111,7 @@ def _newton(tank_opening: float, whole: float, ends: Ends) -> float:
 def _at(tank_opening: float, whole: float, ends: Ends) -> JoinedPorts:
     """What flows at one instant, and what is lost in excess of the fully open valve.
 
-    With the relief valve open the inlet is x above its setting, x = o (1 - q_L - q_T). With it shut, y the root of the
+    With the relief valve open the inlet is x above its setting, x = o (1 - q_L - q_T). With it close, y the root of the
     inlet over the tank and D the load over the tank, g_L root(y^2 - D) + g_T y = 1, a quadratic equation; below the
     load's pressure, with g_T root(D) > 1, oil flows back.
     """

@@ -83,7 +83,7 @@ def throttling_power(flow: float, opening: float, density: float, valve: RotaryV
     Without the smoothing at zero drop, where the power is next to nothing.
 
     flow     Q, at the inlet's pressure [m^3/s]
-    opening  a, open fraction of the branch's ports; nothing flows through shut ones [1]
+    opening  a, open fraction of the branch's ports; nothing flows through closed ones [1]
     density  [kg/m^3]
 
     >>> print(round(throttling_power(3e-4, 0.5, 870.0, valve), 2))  # three times what they lose fully open
@@ -144,7 +144,7 @@ def transition_loss(at: Condition, valve: RotaryValve) -> TransitionLoss:
     L = (2 d_c / pitch) Q (E_load + E_tank + E_both) + 2 max(b - d_c, 0) / pitch Q (P_R + o - P_T - dP_open), E from
     `port_ramp` and, for barriers narrower than the nozzles, `joined_ports`; o from `relief_rise`, for a relief valve
     without lag, constant load pressure and stiff oil. It does not depend on the spool speed, nor on the duty ratio
-    between kappa and 1 - kappa; `range_warnings` tells where it holds.
+    between kappa and 1 - kappa; `range_warnings` shows where it holds.
 
     at  with a flow > 0
 
@@ -266,7 +266,8 @@ def range_warnings(duty_ratio: float, at: Condition, valve: RotaryValve) -> tupl
     choking = choking_drop(at.relief_pressure, branch_law(at.density, valve, at.vapour_pressure))
     if valve.pressure_recovery > 0.0 and choking < setting:
         found.append(
-            f"the nozzles choke from a drop of {1e-5 * choking:.4g} bar on, and the tank port opens and shuts under up "
+            f"the nozzles choke from a drop of {1e-5 * choking:.4g} bar on, and the tank port opens and closes "
+            "under up "
             f"to {1e-5 * setting:.4g} bar: the analytic transition loss does not hold"
         )
     return tuple(found)

@@ -43,7 +43,7 @@ from vvdp.valve.torque import (
 )
 
 LEAKAGE_TRIALS, SETTLED = 5, 1e-7
-"""Times that a pump's leakage is found anew, and the part of the flow by which it then changes no more: each divides
+"""Times that a pump's leakage is found again, and the part of the flow by which it then changes no more: each divides
 the error by 100 or more, as the mean inlet pressure changes little with the flow."""
 
 

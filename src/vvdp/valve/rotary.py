@@ -17,7 +17,8 @@ from vvdp.base.kinds import (
     PressureDifference,
     Ratio,
 )
-from vvdp.base.params import Params, field_text, refuse, require_positive
+from vvdp.base.params import Params
+from vvdp.base.rules import field_text, refuse, require_positive
 
 CentreCoefficient = Annotated[float, Kind("centre section coefficient", "SI", 1e-12, 1.0, "1.45e-6 SI", units=("SI",))]
 FlowExponent = Annotated[
@@ -105,7 +106,7 @@ class RotaryValve(Params):
         barrier = self.lap_ratio * width
         if width + barrier > pitch:
             raise ParameterError(
-                f"RotaryValve: nozzle width {1e3 * width:.3g} mm and barrier width {1e3 * barrier:.3g} mm do not fit "
+                f"nozzle width {1e3 * width:.3g} mm and barrier width {1e3 * barrier:.3g} mm do not fit "
                 f"into the pitch of {1e3 * pitch:.3g} mm; make the nozzle area or the lap ratio smaller, or the "
                 f"helix longer"
             )

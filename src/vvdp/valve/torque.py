@@ -58,7 +58,7 @@ def jet_section(opening: float, skew: float, exponent: float) -> float:
 
 
 def jet_section_compiled(opening: float, skew: float, exponent: float) -> float:
-    """The same as `jet_section`, which it replaces in compiled code: most of the time a port is shut or open.
+    """The same as `jet_section`, which it replaces in compiled code: most of the time a port is closed or open.
 
     opening   open fraction a, 0 to 1 [1]
     skew      what the jet's asymmetry adds to it [1]
@@ -84,7 +84,7 @@ def inlet_torque(
     """Torque of the nozzle jets of one branch on a spool [N m]: rho R_in Q^2 / (r A_in a^s) (1 + skew / a).
 
     Zero for reversed flow. Written with the flow per open fraction, Q = a Q_f, so that it stays finite when the port
-    shuts.
+    closes.
 
     full_section_flow  flow over open fraction [m^3/s]
     opening            open fraction a, 0 to 1 [1]

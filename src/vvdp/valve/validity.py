@@ -1,4 +1,4 @@
-"""Up to where the laws of the rotary valve hold: the numbers, and on what each rests. docs/design.md tells them all.
+"""Up to where the laws of the rotary valve hold: the numbers, and on what each rests. docs/design.md shows them all.
 
 Source  ours, docs/design.md, "Where the model leaves its range", where a number names no other.
 """
@@ -32,7 +32,7 @@ WAVE_TRANSITS = 10.0
 
 
 def wave_transits(pwm_frequency: float, pressure: float, density: float, oil: Oil, valve: RotaryValve) -> float:
-    """How often a pressure wave crosses the valve while a port opens or shuts, kappa a/(f_pwm L) [1].
+    """How often a pressure wave crosses the valve while a port opens or closes, kappa a/(f_pwm L) [1].
 
     L is the helix length, the longest way in the valve, a the speed of sound sqrt(K/rho).
 

@@ -1,6 +1,6 @@
 """Numbers of a report that follow a run in the browser: cells of its listings, and values beside parts of its diagrams.
 
-A listing is made once more from a summary of other numbers, no two alike: what a cell then shows tells its key.
+A listing is made once more from a summary of other numbers, no two alike: what a cell then shows shows its key.
 """
 
 import random
@@ -22,7 +22,7 @@ POWER = "power_"
 PUT_IN, GIVEN = "put_in", "given_out"
 """What a page adds up from all powers: those into the circuit, and those out of it."""
 KEPT = ("averaged_", "duration_", "wall_time_")
-"""Beginnings of keys whose numbers do not follow: words depend on them, or they tell nothing of the system."""
+"""Beginnings of keys whose numbers do not follow: words depend on them, or they show nothing of the system."""
 
 
 def unit_of(kind: Kind) -> dict[str, Any]:

@@ -22,7 +22,7 @@ OWN = ("erf", "exp", "expm1", "log", "pow", "support", "tanh")
 
 @dataclass(frozen=True)
 class Way:
-    """How a module works out `a b + c` with one rounding, which WebAssembly has no instruction for.
+    """How a module calculates `a b + c` with one rounding, which WebAssembly has no instruction for.
 
     text      LLVM text for it in place of LLVM's own, which calls `fma`
     fused     whether the code needs it at all

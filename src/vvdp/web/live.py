@@ -17,8 +17,8 @@ def live_page(run: RecordedRun, page: Page, command: str, say: Callable[[str], N
     """The page of a run's report with the module of its system, which a reader's browser carries out.
 
     command  the line that repeats the run, to which the page adds what is set there
-    The page stays as it is, and `say` hears why, where the run was interrupted or its system cannot be compiled so.
-    Raises MissingExtraError without the extra `web`.
+    The page stays as it is, and `say` is informed why, where the run was interrupted or its system cannot be
+    compiled so. Raises MissingExtraError without the extra `web`.
     """
     if not run.has("finished"):
         say("interrupted; the report is not interactive")

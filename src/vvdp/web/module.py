@@ -1,7 +1,7 @@
 """A model with its loop as one WebAssembly module that imports nothing but its memory.
 
 The texts are those that the command line compiles. What they call of the C library comes from `link`, and so does the
-way in which products and sums are worked out that a processor rounds once.
+way in which products and sums are calculated that a processor rounds once.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -85,7 +85,7 @@ def _entry_texts(found: ModelAssemblies, shown: Assembly) -> dict[str, str]:
 
 
 def _assembly_of_outputs(model: Model, case: Case) -> Assembly:
-    """What is worked out from a run's rows: outputs, and what is in store."""
+    """What is calculated from a run's rows: outputs, and what is stored."""
     parts = [outputs_part(model, case)]
     return Assembly(parts if model.stored is None else [*parts, stored_part(model.stored, case)])
 

@@ -1,4 +1,4 @@
-"""How a page works out the numbers of a run: from states at the ends of its means, and from its extremes.
+"""How a page calculates the numbers of a run: from states at the ends of its means, and from its extremes.
 
 The summary's own functions are carried out with sums in place of numbers, so that page and command line count alike.
 """

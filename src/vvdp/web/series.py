@@ -1,4 +1,4 @@
-"""Which recorded number each column of a report's table of series is, so that a page can draw it anew."""
+"""Which recorded number each column of a report's table of series is, so that a page can draw it again."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
@@ -31,8 +31,8 @@ class Recorded(NamedTuple):
 def recorded_columns(run: RecordedRun, courses: Callable[[RecordedRun], Mapping[str, Array]]) -> dict[str, Recorded]:
     """The courses of a run that are a recorded number, or one above a reference; no others.
 
-    They are made once more from a record of other numbers, no two alike: numbers that are alike in the run are told
-    apart.
+    They are made once more from a record of other numbers, no two alike: numbers that are alike in the run are
+    distinguished apart.
     """
     other = _with_other_numbers(run)
     nodes = run.network.nodes.values()
@@ -81,7 +81,7 @@ def _rows(run: RecordedRun) -> Iterator[tuple[str, int, Array]]:
 
 
 def followed_charts(result: Result, known: Mapping[str, Recorded]) -> dict[str, Any]:
-    """Of each live chart over the series: the columns of its lines, panel by panel, that a page can draw anew."""
+    """Of each live chart over the series: the columns of its lines, panel by panel, that a page can draw again."""
     table = result.tables[SERIES]
     return {
         chart.name: [_lines(panel, table, known) if isinstance(panel, Lines) else [] for panel in chart.panels]

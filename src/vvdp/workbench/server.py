@@ -136,7 +136,7 @@ def listening(port: int) -> socket.socket:
     found = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     found.bind((HOST, port))
-    found.listen()  # who is told the address at once may connect before the server runs
+    found.listen()  # who receives the address at once may connect before the server runs
     return found
 
 

@@ -1,4 +1,4 @@
-"""One open page: of what it asks for, only the newest is worked out, in a thread of its own."""
+"""One open page: of what it asks for, only the newest is calculated, in a thread of its own."""
 
 import asyncio
 import threading
@@ -119,7 +119,7 @@ class Tab:
             yield packet({"kind": "faults", "n": number, "faults": finite(faults_of(problem))})
         except KeyboardInterrupt:  # stopped before its first step
             return
-        except Exception as problem:  # else the page would wait for ever
+        except Exception as problem:  # else the page would wait indefinitely
             told = VvdpError(f"a mistake of vvdp: {type(problem).__name__}: {problem}")
             yield packet({"kind": "faults", "n": number, "faults": finite(faults_of(told))})
 
@@ -132,7 +132,7 @@ class Tab:
 
 
 async def watch(offer: Offer, shown: Callable[[], str], socket: WebSocket) -> None:
-    """Tells a page the text of the file that is `shown`, and again when it changes on disk; none where it is gone."""
+    """Shows a page the text of the file that is `shown`, and again when it changes on disk; none where it is gone."""
     name, before = "", None
     while True:
         await asyncio.sleep(LOOKS)

@@ -1,4 +1,4 @@
-"""What the server works out for a page: values, diagram, drafts and whole runs."""
+"""What the server calculates for a page: values, diagram, drafts and whole runs."""
 
 import math
 import shlex

@@ -165,5 +165,5 @@ def test_the_memory_that_was_given_is_left_alone(sampled_edges, stepped):
 
 @pytest.mark.parametrize("window", [0.0, 2.5])
 def test_windows_that_cannot_be_are_refused(window):
-    with pytest.raises(ParameterError, match=f"{window:g} samples"):
+    with pytest.raises(ParameterError, match=f"{window:g} must be a whole number"):
         replace(finite_difference(WHEEL), window=window)

@@ -168,7 +168,9 @@ def test_compiled_is_plain(sampled_edges, stepped):
     assert not found.memory.times.any()
 
 
-@pytest.mark.parametrize("edges, order, told", [(8.0, 0.0, "order 0"), (2.0, 2.0, "from 3"), (4.5, 1.0, "4.5 edges")])
+@pytest.mark.parametrize(
+    "edges, order, told", [(8.0, 0.0, "order: 0 must"), (2.0, 2.0, "at least 3"), (4.5, 1.0, "edges: 4.5 must")]
+)
 def test_fits_that_cannot_be_are_refused(edges, order, told):
     with pytest.raises(ParameterError, match=told):
         replace(time_stamping(WHEEL), edges=edges, order=order)

@@ -1,1 +1,1 @@
-"""Estimators that others are measured by: known methods without a model of faults, and one that is told the torques."""
+"""Estimators that others are measured by: known methods without a model of faults, and one that knows the torques."""

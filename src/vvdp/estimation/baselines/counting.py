@@ -20,7 +20,7 @@ from vvdp.sensing.wheel import CodeWheel, edge_angle, edge_below, edge_polarity
 
 
 class LastEdge(NamedTuple):
-    """The last edge passed, as far as counting tells; before the first one, the place and time of the start."""
+    """The last edge passed, as far as counting shows; before the first one, the place and time of the start."""
 
     number: Count
     angle: Angle

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Count, Speed
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse
 from vvdp.estimation.baselines.counting import (
     LastEdge,
     carried_angle,
@@ -32,7 +32,7 @@ class FiniteDifference(Params):
 
     def check(self) -> None:
         if self.window < 1.0 or self.window % 1.0:
-            raise ParameterError(f"a window of {self.window:g} samples; expected a whole number from 1")
+            refuse(self, "window", "must be a whole number of at least 1")
 
 
 def finite_difference(wheel: CodeWheel, window: float = 20.0) -> FiniteDifference:

@@ -5,9 +5,9 @@ The edges are only counted: see `counting`. Derived in docs/models/simple-estima
 
 from typing import NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Speed, Time
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.estimation.baselines.counting import (
     LastEdge,
     carried_angle,
@@ -28,8 +28,7 @@ class MOverT(Params):
     window: Time
 
     def check(self) -> None:
-        if not self.window > 0.0:
-            raise ParameterError(f"a window of {self.window:g} s; expected more than 0")
+        require_positive(self, "window")
 
 
 def m_over_t(wheel: CodeWheel, window: float = 0.02) -> MOverT:

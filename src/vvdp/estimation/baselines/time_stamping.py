@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Count
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse
 from vvdp.base.select import clip, maximum, minimum
 from vvdp.estimation.baselines.counting import LastEdge, count_start, overdue_speed, plain_estimate, update_count
 from vvdp.estimation.estimator import Estimate, Estimator
@@ -29,11 +29,9 @@ class TimeStamping(Params):
 
     def check(self) -> None:
         if not 1.0 <= self.order <= 5.0 or self.order % 1.0:
-            raise ParameterError(f"a polynomial of order {self.order:g}; expected a whole number from 1 to 5")
+            refuse(self, "order", "must be a whole number from 1 to 5")
         if self.edges < self.order + 1.0 or self.edges % 1.0:
-            raise ParameterError(
-                f"order {self.order:g} through {self.edges:g} edges; expected a whole number from {self.order + 1:g}"
-            )
+            refuse(self, "edges", f"must be a whole number of at least {self.order + 1.0:g}, order + 1")
 
 
 def time_stamping(wheel: CodeWheel, edges: float | None = None, order: float = 1.0) -> TimeStamping:
@@ -115,7 +113,7 @@ def time_stamping_step(
 ) -> tuple[TimeStampingMemory, Estimate]:
     """The estimate at a sample: the polynomial and its derivative there.
 
-    It is fitted anew at each edge, with the degree m that the edges known so far allow. The angle stays within the
+    It is fitted again at each edge, with the degree m that the edges known so far allow. The angle stays within the
     sector that is counted, the speed between 0 and m sector / (time since the last edge), which a steady acceleration
     from any speed keeps: nothing runs away without edges.
 

@@ -10,7 +10,6 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import (
     AccelerationDensity,
     AngularVariance,
@@ -23,6 +22,7 @@ from vvdp.base.kinds import (
     Temperature,
 )
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import Sighting, associated_edge, counted_edge, first_edge, irregular_share, sector
 from vvdp.estimation.between_edges import SLACK
@@ -68,8 +68,7 @@ class TorqueFilter(Params):
 
     def check(self) -> None:
         """Refuse edges without any error: the covariance would become singular."""
-        if not self.edge_variance > 0.0:
-            raise ParameterError("TorqueFilter.edge_variance is 0 rad^2; no edge is known exactly, expected above 0")
+        require_positive(self, "edge_variance", why="no edge is known exactly")
 
 
 class TorqueReading(NamedTuple):
@@ -110,7 +109,7 @@ class SpoolBelief(NamedTuple):
 
 
 class TorqueChange(NamedTuple):
-    """The sums of innovations that tell when the torque changes, and when both were 0 last."""
+    """The sums of innovations that show when the torque changes, and when both were 0 last."""
 
     rise: float
     fall: float

@@ -9,9 +9,9 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, Kind, Speed, Time
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.estimation.association import sector
 from vvdp.estimation.baselines.counting import LastEdge, count_start, plain_estimate, update_count
 from vvdp.estimation.estimator import Estimate, Estimator
@@ -28,8 +28,7 @@ class TrackingLoop(Params):
     bandwidth: Bandwidth
 
     def check(self) -> None:
-        if not self.bandwidth > 0.0:
-            raise ParameterError(f"a bandwidth of {self.bandwidth:g} rad/s; expected more than 0")
+        require_positive(self, "bandwidth")
 
 
 def tracking_loop(wheel: CodeWheel, bandwidth: float = 50.0) -> TrackingLoop:

@@ -128,7 +128,7 @@ class Instance:
             self.component = 0
 
     def failure(self, name: str, status: int) -> str:
-        """What is said where a function gives a status that ends a run."""
+        """What is stated where a function gives a status that ends a run."""
         word = STATUS[status] if 0 <= status < len(STATUS) else str(status)
         return self._with_words(f"fmi{self.plan.fmi}{name} gave the status {word}")
 

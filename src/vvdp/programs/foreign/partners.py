@@ -23,7 +23,7 @@ from vvdp.simulation.exchange import OUTSIDE, SYMBOL
 MOST_SLOTS = 65_536
 CODE, COMPONENT, SET, STEP, GET, IN, IN_COUNT, OUT, OUT_COUNT, STATUS, TIME = range(11)
 TOLD, WORDS = 11, 20
-"""Words of a slot; behind the time, room for what FMI 3 tells of a step."""
+"""Words of a slot; behind the time, room for what FMI 3 reports a step."""
 FAILED = -1
 """The status of a slot whose instance failed in Python; otherwise 16 * (number of the call, from 1) + FMI status."""
 _Begin = ctypes.CFUNCTYPE(
@@ -100,7 +100,7 @@ class Slot:
         self.trouble = self.sentence(t, why)
 
     def sentence(self, t: float, why: str) -> str:
-        """What is said of a failure at a time [s]."""
+        """What is stated of a failure at a time [s]."""
         return f"program {self.foreign.name!r}: the FMU {self.foreign.path.name} failed at t = {t:.6g} s: {why}"
 
     def why(self) -> str:

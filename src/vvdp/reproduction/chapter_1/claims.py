@@ -1,4 +1,4 @@
-"""What chapter 1 claims of the valve, as `vvdp rig claims` works it out for the prototype."""
+"""What chapter 1 claims of the valve, as `vvdp rig claims` calculates it for the prototype."""
 
 from functools import cache
 
@@ -16,7 +16,7 @@ from vvdp.systems.system import load_system
 
 @cache
 def claims() -> tuple[Claim, ...]:
-    """All claims, each worked out once."""
+    """All claims, each calculated once."""
     held = stand(load_system("prototype"))
     works = (throttling_claim, supply_claim, driving_claim, ripple_claim, actuation_claim)
     return tuple(work(held) for work in works)

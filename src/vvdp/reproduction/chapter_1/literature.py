@@ -1,4 +1,4 @@
-"""What section 1.2 tells of other circuits, valves and sensors, and whether its numbers go together."""
+"""What section 1.2 reports other circuits, valves and sensors, and whether its numbers go together."""
 
 from typing import NamedTuple
 
@@ -21,7 +21,7 @@ AMPLIFIED = 0.6e-3, 1.5e-3
 
 
 class OnOffValve(NamedTuple):
-    """A valve of section 1.2.2; nan where nothing is said."""
+    """A valve of section 1.2.2; nan where nothing is stated."""
 
     name: str
     flow: float  # [m^3/s]
@@ -74,7 +74,7 @@ def section_1_2_2() -> Reproduction:
     worst = float(np.nanmax(table["rotary_drop_Pa"] / table["drop_Pa"]))
     transition = transition_fraction(valve()) / open_frequency()
     drop = bound_statement(
-        "drop of the rotary valve over that of those whose drop is told, largest",
+        "drop of the rotary valve over that of those whose pressure drop is stated, largest",
         worst,
         RATIO,
         high=1.0,
@@ -130,7 +130,7 @@ def _amplifier_power() -> Statement:
         MEAN_POWER,
         low=30.0,
         source="a high actuation power, 100 N",
-        assumption="the force over the armature's stroke, twice a period; the losses of its magnet are not told",
+        assumption="the force over the armature's stroke, twice a period; the losses of its magnet are not stated",
     )
 
 

@@ -1,4 +1,4 @@
-"""Flows that were computed beforehand, kept as tables with the command that repeats them; and one computed at once."""
+"""Flows that were computed before, kept as tables with the command that repeats them; and one computed at once."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -53,7 +53,7 @@ def kept_table(study: KeptStudy) -> Table:
         key: Column(values, kind_of(key, values.dtype.kind == "U"), key.replace("_", " "))
         for key, values in study.columns.items()
     }
-    return Table(title=f"Computed beforehand: {study.command}", columns=columns, note=study.provenance)
+    return Table(title=f"Computed before: {study.command}", columns=columns, note=study.provenance)
 
 
 def live_rail(grid: float) -> Table | None:

@@ -345,7 +345,7 @@ def _computed_flows() -> tuple[Statement, ...]:
 
 
 def section_2_4() -> Reproduction:
-    """The coefficients, within what they are said to lie, and the flows that they rest on."""
+    """The coefficients, within what they are stated to lie, and the flows that they rest on."""
     v = here.valve()
     coefficients = (("nozzles", v.nozzle_discharge_coefficient), ("outlet turbine", v.outlet_discharge_coefficient))
     exponents = (("flow", v.centre_flow_exponent, 1.0, 2.0), ("diameter", v.centre_diameter_exponent, 2.0, 4.0))

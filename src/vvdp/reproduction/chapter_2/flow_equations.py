@@ -120,7 +120,7 @@ def _density_statement(found: float) -> Statement:
         tolerance=0.5,
         because="half of the last printed digit",
         other=861.0,
-        assumption="that 876 kg/m³ belong to 40 °C, as is said; in the second run to 15 °C, as in data sheets",
+        assumption="that 876 kg/m³ belong to 40 °C, as is stated; in the second run to 15 °C, as in data sheets",
     )
 
 

@@ -17,7 +17,7 @@ from vvdp.sensing.wheel import TURN
 RAD_S = SPEED_ERROR
 """A speed that the source gives in rad/s."""
 ANGLE_BOUND, SPEED_BOUND, BY = 0.06, 0.3, 0.1
-"""Within what [rad, rad/s] and until when [s] the errors are said to fall."""
+"""Within what [rad, rad/s] and until when [s] the errors are stated to fall."""
 ENOUGH = 0.95
 RANDOM = f"95 % of {published.RUNS} random runs, less two standard errors"
 TRUTHS = {

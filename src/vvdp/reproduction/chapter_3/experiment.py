@@ -25,7 +25,7 @@ from vvdp.sensing.wheel import TURN
 REVOLUTIONS, SECTIONS = 11, 3.0
 SEEDS = 60
 MOST_TIME = 0.1
-"""Within which the filter is said to follow a step [s]."""
+"""Within which the filter is stated to follow a step [s]."""
 PUMP, PUMP_SPEED, PUMP_FLOW = 22.8e-6, 1800.0 / 60.0, 40.0 * LPM
 RUN = {"until": "0.75 s", "window": "0.5 s", "window_interval": "0.1 ms"}
 

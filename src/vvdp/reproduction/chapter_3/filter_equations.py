@@ -152,7 +152,7 @@ def equation_3_7() -> Reproduction:
 
 
 def _forgetful_deviation() -> float:
-    """Standard deviation of the speed [rad/s] where the covariance begins anew at each edge."""
+    """Standard deviation of the speed [rad/s] where the covariance begins again at each edge."""
     start = AngleSpeed(0.0, 50.0, START_VARIANCE, 0.0, START_VARIANCE)
     belief = start
     for number in range(1, 101):
@@ -211,7 +211,7 @@ def equation_3_9() -> Reproduction:
 
 
 def equation_3_10() -> Reproduction:
-    """From the edge on to the sample at which it is told: the same prediction, in two parts or in one."""
+    """From the edge on to the sample at which it is reported: the same prediction, in two parts or in one."""
     whole = predict(UPDATED, LAG, DENSITY)
     parts = predict(predict(UPDATED, 0.5 * SAMPLE, DENSITY), LAG - 0.5 * SAMPLE, DENSITY)
     off = float(np.max(np.abs(np.subtract(whole, parts))))

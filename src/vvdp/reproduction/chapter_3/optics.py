@@ -143,7 +143,7 @@ ALL_EDGES_ALIKE = ("3.2: a low threshold delays the edges", "7.3: the error swit
 
 
 def _delay(kind: str, threshold: str, delay: float) -> Statement:
-    """What is said of all edges with a wrong threshold, of one kind of edge."""
+    """What is stated of all edges with a wrong threshold, of one kind of edge."""
     low, high, words = (LEAST_DELAY, np.inf, "delayed") if threshold == "low" else (-np.inf, -LEAST_DELAY, "advanced")
     return bound_statement(
         f"{kind} edges with a {threshold} threshold",

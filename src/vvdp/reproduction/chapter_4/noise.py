@@ -1,4 +1,6 @@
-"""Sections 4.1 and 4.2: the drive's map, the pollution of the sensor, functions that describe it, and its models."""
+"""Sections 4.1 and 4.2: the drive's map, the periodic sensor error of the sensor, functions that describe it, and
+its models.
+"""
 
 import math
 from functools import cache
@@ -32,7 +34,7 @@ from vvdp.sensing.axial_sensor import Pollution, pollution_at
 
 TURN = 2.0 * np.pi
 POINTS, BELL_WIDTH = 720, TURN / 6.0
-SHAPE = "the pollution's shape, of which five harmonics are assumed"
+SHAPE = "the periodic sensor error's shape, of which five harmonics are assumed"
 SYSTEM = "axial-gerotor"
 ROUNDING = "rounding"
 
@@ -164,7 +166,7 @@ def rms(values: Array) -> float:
 
 
 def figure_4_4() -> Reproduction:
-    """The pollution described by six functions of either kind."""
+    """The periodic sensor error described by six functions of either kind."""
     angles = turn_angles()
     values = pollution_over(angles)
     fourier = best_fit(fourier_basis(3), angles, values)
@@ -177,7 +179,7 @@ def figure_4_4() -> Reproduction:
     }
     chart = Chart(
         name="figure-4.4",
-        caption="The pollution of a turn, and the best that six functions of either kind make of it.",
+        caption="The periodic sensor error of a turn, and the best that six functions of either kind make of it.",
         table="fits",
         panels=(
             Lines(
@@ -235,7 +237,7 @@ MEASURED_TURNS = 4.0
 
 
 def figure_4_6() -> Reproduction:
-    """The pollution of some noisy turns described by 10, 20 and 40 Fourier functions."""
+    """The periodic sensor error of some noisy turns described by 10, 20 and 40 Fourier functions."""
     angles = turn_angles(MEASURED_TURNS)
     values = pollution_over(angles) + np.random.default_rng(0).normal(0.0, SCATTER, angles.size)
     left = [rms(best_fit(fourier_basis(count // 2), angles, values) - values) for count in COUNTS]
@@ -246,7 +248,7 @@ def figure_4_6() -> Reproduction:
     }
     chart = Chart(
         name="figure-4.6",
-        caption="What 2 to 40 Fourier functions leave of the pollution, with white noise of 20 um.",
+        caption="What 2 to 40 Fourier functions leave of the periodic sensor error, with white noise of 20 um.",
         table="counts",
         panels=(Lines(lines=(Line(x="count", y="left_m", stroke=Stroke.MARKED),), label="left, rms", y_log=True),),
         height=2.2,

@@ -25,8 +25,8 @@ from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
 from vvdp.results.verdict import Statement, bound_statement, number_statement
 
-DRIVE = "dead band, lag and pollution of the drive are in no table of the text"
-POLLUTION = "amplitudes of the pollution's harmonics"
+DRIVE = "dead band, lag and periodic sensor error of the drive are in no table of the text"
+POLLUTION = "amplitudes of the periodic sensor error's harmonics"
 
 
 def _table(found: Samples) -> Table:
@@ -39,7 +39,7 @@ def _table(found: Samples) -> Table:
         "estimate_error_m": Column(found.estimate - found.reference, POSITION, "error of the estimate"),
         "command": Column(found.command, SIGNED_FRACTION, "command"),
         "pollution_m": Column(found.pollution, POSITION, "pollution"),
-        "pollution_error_m": Column(found.pollution_error, POSITION, "error of the believed pollution"),
+        "pollution_error_m": Column(found.pollution_error, POSITION, "error of the believed periodic sensor error"),
     }
     return Table(title="Samples", columns=columns, axes=("time_s",), is_data=True)
 
@@ -79,23 +79,23 @@ def figure_4_8() -> Reproduction:
 
 
 def figure_4_9() -> Reproduction:
-    """The pollution, and what the signal generator leaves of it."""
+    """The periodic sensor error, and what the signal generator leaves of it."""
     found = late(experiment(GENERATOR, IDEAL, NOISY))
     return Reproduction(
         statements=(
             bound_statement(
-                "error of the believed pollution over the pollution, rms",
+                "error of the believed periodic sensor error over the periodic sensor error, rms",
                 rms(found.pollution_error) / rms(found.pollution),
                 RATIO,
                 high=0.05,
-                source="the position can be told from the noise",
+                source="the position can be distinguished from the noise",
                 because="a twentieth (ours)",
                 note=f"{1e6 * rms(found.pollution_error):.1f} µm rms with white noise of 20 µm",
             ),
         ),
         **_drawing_of(
             "figure-4.9",
-            "Pollution at 25 Hz and the error of its estimate.",
+            "Periodic sensor error at 25 Hz and the error of its estimate.",
             found,
             _panel("pollution", "pollution_m", right=6.4, left=6.0),
             _panel("error", "pollution_error_m", right=6.4, left=6.0),
@@ -268,7 +268,7 @@ BIN = 1000.0 / 1024.0
 
 
 def _resolution() -> tuple[Statement, ...]:
-    """What the analysis of the measured record can tell apart."""
+    """What the analysis of the measured record can distinguish."""
     return (
         number_statement(
             "line 10 of 1024 samples at 1 kHz",
@@ -285,7 +285,7 @@ def _resolution() -> tuple[Statement, ...]:
             RATIO,
             low=1.0,
             source="there is a discrepancy between estimate and true frequency (4.5.2)",
-            note="the next line is 10.74 Hz: this record cannot tell both frequencies apart",
+            note="the next line is 10.74 Hz: this record cannot show both frequencies apart",
         ),
     )
 
@@ -310,7 +310,9 @@ def figure_4_14() -> Reproduction:
                 RATIO,
                 low=1.0,
                 source="a significant component at 19.53 Hz, twice the spool's",
-                assumption="the pollution's second harmonic, 0.55 of the first here; a loop makes none of its own",
+                assumption=(
+                    "the periodic sensor error's second harmonic, 0.55 of the first here; a loop makes none of its own"
+                ),
             ),
             bound_statement(
                 "largest line with the basis functions over that with the lumped filter",
@@ -327,13 +329,13 @@ def figure_4_14() -> Reproduction:
 
 
 def figure_4_15() -> Reproduction:
-    """The pollution as a basis that is 0.5 Hz off believes it."""
+    """The periodic sensor error as a basis that is 0.5 Hz off believes it."""
     found = late(experiment(IDEAL, OFF_BY_HALF))
     right = late(experiment(IDEAL))
     return Reproduction(
         statements=(
             bound_statement(
-                "error of the believed pollution, 0.5 Hz off over right",
+                "error of the believed periodic sensor error, 0.5 Hz off over right",
                 rms(found.pollution_error) / rms(right.pollution_error),
                 RATIO,
                 low=3.0,
@@ -343,7 +345,7 @@ def figure_4_15() -> Reproduction:
         ),
         **_drawing_of(
             "figure-4.15",
-            "Pollution at 10 Hz and the error of what a basis at 9.5 Hz believes.",
+            "Periodic sensor error at 10 Hz and the error of what a basis at 9.5 Hz believes.",
             found,
             _panel("pollution", "pollution_m", right=8.0, left=6.0),
             _panel("error", "pollution_error_m", right=8.0, left=6.0),
@@ -375,7 +377,7 @@ def figure_4_16() -> Reproduction:
         ),
         **_drawing_of(
             "figure-4.16",
-            "Tracking error and command with a basis at 9.5 Hz and a pollution at 10 Hz.",
+            "Tracking error and command with a basis at 9.5 Hz and a periodic sensor error at 10 Hz.",
             found,
             _panel("error", "error_m"),
             _panel("command", "command"),

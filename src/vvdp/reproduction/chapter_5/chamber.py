@@ -53,7 +53,7 @@ def trapezoids() -> tuple[dict[str, Any], float]:
 
 
 def experiment(gains: Mapping[str, str] | None = None, changes: Changes = MappingProxyType({})) -> System:
-    """The drive on trapezoids, told the truth, under the passivity law, or under backstepping with `gains`."""
+    """The drive on trapezoids, with the true state, under the passivity law, or under backstepping with `gains`."""
     signal, end = trapezoids()
     chosen: dict[str, Any] = {
         "programs.drive_wanted.first": signal,

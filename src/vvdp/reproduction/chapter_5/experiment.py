@@ -226,7 +226,7 @@ def _weight_statements(at_best: float) -> tuple[Statement, ...]:
             calibration="the same gains",
         ),
         number_statement(
-            "V/β, at which (5.40) is said to be insensitive to the velocity, over the best λ₂",
+            "V/β, at which (5.40) is stated to be insensitive to the velocity, over the best λ₂",
             1.0,
             1e12 * middle_compliance() / at_best,
             RATIO,

@@ -20,8 +20,8 @@ from vvdp.control.storage import pressure_balance, pressure_storage
 from vvdp.control.tuning import backstepping_certificate
 from vvdp.estimation.observability import (
     analytic_grammian,
-    lost_speeds,
     observability_margin,
+    unobservable_speeds,
     without_noise,
 )
 from vvdp.reproduction.chapter_5.chamber import HELIX, TURN, known_drive, middle_compliance
@@ -193,7 +193,10 @@ def margins() -> Table:
 def _margin_chart() -> Chart:
     return Chart(
         name="section-5.5",
-        caption="Observability margin over the spool's speed, five harmonics; 1 is as good as without pollution.",
+        caption=(
+            "Observability margin over the spool's speed, five harmonics; 1 is as good as without periodic sensor "
+            "error."
+        ),
         table="margins",
         panels=(Lines(lines=(Line(x="speed_Hz", y="margin"),), label="margin"),),
         height=2.4,
@@ -239,9 +242,9 @@ def _observability(gamma: float, highest: float, rank: int) -> tuple[Statement, 
 
 
 def section_5_5() -> Reproduction:
-    """Theorem 5.5.1: when position and pollution can be told apart."""
+    """Theorem 5.5.1: when position and periodic sensor error can be distinguished."""
     gamma = math.sqrt(known_drive().stiffness / known_drive().moving_mass)
-    lost = lost_speeds(gamma, HARMONICS)
+    lost = unobservable_speeds(gamma, HARMONICS)
     left = without_noise(analytic_grammian(gamma, float(lost[0]), HARMONICS))
     rank = int(np.sum(np.abs(np.linalg.eigvalsh(left * np.outer((1.0, gamma), (1.0, gamma)))) > 1e-9))
     table = margins()

@@ -19,7 +19,7 @@ from vvdp.results.result import Column, Table
 from vvdp.results.verdict import bound_statement, number_statement
 
 PLACE = 0.1
-"""Of the piston, where equations are worked out [m]."""
+"""Of the piston, where equations are calculated [m]."""
 REFERENCE, MOTION, OIL_FORCE = Reference(0.1, 0.05, 0.2, 0.0), Motion(0.103, 0.04, -700.0, 100.0), 1500.0
 ROUNDING = "rounding"
 
@@ -29,7 +29,7 @@ def _tank() -> float:
 
 
 def equation_6_3() -> Reproduction:
-    """Rates of the pressures: what is pumped in between two shut ports, by the oil's compression."""
+    """Rates of the pressures: what is pumped in between two closed ports, by the oil's compression."""
     cylinder = nominal_settings().cylinder
     found = capacities(1.0, PLACE, _tank(), cylinder)
     by_hand = cylinder.bulk_modulus * cylinder.area_a / (cylinder.oil_volume_a + cylinder.area_a * PLACE)

@@ -163,7 +163,7 @@ def _learning() -> tuple[Statement, ...]:
 
 
 def section_7_3() -> Reproduction:
-    """What the inlet pressure tells, and what adaptation brings."""
+    """What the inlet pressure shows, and what adaptation brings."""
     duty = measured_duty_ratio()
     at = rises(estimated_turns()["turned_rad"], estimated_turns()["inlet_Pa"])
     return Reproduction(

@@ -1,4 +1,4 @@
-"""Whether pump, valves and cylinder can follow a cycle at all: told before a run, with numbers.
+"""Whether pump, valves and cylinder can follow a cycle at all: reported before a run, with numbers.
 
 Source  ours, docs/models/displacement-chapter6.md, where a function names no other.
 """
@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Flow, Pressure
+from vvdp.base.kinds import VOLUME, Flow, Pressure
+from vvdp.base.rules import require_positive_value
 from vvdp.base.signal import Signal
 from vvdp.components.directed_flows import ReturnThrottle
 from vvdp.control.pressure_modes import PressureBounds
@@ -52,10 +53,7 @@ def refuse_impossible(
     start  position at which a run begins [m]
     """
     for name, chamber in (("chamber_a", plant.chamber_a), ("chamber_b", plant.chamber_b)):
-        if not chamber.volume > 0.0:
-            raise ParameterError(
-                f"{name}.volume: 0 m^3; at the end of the stroke its pressure would jump, expected a volume above 0"
-            )
+        require_positive_value(f"{name}.volume", chamber.volume, VOLUME)
     points = points_of(cycle)
     refuse_stroke(plant, cycle, points, start)
     rows = zip(np.diff(points.times), np.diff(points.positions), strict=True)

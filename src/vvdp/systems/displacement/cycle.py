@@ -1,4 +1,4 @@
-"""The cycle that a cylinder is to follow: there and back in straight lines, or one of a person's own, point by point.
+"""The cycle that a cylinder is to follow: there and back in straight lines, or one of a user's own, point by point.
 
 Source  ours, docs/models/displacement-control.md
 """
@@ -12,6 +12,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import POSITION, TIME, Fraction, Position, Time
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 
 
 class Triangle(Params):
@@ -26,10 +27,7 @@ class Triangle(Params):
     preview: Time = 0.0
 
     def check(self) -> None:
-        if not (self.stroke > 0.0 and self.stroke_time > 0.0):
-            raise ParameterError(
-                f"stroke = {self.stroke:g} m, stroke_time = {self.stroke_time:g} s; expected both above 0"
-            )
+        require_positive(self, "stroke", "stroke_time")
 
 
 class OwnCycle(Params):
@@ -45,8 +43,8 @@ class OwnCycle(Params):
         refuse_bad_points(self.times, self.positions)
         if self.repeats not in (0.0, 1.0) or (self.repeats and self.positions[0] != self.positions[-1]):
             raise ParameterError(
-                f"repeats = {self.repeats:g}; expected 0, or 1 where the last position, {self.positions[-1]:g} m, is "
-                f"the first, {self.positions[0]:g} m"
+                f"repeats = {self.repeats:g}; expected 0, or 1 if the last position, {1e3 * self.positions[-1]:g} "
+                f"mm, equals the first, {1e3 * self.positions[0]:g} mm"
             )
 
 

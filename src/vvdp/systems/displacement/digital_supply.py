@@ -1,7 +1,7 @@
 """Rivals whose fixed pump is metered by on/off valves: parallel ones with a code, or fast linear ones with pulses.
 
-Both stand in the place of the rotary valve, in the machine's circuit: a line behind them, a directional valve for the
-sign, a throttle in the return.
+Both stand instead of the rotary valve, in the machine's circuit: a line behind them, a directional valve for the
+sign, a meter-out throttle.
 
 Source  wang2017, sections 1.2.1 and 1.2.2
 """
@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Count, Force, Fraction, Position, Pressure, SignedFraction
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse
 from vvdp.base.select import select
 from vvdp.components.directional_valves import ThrottledDirectionalValve
 from vvdp.components.flow_control_units import add_flow_control_unit
@@ -46,7 +46,7 @@ from vvdp.systems.displacement.rival_tables import PumpDrive
 from vvdp.systems.displacement.rivals import LOOP, Rival, add_throttled_valve, loaded_cylinder
 
 LEAST_DROP = 1e5
-"""Drop over a unit below which its loop reckons with this one [Pa]."""
+"""Drop over a unit below which its loop calculates with this one [Pa]."""
 LEAST_SHARE = 0.03
 """Duty ratio below which no pulse is sent: at 75 Hz it would hardly open the port to the line, or not at all."""
 
@@ -63,9 +63,9 @@ class FlowControlUnit(OnOffValve):
     def check(self) -> None:
         super().check()
         if self.valves < 1.0 or self.valves != round(self.valves):
-            raise ParameterError(f"FlowControlUnit.valves: {self.valves:g}; expected a whole number from 1 on")
+            refuse(self, "valves", "must be a whole number of at least 1")
         if self.equal_sizes not in (0.0, 1.0):
-            raise ParameterError(f"FlowControlUnit.equal_sizes: {self.equal_sizes:g}; expected 0 or 1")
+            refuse(self, "equal_sizes", "must be 0 or 1")
 
     @property
     def parts(self) -> tuple[UnitValve, ...]:
@@ -83,7 +83,7 @@ class CodedLoop(Params):
 
 
 class CodedCommand(NamedTuple):
-    """What it commands: the unit's code, the directional valve, the throttle in the return; `reference` is shown,
+    """What it commands: the unit's code, the directional valve, the meter-out throttle; `reference` is shown,
     and `force` is what the duty cycle puts on the rod."""
 
     code: Count

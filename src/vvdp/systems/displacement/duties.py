@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from vvdp.base.errors import ConfigError, Fault, ParameterError
-from vvdp.base.params import without_class
+from vvdp.base.rules import without_class
 from vvdp.base.tables import nearest
 from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.hydraulics.friction import RodFriction
@@ -22,7 +22,7 @@ LEAST_RELIEF, RELIEF_STEP, RELIEF_OVER_LOAD = 60e5, 10e5, 2.0
 RETURN_DROP, RETURN_OPENING = 13e5, 0.8
 """Drop of the throttle in a return at the largest flow and the largest opening [Pa, 1]."""
 MOST_FAULTS = 10
-"""Lines of a file that are told to be wrong."""
+"""Lines of a file that are reported as wrong."""
 COLUMNS = ("time", "position", "force")
 """Columns of a file with a cycle [s, m, N]."""
 
@@ -30,7 +30,7 @@ COLUMNS = ("time", "position", "force")
 @dataclass(frozen=True)
 class Duty:
     """A duty cycle with its load in words, and what circuits are sized for: pressure of relief valves, gauge, and
-    conductance of a throttle in the return, fully open.
+    conductance of a meter-out throttle, fully open.
 
     `further` are those of a second and third cylinder that move at the same time, for as long a round.
     """
@@ -126,7 +126,7 @@ def sized_duty(name: str, title: str, load: str, cycle: DutyCycle, cylinder: Cyl
     """A duty cycle for which circuits are sized by one rule.
 
     Relief valves are set to twice the pressure that force and friction need on the side that they are on, in whole
-    steps of 10 bar and at least 60; the throttle in the return passes the largest flow at 13 bar, open by 0.8.
+    steps of 10 bar and at least 60; the meter-out throttle passes the largest flow at 13 bar, open by 0.8.
     """
     speeds = np.array([0.0, *cycle_speeds(cycle)])
     friction_force = friction.viscous_friction * np.max(np.abs(speeds)) + friction.coulomb_friction

@@ -12,6 +12,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import FORCE, POSITION, TIME, Force, Position
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse_rows, require_rising
 from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.hydraulics.friction import RodFriction
 
@@ -34,21 +35,21 @@ class DutyCycle(Params):
     def check(self) -> None:
         counts = len(self.times), len(self.positions), len(self.forces)
         if len(set(counts)) > 1 or counts[0] < 2:
-            raise ParameterError(
-                f"DutyCycle.times: {counts[0]} times, {counts[1]} positions and {counts[2]} forces; expected as many "
-                "of each, two at least"
+            refuse_rows(
+                self,
+                "times",
+                f"{counts[0]} times, {counts[1]} positions and {counts[2]} forces; expected as many of each, at "
+                "least two",
             )
         if self.times[0] != 0.0:
-            raise ParameterError(f"DutyCycle.times: row 1 is at {self.times[0]:g} s; expected 0 s")
-        for row, (before, after) in enumerate(zip(self.times, self.times[1:], strict=False), 2):
-            if not after > before:
-                raise ParameterError(
-                    f"DutyCycle.times: row {row} is at {after:g} s after {before:g} s; expected times that rise"
-                )
+            refuse_rows(self, "times", f"row 1 is at {self.times[0]:g} s; expected 0 s")
+        require_rising(self, "times")
         if abs(self.positions[-1] - self.positions[0]) > SAME_PLACE:
-            raise ParameterError(
-                f"DutyCycle.positions: row {len(self.positions)} is at {self.positions[-1]:g} m and row 1 at "
-                f"{self.positions[0]:g} m; expected a cycle that ends where it begins"
+            refuse_rows(
+                self,
+                "positions",
+                f"row {len(self.positions)} is at {1e3 * self.positions[-1]:g} mm and row 1 at "
+                f"{1e3 * self.positions[0]:g} mm; expected a cycle that ends where it begins",
             )
 
 
@@ -83,7 +84,7 @@ def cycle_point(time: float, cycle: DutyCycle) -> CyclePoint:
 class CycleDemand(NamedTuple):
     """What a cycle asks of what feeds its cylinder, piece by piece: how long, which flow, which pressure over the tank.
 
-    A load that overruns asks for no pressure, and neither does a rod at rest, whose valve is shut.
+    A load that overruns asks for no pressure, and neither does a rod at rest, whose valve is closed.
     """
 
     time: Array  # [s]

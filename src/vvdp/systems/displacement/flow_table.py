@@ -1,4 +1,4 @@
-"""The flow map of a pump unit: what its valve delivers, worked out once for each relief setting and pump speed.
+"""The flow map of a pump unit: what its valve delivers, calculated once for each relief setting and pump speed.
 
 Source  ours, docs/models/whole-machine.md, where a function names no other.
 """

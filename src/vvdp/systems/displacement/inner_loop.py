@@ -1,4 +1,4 @@
-"""The axial drives as the machine's inner loop: another program tells the position and whether they are energised.
+"""The axial drives as the machine's inner loop: another program shows the position and whether they are energised.
 
 Source  ours, docs/models/displacement-control.md
 """

@@ -95,7 +95,7 @@ class GerotorPlant(GerotorDriveTables, MachineHydraulics):
 
 @dataclass(frozen=True, kw_only=True)
 class Led:
-    """What every drive is told over time; without, the outer loop leads them."""
+    """What every drive is commanded over time; without, the outer loop leads them."""
 
     prescribed: PrescribedCommands | None = None
 
@@ -257,7 +257,7 @@ def displacement_control_gerotor(tables: LedGerotorPlant) -> Network:
 
 
 def displacement_control_ideal(tables: LedIdealPlant) -> Network:
-    """The same with a spool that follows the wanted position with a lag, to tell what an axial drive costs."""
+    """The same with a spool that follows the wanted position with a lag, to show what an axial drive costs."""
     net, commands = new_machine(tables), tables.commands
     state = LaggingState(tables.initial.axial_position)
     net.add("spool_drive", LAGGING_DRIVE, tables.axial_drive, start=state, wanted=commands.spool_position)

@@ -1,4 +1,4 @@
-"""What a machine cannot do, told before it is run, with numbers.
+"""What a machine cannot do, reported before it is run, with numbers.
 
 Source  ours, docs/models/whole-machine.md
 """
@@ -69,7 +69,8 @@ def refuse_load(pressures: WorkingPressures, relief_valve: ReliefValve, tank_pre
 
 
 def refuse_precharge(working_pressure: float, line: Vessel, tank_pressure: float) -> None:
-    """Raises ParameterError where an accumulator is charged above all that the line ever works at: it would stay shut.
+    """Raises ParameterError where an accumulator is charged above all that the line ever works at: it would stay
+    closed.
 
     working_pressure  highest of the line, over the tank's [Pa]
     tank_pressure     absolute [Pa]

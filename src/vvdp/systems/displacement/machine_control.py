@@ -85,7 +85,7 @@ class MachineBelief(Params):
 
 
 class LoadObserverTable(Params):
-    """The [load_observer] table: how fast its three errors fade, and the load that is told follows."""
+    """The [load_observer] table: how fast its three errors fade, and the reported load follows."""
 
     observer_rate: Rate
     load_rate: Rate
@@ -249,9 +249,9 @@ def instruments(table: CylinderSensors) -> dict[str, Instrument]:
 def add_outer_loop(
     net: Network, loop: MachineLoop, sensors: CylinderSensors, paths: MachinePaths, table: LoopTable | None = None
 ) -> None:
-    """Add the program that controls the cylinder, by the position loop of a `table` in place of its laws if any.
+    """Add the program that controls the cylinder, by the position loop of a `table` instead of its laws if any.
 
-    It comes before the axial one, which thus follows it at once; it is told itself what that one said a sample before.
+    It comes before the axial one, which thus follows it at once; it receives itself what that one reported a sample before.
     """
     reads = {
         "time": "t",

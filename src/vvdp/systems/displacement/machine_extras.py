@@ -39,7 +39,7 @@ MOTION: Mapping[str, tuple[Kind, str]] = MappingProxyType(
         "spool_estimate_error_rms_m": (LENGTH, "spool position: error of the estimate"),
         "real_time_factor": (NUMBER, "simulated over computing time"),
         "alarm": (NUMBER, "number of the alarm that stopped the machine, 0 without one"),
-        "alarm_time_s": (TIME, "when it was told"),
+        "alarm_time_s": (TIME, "when it was reported"),
     }
 )
 """Kind and label of the numbers beside the powers."""
@@ -58,7 +58,7 @@ class MachineExtras(Extras):
     HEADLINE = ("tracking_error_max_m", "tracking_error_rms_m")
 
     def simulation_numbers(self, run: "Outcome", found: Summary) -> Summary:
-        """How well the cylinder followed, between which pressures, and the pace. Chambers count over every step, shut
+        """How well the cylinder followed, between which pressures, and the pace. Chambers count over every step, closed
         before control begins; the line counts at samples, since it is empty at first, but its peak over every step."""
         numbers: Summary = {"real_time_factor": run.end / run.seconds if run.seconds > 0.0 else np.nan}
         alarm = run.memory[PROGRAM].supervision.alarm
@@ -98,7 +98,7 @@ class MachineExtras(Extras):
         return found
 
     def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
-        """What a person has to know of the control."""
+        """What a user has to know of the control."""
         if "control_begin_s" not in found:
             yield "control never began: the spool was not homed, or its angle not found, or the line not charged"
         if told := int(found.get("alarm", 0.0)):

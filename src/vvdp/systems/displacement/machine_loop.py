@@ -156,7 +156,7 @@ class MachineCommand(NamedTuple):
     """What the drives are asked to do, and what is believed and wanted, to be shown.
 
     `direction` 1 extends the cylinder, `opening` is that of the return valve; `pump` and `energised` are 1 where motor
-    and axial drive are switched on, `dump` 1 holds the dump valve shut. Pressures are averages over a PWM period.
+    and axial drive are switched on, `dump` 1 holds the dump valve closed. Pressures are averages over a PWM period.
     """
 
     direction: SignedFraction
@@ -246,7 +246,7 @@ def law_start(settings: MachineLoop) -> DisplacementMemory:
 
 
 def progress_of(place: MachinePlace, settings: MachineLoop) -> Progress:
-    """What the sequence is told; the chamber that is filled first is that of the cycle's first move."""
+    """What the sequence is reported; the chamber that is filled first is that of the cycle's first move."""
     supply = place.pressure_a if settings.first_direction > 0.0 else place.pressure_b
     return Progress(
         homed=1.0 if place.spool_stage > AT_HOME else 0.0,

@@ -28,10 +28,10 @@ class MachineOperation(Params):
 
 
 class PrescribedCommands(Params):
-    """The [prescribed] table: what every drive is told over time, in the place of all control.
+    """The [prescribed] table: what every drive is commanded over time, instead of all control.
 
     `direction` 1 extends the cylinder, `opening` is that of the return valve, `pump` 1 switches the motor on, `dump` 1
-    holds the dump valve shut. `drive` is the command of the axial drive, `spool_position` what an ideal one follows.
+    holds the dump valve closed. `drive` is the command of the axial drive, `spool_position` what an ideal one follows.
     """
 
     direction: SignedFractionSignal

@@ -47,7 +47,7 @@ class TallySettings(Params):
 
 
 class MachineTally(NamedTuple):
-    """What the tracking comes to; between which pressures line and chambers were at samples of control; how far
+    """Results of the tracking; between which pressures line and chambers were at samples of control; how far
     the spool has turned in what time; the last gain of the flow map."""
 
     tracking: Tracking

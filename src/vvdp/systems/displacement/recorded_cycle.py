@@ -47,7 +47,7 @@ def recorded_cycle(path: Path, channel: str = CHANNEL) -> OwnCycle:
 
 
 def with_cycle(system: System, path: Path, channel: str = CHANNEL) -> System:
-    """The system with the cycle of a log in the place of its own, its rod at first where that begins.
+    """The system with the cycle of a log instead of its own, its rod at first where that begins.
 
     Raises ConfigError where the system follows no cycle, or cannot follow this one.
     """

@@ -207,7 +207,7 @@ def _books(run: Run) -> dict[str, Array]:
 
 
 def _lost_power(books: Mapping[str, Array], times: Array, rows: Rows, parts: tuple[str, ...]) -> float:
-    """Mean power that some parts of a circuit, for all its cylinders, turn to heat over `rows` [W]."""
+    """Mean power that some parts of a circuit, for all its cylinders, dissipate over `rows` [W]."""
     split = [part.partition(".") for part in parts]
     named = [f"{head}{suffix}{dot}{rest}" for head, dot, rest in split for suffix in SUFFIXES]
     paths = [path for path in books for part in named if f"{path}.".startswith(f"spent.{part}.")]

@@ -28,7 +28,7 @@ SAFETY = 20e5
 
 
 class Sink(NamedTuple):
-    """Where power is lost: a key of the table, and what a person calls it."""
+    """Where power is lost: a key of the table, and what a user calls it."""
 
     key: str
     label: str
@@ -54,7 +54,7 @@ class RivalCircuit:
     by their names in the books.
 
     `size(tables, duty, begin, rounds)` gives the tables that follow; `program` is that whose command has the reference.
-    `begin` tells of a run when control began, where that is not at once. `charge` gives the pressure below which, less
+    `begin` reports a run when control began, where that is not at once. `charge` gives the pressure below which, less
     a margin, its low side must not fall; None where nothing charges it. Where `shares` holds, one pump feeds all
     cylinders of a duty, by the tables [second] and [third]; else each has a circuit of its own.
     """
@@ -203,7 +203,7 @@ MACHINE_SINKS: Mapping[Sink, tuple[str, ...]] = {
 CIRCUITS = (
     RivalCircuit(
         name="vvdp",
-        title="the whole machine: fixed pump of 40 lpm, rotary valve, directional valve, throttle in the return",
+        title="the whole machine: fixed pump of 40 lpm, rotary valve, directional valve, meter-out throttle",
         system="displacement-control",
         size=size_machine,
         sinks=MACHINE_SINKS,
@@ -321,7 +321,7 @@ CIRCUITS = (
     ),
     RivalCircuit(
         name="linear-valves",
-        title="the machine's circuit with fast linear on/off valves at 75 Hz in the place of the rotary one",
+        title="the machine's circuit with fast linear on/off valves at 75 Hz instead of the rotary one",
         system="linear-valves",
         size=_at_once(_size_one_way),
         sinks={
@@ -334,7 +334,7 @@ CIRCUITS = (
     ),
     RivalCircuit(
         name="ideal-pump",
-        title="ideal variable pump one way, directional valve, throttle in the return",
+        title="ideal variable pump one way, directional valve, meter-out throttle",
         system="ideal-pump-control",
         size=_at_once(_size_one_way),
         sinks={
@@ -346,7 +346,7 @@ CIRCUITS = (
     ),
     RivalCircuit(
         name="shuttle",
-        title="closed circuit, pump over centre, commanded shuttle valve (fig. 1.6)",
+        title="closed circuit, overcentre pump, commanded shuttle valve (fig. 1.6)",
         system="shuttle-circuit",
         size=_at_once(_size_closed),
         sinks={**CLOSED_SINKS, METERING: ("shuttle_valve", "charge_check_a", "charge_check_b")},
@@ -354,7 +354,7 @@ CIRCUITS = (
     ),
     RivalCircuit(
         name="pilot-checks",
-        title="closed circuit, pump over centre, pilot-operated checks (fig. 1.7)",
+        title="closed circuit, overcentre pump, pilot-operated checks (fig. 1.7)",
         system="pilot-check-circuit",
         size=_at_once(_size_closed),
         sinks={**CLOSED_SINKS, METERING: ("pilot_check_a", "pilot_check_b")},
@@ -362,7 +362,7 @@ CIRCUITS = (
     ),
     RivalCircuit(
         name="four-valves",
-        title="open circuit, pump over centre, four 2-way valves (fig. 1.8)",
+        title="open circuit, overcentre pump, four 2-way valves (fig. 1.8)",
         system="four-valve-circuit",
         size=_at_once(_size_open),
         sinks={

@@ -25,6 +25,7 @@ from vvdp.base.kinds import (
     Velocity,
 )
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.base.select import clip
 from vvdp.control.reference import Rate, Reference, ReferenceFilter, reference_at_rest, reference_step
 from vvdp.network.program import ProgramType
@@ -46,9 +47,9 @@ class LoopTable(Params):
     """The [loop] table.
 
     The loop is a `gain_margin` below the gain at which position and oil's spring begin to swing, is called every
-    `sample_period`, and hears pressures behind a first-order filter of `pressure_rate`. A circuit that changes what its
-    sides are joined to does so over `change_time`, where the pressures say so by more than `hysteresis`. A throttle in
-    the return opens to `largest_opening`, less where the supply side would fall below `supply_level`.
+    `sample_period`, and receives pressures behind a first-order filter of `pressure_rate`. A circuit that changes
+    what its sides are joined to does so over `change_time`, where the pressures say so by more than `hysteresis`. A
+    meter-out throttle opens to `largest_opening`, less where the supply side would fall below `supply_level`.
     """
 
     gain_margin: Ratio
@@ -60,9 +61,7 @@ class LoopTable(Params):
     supply_level: PressureDifference = 6e5
 
     def check(self) -> None:
-        for name in ("gain_margin", "sample_period", "pressure_rate", "change_time"):
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(f"LoopTable.{name}: 0; expected more than zero")
+        require_positive(self, "gain_margin", "sample_period", "pressure_rate", "change_time")
 
 
 class PositionLaw(Params):
@@ -123,7 +122,7 @@ class LoopMemory(NamedTuple):
 
 
 class CylinderCommand(NamedTuple):
-    """What a loop commands: the `flow` of the supply side, the 4/3 valve, the throttle in the return, that which
+    """What a loop commands: the `flow` of the supply side, the 4/3 valve, the meter-out throttle, that which
     bleeds the supply, how the circuit is joined.
 
     What a circuit does not have stays 0. `reference` is shown, and `force` is what the duty cycle puts on the rod.
@@ -185,7 +184,7 @@ def throttle_opening(velocity: float, force: float, supply: float, loop: RivalLo
 
 
 def return_opening(velocity: float, force: float, loop: PositionLaw) -> float:
-    """How far a throttle in the return opens so that the supply side keeps its level [1].
+    """How far a meter-out throttle opens so that the supply side keeps its level [1].
 
     The return may rise to P_r = (P_s A_s - F)/A_r, F in the direction of the velocity: u = A_r v/(K root(P_r)).
 
@@ -224,7 +223,7 @@ def next_memory(t: float, memory: LoopMemory, seen: CylinderReading, loop: Rival
 
 
 def wanted_motion(memory: LoopMemory, position: float, loop: PositionLaw) -> Wanted:
-    """The velocity that the position error asks for, and the oil's force as the filtered pressures tell it.
+    """The velocity that the position error asks for, and the oil's force as the filtered pressures show it.
 
     position  of the rod [m]
     """
@@ -270,7 +269,7 @@ def throttle_step(
 def one_way_step(
     t: float, memory: LoopMemory, seen: CylinderReading, settings: RivalLoop
 ) -> tuple[LoopMemory, CylinderCommand]:
-    """Program: a pump that gives flow one way only, a directional valve for the sign, a throttle in the return."""
+    """Program: a pump that gives flow one way only, a directional valve for the sign, a meter-out throttle."""
     kept = next_memory(t, memory, seen, settings)
     found = one_way_actuation(kept, seen.position, settings)
     joined = LoopMemory(kept.reference, kept.pressures, Joint(found.side, found.side))

@@ -1,8 +1,8 @@
 """Tables of the rival circuits that are values of no component."""
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Conductance, Flow, FlowSignal, PressureSignal, SpeedSignal
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 
 
 class PumpDrive(Params):
@@ -18,8 +18,7 @@ class VariablePump(Params):
     leakage_conductance: Conductance
 
     def check(self) -> None:
-        if not self.largest_flow > 0.0:
-            raise ParameterError("VariablePump.largest_flow: 0 m^3/s; the rod would never move, expected above 0")
+        require_positive(self, "largest_flow", why="the rod would never move")
 
 
 class ChargeSupply(Params):

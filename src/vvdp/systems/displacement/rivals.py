@@ -203,7 +203,7 @@ def ideal_pump_control(
     loop: LoopTable,
     initial: InitialCylinder,
 ) -> Network:
-    """An ideal variable pump that gives flow one way, a directional valve for the sign, a throttle in the return."""
+    """An ideal variable pump that gives flow one way, a directional valve for the sign, a meter-out throttle."""
     moved = loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
     rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
     settings = rival.settings(variable_pump.largest_flow, directional_valve.return_conductance)

@@ -5,14 +5,14 @@ Source  ours, docs/models/displacement-control.md
 
 from typing import NamedTuple
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Count, Flow, Fraction, Length, Pressure, PressureDifference, Time
 from vvdp.base.params import Params
+from vvdp.base.rules import refuse, require_positive
 
 HOME, SPIN, LEARN, PRECHARGE, CONTROL, HOLD, RETURN, REST, EMERGENCY = (float(number) for number in range(9))
-"""Phases: the spool goes to its stop; the pump turns it until its angle is known; the pollution is learned at the stop;
-the line is charged; the cylinder follows its reference; it holds the last one; the spool returns to its stop; all is
-off; the machine is de-energised for good."""
+"""Phases: the spool goes to its stop; the pump turns it until its angle is known; the periodic sensor error is
+learned at the stop; the line is charged; the cylinder follows its reference; it holds the last one; the spool
+returns to its stop; all is off; the machine is de-energised for good."""
 
 PHASES = ("home", "spin", "learn", "precharge", "control", "hold", "return", "rest", "emergency")
 """What the phases are called, in the order of their numbers."""
@@ -38,11 +38,9 @@ class MachineSequence(Params):
     emergency_time: Time = NEVER
 
     def check(self) -> None:
-        if self.precharge_flow < 0.0 or not self.return_tolerance > 0.0:
-            raise ParameterError(
-                f"precharge_flow = {self.precharge_flow:g} m^3/s, return_tolerance = {self.return_tolerance:g} m; "
-                "expected a flow of 0 or more and a tolerance above 0"
-            )
+        require_positive(self, "return_tolerance")
+        if self.precharge_flow < 0.0:
+            refuse(self, "precharge_flow", "must be at least 0")
 
 
 class Phase(NamedTuple):
@@ -57,7 +55,7 @@ class Progress(NamedTuple):
 
     homed          1 once the spool has rested at its stop
     known          1 while the spool's angle is known
-    learned        1 once the pollution is learned
+    learned        1 once the periodic sensor error is learned
     line_pressure  [Pa]
     supply         pressure of the chamber that is filled first [Pa]
     above_stop     of the spool, as estimated [m]

@@ -1,4 +1,4 @@
-"""Supervision of the whole machine: what tells that a sensor, a valve, the spool or the power has failed.
+"""Supervision of the whole machine: what shows that a sensor, a valve, the spool or the power has failed.
 
 Source  ours, docs/models/faults.md, where a function names no other.
 """
@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import (
     Area,
     Count,
@@ -28,6 +27,7 @@ from vvdp.base.kinds import (
 )
 from vvdp.base.params import Params
 from vvdp.base.powers import expm1
+from vvdp.base.rules import require_less, require_positive
 from vvdp.base.select import maximum
 from vvdp.base.signal import signal_value
 from vvdp.control.capacities import CircuitPressures, CylinderModel, capacities, return_flow, sides
@@ -50,7 +50,7 @@ WATCHED = (
     "line and supply chamber disagree",
     "return pressure and return flow disagree",
     "spool position jumps",
-    "spool does not go where it should",
+    "spool position error too large",
     "spool does not turn",
     "pump has lost its speed",
     "spool position and chamber pressure disagree",
@@ -66,7 +66,7 @@ class Supervision(Params):
     `repeats` times; readings jump no further than so in a sample. Line and supply chamber, return flow and motion,
     spring and chamber are compared as means over the `averaging_time`, the first two from `settle_time` after a change
     of direction on; the flow may be off by `return_share` of itself besides. What is out of range, frozen or jumps is
-    told at once, spool speed and pump after the `brief_time`, disagreements after the `patience`.
+    reported at once, spool speed and pump after the `brief_time`, disagreements after the `patience`.
     """
 
     position_margin: Length = 5e-3
@@ -101,14 +101,8 @@ class Supervision(Params):
             ),
             *("spring_difference", "spool_error", "lowest_spool_speed", "lowest_pump_share"),
         )
-        for name in limits:
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(f"Supervision.{name}: 0; expected a value above 0")
-        if not self.lowest_pressure < self.highest_pressure:
-            raise ParameterError(
-                f"Supervision.lowest_pressure: {self.lowest_pressure:g} Pa is not below the highest, "
-                f"{self.highest_pressure:g} Pa"
-            )
+        require_positive(self, *limits)
+        require_less(self, "lowest_pressure", "highest_pressure")
 
 
 class SpoolSpring(Params):
@@ -140,7 +134,7 @@ class MachineSight(NamedTuple):
 
     `watched` is 1 while the cylinder is controlled. `expected` is the position that the load observer expected, `slow`
     are pressures averaged over a PWM period. `spool_measured` is what the optical sensor shows, `chamber_pressure` that
-    at the spool, nan where no chamber moves it: then nothing is said of it.
+    at the spool, nan where no chamber moves it: then nothing is stated of it.
     """
 
     time: Time
@@ -223,7 +217,7 @@ def spring_difference(sight: MachineSight, spring: SpoolSpring) -> float:
 
 
 def supervise(memory: SupervisionMemory, sight: MachineSight, settings: Supervised) -> SupervisionMemory:
-    """The memory after a sample: its alarm is the number of what was told first, 0 before."""
+    """The memory after a sample: its alarm is the number of what was reported first, 0 before."""
     limits, fast = settings.limits, sight.fast
     readings = np.array(
         (

@@ -3,7 +3,12 @@
 function vvdpValues(model, loop) {
   const WORK = { "+": (x, c) => x + c, "*": (x, c) => x * c, "/": (x, c) => x / c, over: (x, c) => c / x };
 
+  const BACK = { "+": (y, c) => y - c, "*": (y, c) => y / c, "/": (y, c) => y * c, over: (y, c) => c / y };
+
   const follow = (steps, x) => steps.reduce((value, [operation, constant]) => WORK[operation](value, constant), x);
+
+  /* The number in the unit of a setting that has a value [SI]. */
+  const unfollow = (steps, si) => steps.reduceRight((value, [operation, constant]) => BACK[operation](value, constant), si);
 
   const { plain } = loop;
 
@@ -16,9 +21,9 @@ function vvdpValues(model, loop) {
     const words = `'${`${String(given).trim().slice(0, 60)}${unit ? "" : ` ${value.unit}`}`.trim()}'`;
     if (number === undefined) throw new Error(`${setting}: ${words} is not a number with a unit; write for example '${value.example}'`);
     if (unit && unit !== value.unit) throw new Error(`${setting}: write the number in ${value.unit || "no unit"}, not in ${JSON.stringify(unit).slice(0, 40)}`);
-    const si = follow(value.steps, Number(number)), of = value.si && ` ${value.si}`, written = value.unit ? `${words} = ` : "";
+    const si = follow(value.steps, Number(number)), written = value.unit ? `${words} = ` : "";
     if (!Number.isFinite(si)) throw new Error(`${setting}: ${written}${plain(si)} is not a finite number; expected ${value.kind}, for example '${value.example}'`);
-    if (!(value.least <= si && si <= value.most)) throw new Error(`${setting}: ${written}${plain(si)}${of} is outside ${plain(value.least)} to ${plain(value.most)}${of} for ${value.kind}`);
+    if (!(value.least <= si && si <= value.most)) throw new Error(`${setting}: ${words} is outside ${[value.least, value.most].map((end) => plain(unfollow(value.steps, end))).join(" to ")}${value.unit && ` ${value.unit}`} for ${value.kind}`);
     if (!(value.low <= Number(number) && Number(number) <= value.high)) throw new Error(`${setting}: ${number} ${value.unit} is beyond what this page has been tried with, ${value.low} to ${value.high} ${value.unit}; the command line takes it`);
     return { value, number: Number(number), si };
   }
