@@ -135,7 +135,7 @@ def test_a_page_that_would_be_too_large_shows_fewer_rows(page, monkeypatch):
     assert "quick" not in made.model["modules"]
     assert "one of 2 rows" in made.html
     monkeypatch.setattr("vvdp.web.page.MOST_BYTES", 100_000)
-    with pytest.raises(ConfigError, match="the page has .* bytes; at most 100000"):
+    with pytest.raises(ConfigError, match=r"the page has .* bytes; at most 100000"):
         web_page(system)
 
 

@@ -81,7 +81,8 @@ def live_body(charts: Iterable[Chart], tables: Mapping[str, Table], stride: int 
     if not drawable:
         return ""
     scripts = "".join(f"<script>{asset(name)}</script>\n" for name in SCRIPTS)
-    return f'<script type="application/json" id="chart-data">{interactive_data(drawable, tables, stride)}</script>\n{scripts}'
+    data = interactive_data(drawable, tables, stride)
+    return f'<script type="application/json" id="chart-data">{data}</script>\n{scripts}'
 
 
 def is_live(chart: Chart) -> bool:

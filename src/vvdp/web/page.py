@@ -70,7 +70,8 @@ def web_page(system: System, command: str = "", say: Callable[[str], None] = qui
     Where it would be too large it has no quick level, and then its charts show fewer rows until it repeats the run.
 
     command  the line that runs the system as it is, to which the page adds what is set there
-    Raises MissingExtraError without the extra `web`, RunError where the run fails, ConfigError where the page stays too large.
+    Raises MissingExtraError without the extra `web`, RunError where the run fails, ConfigError where the page stays too
+    large.
     """
     run = recorded_run(system, simulate(system.model, system.case, system.stepping, say=say))
     result = run_result(run)

@@ -251,7 +251,7 @@ def add_outer_loop(
 ) -> None:
     """Add the program that controls the cylinder, by the position loop of a `table` instead of its laws if any.
 
-    It comes before the axial one, which thus follows it at once; it receives itself what that one reported a sample before.
+    It comes before the axial one, which thus follows it at once; what it receives of that one is a sample old.
     """
     reads = {
         "time": "t",
