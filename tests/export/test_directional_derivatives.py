@@ -9,6 +9,7 @@ import fmpy.fmi2
 import fmpy.fmi3
 import numpy as np
 import pytest
+from lxml import etree
 from tests.export.test_fmu import PERIOD, pytestmark, run_of
 from tests.export.test_model_exchange import made
 
@@ -167,3 +168,20 @@ def test_they_are_those_of_casadi(name, solver):
         assert ((np.abs(found - expected) <= 1e-10 * size) | ~known).all()
         shares.append(known.mean())
     assert np.mean(shares) > 0.9
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_the_description_names_what_each_rate_depends_on(fmi, solver):
+    """All entries of the Jacobian that are not zero are named; the spool speed is all that its angle depends on."""
+    one = solver(fmi)
+    root = etree.fromstring(made("prototype", fmi).entries["modelDescription.xml"])
+    path, key = (".//Derivatives/Unknown", "index") if fmi == 2 else (".//ContinuousStateDerivative", "valueReference")
+    named = {int(each.get(key)): set(map(int, each.get("dependencies").split())) for each in root.iterfind(path)}
+    assert named[one.references["der(spool.angle)"]] == {one.references["spool.speed"]}
+    knowns = [*one.states, *one.inputs]
+    found = one.jacobian(one.rates, knowns)
+    assert np.count_nonzero(found) > 10
+    for row, name in enumerate(one.rates):
+        behind = {one.references[known] for known, x in zip(knowns, found[row], strict=True) if x != 0.0}
+        assert behind <= named[one.references[name]]
+        assert len(named[one.references[name]]) < len(knowns)

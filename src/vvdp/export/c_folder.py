@@ -25,7 +25,7 @@ from vvdp.export.c_parts import (
 )
 from vvdp.export.c_powers import C_INTRINSICS
 from vvdp.export.c_structs import initial_text, struct_text
-from vvdp.export.c_words import check_text, example_text, makefile_text, readme_text, vectors_text
+from vvdp.export.c_words import check_text, example_text, makefile_text, process_text, readme_text, vectors_text
 from vvdp.generator import binding
 from vvdp.generator.c_room import room_of
 from vvdp.generator.c_text import identifier, wrap
@@ -102,6 +102,8 @@ def c_files(system: System, part: CPart, samples: int) -> dict[str, str]:
     drawn = drawn_values(system.model, system.case, None if part.part == CIRCUIT else part.part, times)
     expected = expected_values(part, times, drawn)
     name = part.name
+    entry = part.entries[0]
+    is_loop = part.program is not None and {"reading", "command"} <= {block.name for block in entry.arguments}
     return {
         f"{name}.h": header_text(part),
         f"{name}.c": facade_text(part),
@@ -110,7 +112,8 @@ def c_files(system: System, part: CPart, samples: int) -> dict[str, str]:
         "vectors.h": vectors_text(part.entries, times, drawn, expected),
         f"test_{name}.c": check_text(name, part.entries),
         "example.c": example_text(name, part.entries, part.period),
-        "Makefile": makefile_text(name, part.core.flags),
+        **({f"pil_{name}.c": process_text(name, entry)} if is_loop else {}),
+        "Makefile": makefile_text(name, part.core.flags, f"{part.system} {part.part}" if is_loop else ""),
         "README.md": readme_text(part, samples, version("vvdp")),
     }
 

@@ -96,6 +96,21 @@ class Tangent(NamedTuple):
             found.append(own or (passes and any(found[i] for i in steered)))
         return found
 
+    @property
+    def sources(self) -> list[frozenset[tuple[Op, int]]]:
+        """By rate or output: the states (Op.STATE) and parameters that are inputs (Op.PARAMETER) that it depends on by
+        their places, and Op.TIME; also where it only jumps with one."""
+        found = list[frozenset[tuple[Op, int]]]()
+        for op, inputs, number in self.graph.nodes:
+            place = self.signals[int(number)] if op is Op.SIGNAL else int(number) if op in VECTORS else 0
+            own = frozenset[tuple[Op, int]]()
+            if op in (Op.PARAMETER, Op.SIGNAL) and place in self.inputs:
+                own = frozenset([(Op.PARAMETER, place)])
+            elif op is Op.STATE or op in (Op.TIME, Op.SIGNAL):
+                own = frozenset([(op, place) if op is Op.STATE else (Op.TIME, 0)])
+            found.append(own.union(*(found[i] for i in inputs)))
+        return [found[i] for i in self.graph.outputs]
+
 
 def tangent_of(machine: CMachine, inputs: frozenset[int]) -> Tangent:
     """The derivatives of a machine. Raises Untraceable, with the reason, where they cannot be written."""

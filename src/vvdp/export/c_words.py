@@ -159,8 +159,73 @@ def example_text(name: str, entries: Sequence[Entry], period: float) -> str:
     return "\n".join([*map(wrap, lines), "}", ""])
 
 
-def makefile_text(name: str, flags: Sequence[str]) -> str:
-    """What builds and tests the folder; the flags are part of the text."""
+PROCESS = """\
+/* Answers samples: takes frames of a time and a reading from the standard input, gives the memory and the command to
+   the standard output, all as doubles. At the end it prints the time of a step. */
+#define _POSIX_C_SOURCE 199309L
+#include "{name}.h"
+
+#include <stdio.h>
+#include <time.h>
+
+typedef struct {{
+    double time;
+    {name}_reading reading;
+}} frame;
+
+int main(void)
+{{
+{memory}    {name}_command command;
+    frame given;
+    double least = 1e300, most = 0.0, sum = 0.0;
+    unsigned long samples = 0, longest = 0;
+    while (fread(&given, sizeof given, 1, stdin) == 1) {{
+        struct timespec begin, end;
+        clock_gettime(CLOCK_MONOTONIC, &begin);
+        const int failure = {name}_step({handed});
+        clock_gettime(CLOCK_MONOTONIC, &end);
+        if (failure != 0) {{
+            fprintf(stderr, "{name}: failure %d at t = %g s\\n", failure, given.time);
+            return 1;
+        }}
+        {write}fwrite(&command, sizeof command, 1, stdout);
+        fflush(stdout);
+        const double took = 1e6 * (double)(end.tv_sec - begin.tv_sec) + 1e-3 * (double)(end.tv_nsec - begin.tv_nsec);
+        least = took < least ? took : least;
+        longest = took > most ? samples : longest;
+        most = took > most ? took : most;
+        sum += took;
+        samples++;
+    }}
+    if (samples != 0) {{
+        fprintf(stderr, "{name}: %lu samples\\n", samples);
+        fprintf(stderr, "time of a step: minimum %.3g us, mean %.3g us, maximum %.3g us (sample %lu)\\n",
+                least, sum / (double)samples, most, longest);
+    }}
+    return 0;
+}}
+"""
+
+
+def process_text(name: str, entry: Entry) -> str:
+    """The program that takes the steps of an exported program in a process of its own, and times them."""
+    blocks = [block.name for block in entry.arguments]
+    kept = "memory" in blocks
+    ways = {"reading": "&given.reading", "memory": "&memory", "command": "&command"}
+    handed = ["given.time", *(ways.get(each, f"&{name}_first_{each}") for each in blocks)]
+    return PROCESS.format(
+        name=name,
+        handed=", ".join(handed),
+        memory=f"    {name}_memory memory = {name}_first_memory;\n" if kept else "",
+        write="fwrite(&memory, sizeof memory, 1, stdout);\n        " if kept else "",
+    )
+
+
+def makefile_text(name: str, flags: Sequence[str], loop: str = "") -> str:
+    """What builds and tests the folder; the flags are part of the text.
+
+    loop  system and program of `make pil`; empty without it
+    """
     objects = f"{name}.o {name}_core.o"
     return f"""\
 CC ?= cc
@@ -186,10 +251,31 @@ stack: {name}_core.c {name}_core.h
 \t$(CC) $(FLAGS) -fstack-usage -c -o {name}_core.o {name}_core.c
 \tsort -t '\t' -k 2 -n -r {name}_core.su | head
 
-clean:
-\trm -f *.o *.su test_{name} example
+{pil_text(name, loop)}clean:
+\trm -f *.o *.su test_{name} example pil_{name}
 
-.PHONY: all test stack clean
+.PHONY: all test stack pil clean
+"""
+
+
+def pil_text(name: str, loop: str) -> str:
+    """The goal that runs the program in a process of its own, in the loop with its system."""
+    if not loop:
+        return ""
+    system, part = loop.split()
+    return f"""\
+# The program in a process of its own, in the loop with the system that vvdp simulates; SET: the --set of the export.
+PYTHON ?= python3
+SYSTEM = {system}
+SET =
+SAMPLES = 1000
+
+pil: pil_{name}
+\t$(PYTHON) -m vvdp.export.pil $(SET) --samples $(SAMPLES) $(SYSTEM) {part} ./pil_{name}
+
+pil_{name}: pil_{name}.o {name}.o {name}_core.o
+\t$(CC) $(FLAGS) -o $@ $^ -lm
+
 """
 
 

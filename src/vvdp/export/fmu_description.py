@@ -8,6 +8,7 @@ from vvdp.base.kinds import Kind
 from vvdp.export.fmu_model import FIXED, INPUT, FmuModel, Settable, has_clock
 from vvdp.export.fmu_units import display_name, unit_lines, unit_name
 from vvdp.generator.c_text import identifier
+from vvdp.simulation.symbols import Op
 
 ME, CS = "ModelExchange", "CoSimulation"
 """The kinds of FMU by their names in a description."""
@@ -132,7 +133,7 @@ def _variable(fmi: int, own: dict[str, str], number: dict[str, str]) -> str:
 
 
 def _structure(model: FmuModel, fmi: int) -> Iterator[str]:
-    known = _references(model)
+    known, needs = _references(model), _dependencies(model, fmi)
     outputs = [known[each.name] for each in model.outputs]
     rates = [known[each.name] for each in model.inner if each.vector == "rate"]
     states = [known[each.name] for each in model.inner if each.vector == "state"]
@@ -143,13 +144,34 @@ def _structure(model: FmuModel, fmi: int) -> Iterator[str]:
         parts = {"Output": [*outputs, *clocks], "ContinuousStateDerivative": rates}
         parts["InitialUnknown"] = [*unknown, *clocks]
         for tag, numbers in {**parts, "EventIndicator": indicators}.items():
-            yield from (f'    <{tag} valueReference="{number}"/>' for number in numbers)
+            told = {} if tag == "InitialUnknown" else needs
+            yield from (f'    <{tag} valueReference="{number}"{told.get(number, "")}/>' for number in numbers)
         return
     for tag, numbers in {"Outputs": outputs, "Derivatives": rates, "InitialUnknowns": unknown}.items():
         if numbers:
             yield f"    <{tag}>"
-            yield from (f'      <Unknown index="{number}"/>' for number in numbers)
+            told = {} if tag == "InitialUnknowns" else needs
+            yield from (f'      <Unknown index="{number}"{told.get(number, "")}/>' for number in numbers)
             yield f"    </{tag}>"
+
+
+def _dependencies(model: FmuModel, fmi: int) -> dict[int, str]:
+    """By reference of a rate or output of a guest, the attribute that names the states and inputs behind it."""
+    if model.tangent is None:
+        return {}
+    known, sources = _references(model), model.tangent.sources
+    references = {(Op.STATE, each.place): known[each.name] for each in model.carried}
+    for each in model.settables:
+        references |= {(Op.PARAMETER, own.place): known[each.name] for own in each.followers if each.role == INPUT}
+    references |= {(Op.TIME, 0): 0} if fmi == 3 else {}
+    rows = {"rate": 0, "output": model.tangent.rates}
+    found = {}
+    for each in (*model.outputs, *model.inner):
+        if each.vector in rows:
+            behind = sources[rows[each.vector] + each.place]
+            numbers = sorted({references[one] for one in behind if one in references})
+            found[known[each.name]] = f' dependencies="{" ".join(map(str, numbers))}"'
+    return found
 
 
 def build_description(model: FmuModel, sources: Sequence[str], flags: Sequence[str]) -> str:
