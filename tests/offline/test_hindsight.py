@@ -4,7 +4,9 @@ import h5py
 import numpy as np
 import pytest
 
+from vvdp.offline.course import Explanation
 from vvdp.offline.hindsight import View, contradictions, count_deviation, look_back, sudden
+from vvdp.offline.passage import Noise
 from vvdp.offline.speed_doubt import NO_DOUBT, Doubt
 
 TURN = 2.0 * np.pi
@@ -87,6 +89,23 @@ def test_the_doubt_is_added_to_the_variances(tmp_path):
         look_back(file, View(None, Doubt(1e-4, 9e-4), 0.0, PITCH))
         assert file["speed_deviation"][:] == pytest.approx([np.hypot(0.2, 1.57), 0.2], rel=1e-12)
         assert file["angle_deviation"][:] == pytest.approx(np.hypot(0.01, 0.03), rel=1e-12)
+
+
+def test_a_long_piece_is_judged_part_by_part(tmp_path, monkeypatch):
+    """In parts of 40 rows, with 30 edges beside each, as in one; the mean over eight edges ends with a part."""
+    times = np.arange(400) * PITCH / SPEED
+    jitter = np.random.default_rng(1).normal(0.0, 0.01, 400) / SPEED
+    view, found = View(Explanation(Noise(0.1, 1e-4), 1e-6, np.zeros(8), None), NO_DOUBT, 0.0, PITCH), []
+    for rows, margin in ((10_000, 5000), (40, 30)):
+        monkeypatch.setattr("vvdp.offline.hindsight.ROWS", rows)
+        monkeypatch.setattr("vvdp.offline.hindsight.MARGIN", margin)
+        at = rows_at(np.linspace(0.2, 1.8, 400), speed=SPEED + 1.0)
+        with h5py.File(kept_file(tmp_path / f"{rows}.h5", times + jitter, np.arange(400.0), at), "r+") as file:
+            file["angle"][:] = SPEED * file["time"][:]
+            look_back(file, view)
+            found.append(file["speed_deviation"][:])
+    assert found[0] == pytest.approx(1.0, abs=0.15)
+    assert found[1] == pytest.approx(found[0], rel=0.15)
 
 
 def test_a_sudden_change_by_hand():

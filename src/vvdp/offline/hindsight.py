@@ -21,7 +21,9 @@ from vvdp.offline.sums import STANDING
 from vvdp.simulation.replay import Compiled
 
 ROWS = 4 * ROWS_IN_CHUNK
-"""Rows that are judged at once."""
+"""Rows that are judged at once ..."""
+MARGIN = 5000
+"""... with so many edges before and after them; a filter remembers fewer."""
 AHEAD = (1, 2, 4)
 """A row is held against the mean speeds from the edge before it to edges so far after that."""
 CONTRADICTED = 3.0
@@ -51,23 +53,25 @@ def look_back(file: Any, view: View, prefix: str = "") -> None:
         if piece not in rows:
             continue
         begin, after = rows[piece]
-        edges, course = _edges(file, slice(first, end), view, run)
-        if edges.shape[1] > 1 and file["standstill"][after - 1] > STANDING:
-            stands = [[file["time"][after - 1]], [edges[1, -1] + 0.5 * view.pitch], [view.pitch**2 / 12.0]]
-            edges = np.append(edges, stands, axis=1)
-            course = None if course is None else course.before_stop()
+        met, stands = file["edges/time"][first:end], file["standstill"][after - 1] > STANDING
         for start in range(begin, after, ROWS):
             part = slice(start, min(start + ROWS, after))
             shown = {name: file[name][part] for name in ("time", "standstill")}
             shown |= {name: file[f"{prefix}{name}"][part] for name in ("angle", "speed", *_CHANGED)}
+            low, high = np.searchsorted(met, shown["time"][[0, -1]]).tolist()
+            around = slice(first + max(low - MARGIN, 0), first + min(high + MARGIN, met.size))
+            edges, course = _edges(file, around, view, run)
+            if stands and around.stop == end and edges.shape[1] > 1:
+                stop = [[file["time"][after - 1]], [edges[1, -1] + 0.5 * view.pitch], [view.pitch**2 / 12.0]]
+                edges, course = np.append(edges, stop, axis=1), None if course is None else course.before_stop()
             found = seen_afterwards(shown, edges, course, view.ripple, run)
             for name, column in view.doubt.add_to(found, shown["speed"], shown["standstill"] > STANDING).items():
                 file[f"{prefix}{name}"][part] = np.sqrt(column)
 
 
-def _edges(file: Any, piece: slice, view: View, run: Run) -> tuple[Array, Course | None]:
-    """Times [s], angles [rad] and variances [rad^2] of the edges of a piece that were used, and its course."""
-    columns = (file[f"edges/{name}"][piece] for name in ("time", "angle", "variance", "sector"))
+def _edges(file: Any, around: slice, view: View, run: Run) -> tuple[Array, Course | None]:
+    """Times [s], angles [rad] and variances [rad^2] of those edges of a piece that were used, and its course there."""
+    columns = (file[f"edges/{name}"][around] for name in ("time", "angle", "variance", "sector"))
     time, angle, variance, sector = columns
     used = np.isfinite(angle) & (np.diff(time, prepend=-np.inf) > 0.0)
     edges = np.array([time[used], angle[used], variance[used]])
