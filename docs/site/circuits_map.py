@@ -30,7 +30,7 @@ LOW, STROKE, WAY = 0.05, 0.216, 1.25
 NAMES = ("vvdp-slow", "throttle", "load-sensing", "independent-valves", "ideal-pump", "four-valves")
 SWITCHED = "vvdp-slow"
 """The switched machine; its pump turns as slowly as its valve still spins."""
-SAID_BEGIN, SAID_END = "<!-- said of the map, made from it -->\n", "<!-- end of what is said of the map -->\n"
+SAID_BEGIN, SAID_END = "<!-- statements on the map, made from it -->\n", "<!-- end of the statements on the map -->\n"
 
 
 class Use(NamedTuple):
