@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import NamedTuple
 
+from circuit_sentences import flowed
 from circuits_compared import PAGE, drag, pump_ends, put, short
 
 from vvdp.comparison.circuit_trials import run_pair
@@ -20,21 +21,20 @@ BEGIN, END = "<!-- map, made by docs/site/circuits_map.py -->\n", "<!-- end of t
 FORCES = (2e3, 5e3, 10e3)
 """Of the first consumer, against extending [N]."""
 SHARES = (1.0, 0.25)
-"""Of the time in which rods move."""
+"""Of the flow at which rods go their way in the shortest time."""
 CONSUMERS = (1, 2, 3)
 FURTHER = ((0.4, 0.1), (0.1, 0.06))
 """Of the second and third consumer: share of the first one's force, and stroke [m]."""
 LOW, STROKE, WAY = 0.05, 0.216, 1.25
-"""Where strokes begin, how far the first one goes, and how long either way takes [m, m, s]."""
+"""Where strokes begin, how far the first one goes, and how long either way takes at least [m, m, s]."""
 NAMES = ("vvdp-slow", "throttle", "load-sensing", "independent-valves", "ideal-pump", "four-valves")
 SWITCHED = "vvdp-slow"
 """The switched machine; its pump turns as slowly as its valve still spins."""
-LIMIT = 0.05
-"""Within which the powers of two circuits count as the same."""
+SAID_BEGIN, SAID_END = "<!-- statements on the map, made from it -->\n", "<!-- end of the statements on the map -->\n"
 
 
 class Use(NamedTuple):
-    """A way to use circuits: force of the first consumer [N], share of the time in which rods move, consumers."""
+    """A way to use circuits: force of the first consumer [N], share of the largest flow, consumers."""
 
     force: float
     share: float
@@ -42,17 +42,17 @@ class Use(NamedTuple):
 
 
 def duty_of(use: Use) -> Duty:
-    """The duty of a use: out and back, then at rest until the round is over; all consumers have a throttle alike."""
+    """The duty of a use: out and back; all consumers have the throttle of the first, sized for the largest flow."""
     first = _moved(use, use.force, STROKE)
+    conductance = first.return_conductance / use.share
     further = [_moved(use, ratio * use.force, stroke) for ratio, stroke in FURTHER][: use.consumers - 1]
-    return replace(first, further=tuple(replace(e, return_conductance=first.return_conductance) for e in further))
+    each = [replace(every, return_conductance=conductance) for every in (first, *further)]
+    return replace(each[0], further=tuple(each[1:]))
 
 
 def _moved(use: Use, force: float, stroke: float) -> Duty:
-    times, positions = [0.0, WAY, 2.0 * WAY], [LOW, LOW + stroke, LOW]
-    if use.share < 1.0:
-        times, positions = [*times, 2.0 * WAY / use.share], [*positions, LOW]
-    cycle = DutyCycle(times=tuple(times), positions=tuple(positions), forces=(-force,) * len(times))
+    way = WAY / use.share
+    cycle = DutyCycle(times=(0.0, way, 2.0 * way), positions=(LOW, LOW + stroke, LOW), forces=(-force,) * 3)
     name = f"{force:g} N, {1e3 * stroke:g} mm, {100.0 * use.share:g} %"
     return sized_duty(name, "", "", cycle, *known_cylinder())
 
@@ -100,7 +100,7 @@ def lines(powers: Mapping[tuple[Use, str], float]) -> Iterator[str]:
     drags, and how much more the switched machine draws than that."""
     dragged = with_drag(powers)
     verdicts = "least | switched / least | least with drag | switched / least"
-    yield f"| force [kN] | moving | consumers | {' | '.join(NAMES)} | {verdicts} |"
+    yield f"| force [kN] | flow | consumers | {' | '.join(NAMES)} | {verdicts} |"
     yield "|---" * (len(NAMES) + 7) + "|"
     for use in uses():
         cells = [short(powers[use, name]) for name in NAMES]
@@ -111,10 +111,51 @@ def lines(powers: Mapping[tuple[Use, str], float]) -> Iterator[str]:
     yield ""
 
 
+def kept_map(page: str) -> dict[Use, tuple[dict[str, float], list[str]]]:
+    """The rows of the table on the page, by use: powers of all circuits [W], and the last four cells."""
+    text, count = page.partition(BEGIN)[2].partition(END)[0], len(NAMES)
+    cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.strip().splitlines()[2:]]
+    return {
+        Use(1e3 * float(row[0]), 0.01 * float(row[1].rstrip(" %")), int(row[2])): (
+            dict(zip(NAMES, map(float, row[3 : 3 + count]), strict=True)),
+            row[3 + count :],
+        )
+        for row in cells
+    }
+
+
+def with_said(page: str) -> str:
+    """The page with what its map says."""
+    kept = kept_map(page)
+
+    favourable = {(use, name): power for use, (powers, _) in kept.items() for name, power in powers.items()}
+    dragged = with_drag(favourable)
+
+    def ratios(rival: str, found: Mapping[tuple[Use, str], float], several: bool) -> str:
+        some = [found[use, SWITCHED] / found[use, rival] for use in kept if (use.consumers > 1) == several]
+        return f"{min(some):.1f} to {max(some):.1f}"
+
+    places = [[said[place] for _, said in kept.values()] for place in (0, 2)]
+    same = sum(a == b for a, b in zip(*places, strict=True))
+    first, other = (", ".join(f"`{name}` in {each.count(name)}" for name in NAMES if name in each) for each in places)
+    wins = sum(each.count(SWITCHED) for each in places)
+    text = f"""**Switching draws least in {wins} of {len(kept)} uses, with either pump.** The least power is drawn by
+        {first} of them; if every pump drags, {other}. In {same} uses it is the same circuit with either pump;
+        in all others it depends on the pump and on how many consumers share one. For one consumer the switched
+        machine draws {ratios("load-sensing", favourable, False)} times what load sensing draws,
+        {ratios("load-sensing", dragged, False)} times if every pump drags, since its own turns more slowly; for
+        two and three, which have a machine each, {ratios("load-sensing", favourable, True)} and
+        {ratios("load-sensing", dragged, True)} times. Compared with throttling it is
+        {ratios("throttle", favourable, False)} and {ratios("throttle", favourable, True)} times. **So switching
+        is worth it in place of a throttled fixed pump, and for one consumer it comes close to load sensing
+        where pumps drag.**"""
+    return put(page, SAID_BEGIN, SAID_END, iter([flowed(text), ""]))
+
+
 def main() -> None:
-    """Writes the table into the page."""
+    """Writes the table into the page, and what it says."""
     powers = net_powers()
-    PAGE.write_text(put(PAGE.read_text("utf-8"), BEGIN, END, lines(powers)), "utf-8")
+    PAGE.write_text(with_said(put(PAGE.read_text("utf-8"), BEGIN, END, lines(powers))), "utf-8")
 
 
 if __name__ == "__main__":

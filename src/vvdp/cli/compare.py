@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 INTERRUPTED = 130
 MOST_MISSING = 5
 """Missing runs that are named after an interrupt."""
-SECONDS_OF_A_CIRCUIT = 0.9
+SECONDS_OF_A_CIRCUIT = 1.3
 """Processor time of a circuit on a cycle, with the common reference or at one error, mean over all pairs [s]."""
 
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)

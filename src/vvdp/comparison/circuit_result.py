@@ -19,7 +19,7 @@ from vvdp.base.kinds import (
     Kind,
 )
 from vvdp.comparison.circuit_trials import CircuitComparison, CircuitRun
-from vvdp.comparison.equal_error import is_reached
+from vvdp.comparison.equal_error import EQUAL, is_reached
 from vvdp.results.chart import Bars, Chart, Colour, Line, Lines
 from vvdp.results.result import Column, Finding, Grade, Number, Result, Section, Table
 from vvdp.simulation.balance import LIMIT
@@ -317,7 +317,7 @@ def _findings(found: CircuitComparison) -> Iterator[Finding]:
 
 def _other_error(run: CircuitRun, wanted: float | None) -> Iterator[Finding]:
     """That a circuit cannot be brought to the error at which all are compared, and the closest that it comes."""
-    if wanted is not None and run.tried and not is_reached(run.tried[run.kept].error, wanted):
+    if wanted is not None and run.tried and not is_reached(run.tried[run.kept].error, wanted, EQUAL):
         reached, asked = (number(1e3 * each, 3) for each in (run.tried[run.kept].error, wanted))
         what = f"{run.circuit} on {run.duty}"
         text = f"{what} comes to an rms error of {reached} mm, not to the {asked} mm of the others."

@@ -20,6 +20,8 @@ POLES = 4.0
 """Of the filter before a loop."""
 TOLERANCE = 0.02
 """By how much of the wanted error a circuit may miss it: two circuits then differ by 4.1 % at most."""
+EQUAL = 0.024
+"""Beyond this share of the wanted error a circuit is named: all others differ by 5 % at most."""
 MOST_TRIES = 8
 """Runs for one circuit on one cycle, beside the first."""
 FASTEST, SLOWEST = 100.0, 5.0
@@ -36,9 +38,9 @@ class Attempt(NamedTuple):
     power: Annotated[float, MEAN_POWER]
 
 
-def is_reached(error: float, wanted: float) -> bool:
-    """Whether an rms error is the `wanted` one, within the tolerance [m]."""
-    return abs(error - wanted) <= TOLERANCE * wanted
+def is_reached(error: float, wanted: float, share: float = TOLERANCE) -> bool:
+    """Whether an rms error is the `wanted` one [m], within a share of that."""
+    return abs(error - wanted) <= share * wanted
 
 
 def rms_speed(cycle: DutyCycle) -> float:
