@@ -81,7 +81,9 @@ def terminals(model: FmuModel) -> dict[str, dict[str, str]]:
     network = model.system.circuit.network
     names = sorted({*network.nodes, *network.parts, *network.programs}, key=len, reverse=True)
     found = dict[str, dict[str, str]]()
-    for each in (*(own for own in model.settables if own.role == INPUT), *model.outputs):
+    inputs = [own for own in model.settables if own.role == INPUT]
+    variables: list[Settable | Output] = [*inputs, *model.outputs]
+    for each in variables:
         path = each.key
         head, _, rest = path.partition(".")
         path = rest if head in TABLES and rest else path
