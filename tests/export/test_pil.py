@@ -3,7 +3,10 @@
 import re
 import subprocess
 import sys
+from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
 from tests.export.test_fmu import pytestmark
 from tests.generator.c_way import compilers
@@ -11,6 +14,7 @@ from tests.generator.c_way import compilers
 from vvdp.base.errors import ConfigError, RunError
 from vvdp.export.c_folder import exported_folder
 from vvdp.export.pil import compared
+from vvdp.simulation.run import simulate
 from vvdp.systems.system import load_system
 
 __all__ = ["pytestmark"]
@@ -75,6 +79,20 @@ def test_a_process_that_ends_or_does_not_begin_is_reported():
         compared(system, "lop", [sys.executable], 10)
     with pytest.raises(RunError, match="the process ended at t = 0 s"):
         compared(system, "loop", [sys.executable, "-c", "pass"], 10)
+
+
+def test_the_page_states_counts_and_why_there_is_no_single_precision():
+    """The encoder over a second; between 2048 and 4096 s neighbouring floats are 2^-12 s apart."""
+    page = (Path(__file__).parents[2] / "docs" / "c-export.md").read_text("utf-8")
+    system = load_system("prototype")
+    stepping = replace(system.stepping, until=1.0, record_interval=1e-3, window=0.0, average_from=None)
+    run = simulate(system.model, system.case, stepping)
+    marks = run.mark_times.size + run.mark_states.size
+    numbers = run.times.size + run.states.size + run.commands.size + run.memories.size + marks
+    assert f"1001 samples by the process: 0 of {numbers} numbers differ from vvdp run" in page
+    assert f"resolves to {np.spacing(np.float32(3600.0)):.1e} s after an hour".replace("e-0", "e-") in page.replace(
+        "\n  ", " "
+    )
 
 
 def test_the_command_prints_one_sentence(build):
