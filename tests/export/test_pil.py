@@ -13,7 +13,7 @@ from tests.generator.c_way import compilers
 
 from vvdp.base.errors import ConfigError, RunError
 from vvdp.export.c_folder import exported_folder
-from vvdp.export.pil import compared
+from vvdp.export.pil import loop_difference
 from vvdp.simulation.run import simulate
 from vvdp.systems.system import load_system
 
@@ -54,7 +54,7 @@ def build(tmp_path):
 )
 def test_no_number_of_the_closed_loop_differs(name, part, build, capfd):
     """A fifth of a second at 1 ms; the process names the sample that took longest."""
-    found = compared(load_system(name), part, [str(build(name, part))], 200)
+    found = loop_difference(load_system(name), part, [str(build(name, part))], 200)
     assert found.differing == 0
     assert found.numbers > 200 * 10
     assert found.samples >= 200
@@ -68,17 +68,17 @@ def test_a_process_that_calculates_otherwise_is_found(build):
     """The command of the loop is doubled before it is sent."""
     change = ("fwrite(&command", "*(double *)&command *= 2.0; fwrite(&command")
     process = build("linear-valves", "loop", *change)
-    assert compared(load_system("linear-valves"), "loop", [str(process)], 100).differing > 100
+    assert loop_difference(load_system("linear-valves"), "loop", [str(process)], 100).differing > 100
 
 
 def test_a_process_that_ends_or_does_not_begin_is_reported():
     system = load_system("linear-valves")
     with pytest.raises(ConfigError, match="cannot be started"):
-        compared(system, "loop", ["./no-such-process"], 10)
+        loop_difference(system, "loop", ["./no-such-process"], 10)
     with pytest.raises(ConfigError, match="unknown"):
-        compared(system, "lop", [sys.executable], 10)
+        loop_difference(system, "lop", [sys.executable], 10)
     with pytest.raises(RunError, match="the process ended at t = 0 s"):
-        compared(system, "loop", [sys.executable, "-c", "pass"], 10)
+        loop_difference(system, "loop", [sys.executable, "-c", "pass"], 10)
 
 
 def test_the_page_states_counts_and_why_there_is_no_single_precision():
