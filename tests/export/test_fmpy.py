@@ -1,5 +1,9 @@
 """FMUs in FMPy: no problem is found in the description, and all states have the bits of a run."""
 
+import importlib
+import re
+from pathlib import Path
+
 import fmpy
 import fmpy.validation as validation
 import numpy as np
@@ -65,3 +69,27 @@ def test_event_mode_shows_each_sample_before_and_after(name, path):
         before, after = found[command.name][1::2], found[command.name][2::2]
         assert before[1:].tobytes() == after[:-1].tobytes()
         assert before.tobytes() == run.commands[1:, command.place].tobytes()
+
+
+def test_libcosim_has_the_same_bits(path):
+    """Half a second at 1 ms, FMI 2, where it is installed."""
+    libcosimpy = pytest.importorskip("libcosimpy")
+    execution, slave, observer = (
+        importlib.import_module(f"{libcosimpy.__name__}.Cosim{name}") for name in ("Execution", "Slave", "Observer")
+    )
+    run, paths = run_of("prototype", 0.5), paths_of(load_system("prototype"))
+    one = execution.CosimExecution.from_step_size(1_000_000)  # ns
+    number = one.add_local_slave(slave.CosimLocalSlave(path("prototype", 2), "one"))
+    last = observer.CosimObserver.create_last_value()
+    one.add_observer(last)
+    assert all(one.step() for _ in range(500))
+    names = [each.name for each in made("prototype", 2).model.variables]
+    found = last.last_real_values(number, [1 + names.index(each) for each in paths])
+    assert np.array(found).tobytes() == run.final[: len(paths)].tobytes()
+
+
+def test_an_fmu_is_as_large_as_the_page_says():
+    page = (Path(__file__).parents[2] / "docs" / "fmu-export.md").read_text("utf-8")
+    most = int(re.search(r"FMU of `prototype` has less than (\d+) kB", page)[1])
+    extras = 7_000  # icon, reference result and diagram, see `test_fmu_extras`
+    assert len(made("prototype", 3).content) + extras < 1000 * most

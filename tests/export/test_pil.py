@@ -3,14 +3,18 @@
 import re
 import subprocess
 import sys
+from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
 from tests.export.test_fmu import pytestmark
 from tests.generator.c_way import compilers
 
 from vvdp.base.errors import ConfigError, RunError
 from vvdp.export.c_folder import exported_folder
-from vvdp.export.pil import compared
+from vvdp.export.pil import loop_difference
+from vvdp.simulation.run import simulate
 from vvdp.systems.system import load_system
 
 __all__ = ["pytestmark"]
@@ -50,7 +54,7 @@ def build(tmp_path):
 )
 def test_no_number_of_the_closed_loop_differs(name, part, build, capfd):
     """A fifth of a second at 1 ms; the process names the sample that took longest."""
-    found = compared(load_system(name), part, [str(build(name, part))], 200)
+    found = loop_difference(load_system(name), part, [str(build(name, part))], 200)
     assert found.differing == 0
     assert found.numbers > 200 * 10
     assert found.samples >= 200
@@ -64,17 +68,31 @@ def test_a_process_that_calculates_otherwise_is_found(build):
     """The command of the loop is doubled before it is sent."""
     change = ("fwrite(&command", "*(double *)&command *= 2.0; fwrite(&command")
     process = build("linear-valves", "loop", *change)
-    assert compared(load_system("linear-valves"), "loop", [str(process)], 100).differing > 100
+    assert loop_difference(load_system("linear-valves"), "loop", [str(process)], 100).differing > 100
 
 
 def test_a_process_that_ends_or_does_not_begin_is_reported():
     system = load_system("linear-valves")
     with pytest.raises(ConfigError, match="cannot be started"):
-        compared(system, "loop", ["./no-such-process"], 10)
+        loop_difference(system, "loop", ["./no-such-process"], 10)
     with pytest.raises(ConfigError, match="unknown"):
-        compared(system, "lop", [sys.executable], 10)
+        loop_difference(system, "lop", [sys.executable], 10)
     with pytest.raises(RunError, match="the process ended at t = 0 s"):
-        compared(system, "loop", [sys.executable, "-c", "pass"], 10)
+        loop_difference(system, "loop", [sys.executable, "-c", "pass"], 10)
+
+
+def test_the_page_states_counts_and_why_there_is_no_single_precision():
+    """The encoder over a second; between 2048 and 4096 s neighbouring floats are 2^-12 s apart."""
+    page = (Path(__file__).parents[2] / "docs" / "c-export.md").read_text("utf-8")
+    system = load_system("prototype")
+    stepping = replace(system.stepping, until=1.0, record_interval=1e-3, window=0.0, average_from=None)
+    run = simulate(system.model, system.case, stepping)
+    marks = run.mark_times.size + run.mark_states.size
+    numbers = run.times.size + run.states.size + run.commands.size + run.memories.size + marks
+    assert f"1001 samples by the process: 0 of {numbers} numbers differ from vvdp run" in page
+    assert f"resolves to {np.spacing(np.float32(3600.0)):.1e} s after an hour".replace("e-0", "e-") in page.replace(
+        "\n  ", " "
+    )
 
 
 def test_the_command_prints_one_sentence(build):

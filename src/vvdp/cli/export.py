@@ -2,11 +2,15 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from vvdp.cli.options import AsJson, Force, Settings, SystemName, Verb, default_directory, flat, out_option
+
+if TYPE_CHECKING:
+    from vvdp.export.fmu_extras import Extras
+    from vvdp.export.fmu_model import FmuModel
 
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
 
@@ -160,11 +164,7 @@ def write_fmu(
     from vvdp.cli.screen import print_json, tell
     from vvdp.export.fmu import fmu, require_kind
     from vvdp.export.fmu_binary import platforms_named
-    from vvdp.export.fmu_extras import Extras, reference_text
     from vvdp.export.fmu_model import Guest, fmu_model
-    from vvdp.report.circuit import graph_of
-    from vvdp.report.diagram import diagram
-    from vvdp.report.raster import icon_png
     from vvdp.systems.system import load_system
 
     require_kind(chosen.kind)
@@ -172,11 +172,9 @@ def write_fmu(
     if out.exists() and not force:
         raise unusable(out, "exists already; --force replaces it")
     system = load_system(chosen.system, settings or ())
-    drawn = diagram(graph_of(system.circuit.network, system.title))
     guest = None if chosen.kind == "cs" else Guest(has_books=chosen.books)
     model = fmu_model(system, chosen.input or (), chosen.output or (), guest)
-    extras = Extras(drawn, icon_png(drawn), reference_text(model))
-    made = fmu(model, chosen.fmi, platforms, extras, is_solved=chosen.kind != "me")
+    made = fmu(model, chosen.fmi, platforms, _extras(model), is_solved=chosen.kind != "me")
     write_whole(out, made.content)
     facts = made.facts
     if json:
@@ -191,6 +189,17 @@ def write_fmu(
     else:
         tell("no C compiler was found: the FMU has sources only; install one, or the extra `fmi-cross`")
     tell(f"FMU: {out}")
+
+
+def _extras(model: "FmuModel") -> "Extras":
+    """The diagram, icon and reference result of an FMU."""
+    from vvdp.export.fmu_extras import Extras, reference_text
+    from vvdp.report.circuit import graph_of
+    from vvdp.report.diagram import diagram
+    from vvdp.report.raster import icon_png
+
+    drawn = diagram(graph_of(model.system.circuit.network, model.system.title))
+    return Extras(drawn, icon_png(drawn), reference_text(model))
 
 
 @app.command("web", cls=Verb)

@@ -118,10 +118,10 @@ def tangent_of(machine: CMachine, inputs: frozenset[int]) -> Tangent:
     rates, outputs = trace(model, case), trace(model, case, outputs_part)
     found = zip(members(case.params, ""), parameter_places(case), strict=False)
     signals = tuple(begin for (_, value), (begin, _, _) in found if isinstance(value, Signal))
-    return Tangent(_joined(rates, outputs), len(rates.outputs), signals, inputs)
+    return Tangent(_union_of(rates, outputs), len(rates.outputs), signals, inputs)
 
 
-def _joined(one: Graph, other: Graph) -> Graph:
+def _union_of(one: Graph, other: Graph) -> Graph:
     """Both graphs with what they have in common once."""
     nodes, known = list(one.nodes), {node: place for place, node in enumerate(one.nodes)}
     renamed = list[int]()
@@ -147,7 +147,7 @@ def tangent_text(machine: CMachine, tangent: Tangent) -> str:
     lines = [f'#include "{name}.h"\n\n#include <math.h>\n', *([SIGNAL] if tangent.signals else []), ALONG]
     lines.append(wrap(f"void {name}_tangent(const {name}_machine *machine, double t, {numbers})"))
     lines += ["{", "    const double *y = machine->state, *u = machine->command, *p = machine->parameters;"]
-    needed = _needed(graph, active)
+    needed = _value_places(graph, active)
     for place, node in enumerate(graph.nodes):
         if place in needed:
             kind = "int" if node.op in TRUTHS else "double"
@@ -159,19 +159,19 @@ def tangent_text(machine: CMachine, tangent: Tangent) -> str:
     return "\n".join([*lines, "}", ""])
 
 
-def _needed(graph: Graph, active: Sequence[bool]) -> set[int]:
+def _value_places(graph: Graph, active: Sequence[bool]) -> set[int]:
     """The nodes whose values the derivatives take."""
     found = set[int]()
     for place in range(len(graph.nodes) - 1, -1, -1):
         node = graph.nodes[place]
         if active[place]:
-            found.update(_taken(place, node, active))
+            found.update(_values_behind(place, node, active))
         if place in found:
             found.update(node.inputs)
     return found
 
 
-def _taken(place: int, node: Node, active: Sequence[bool]) -> Iterator[int]:
+def _values_behind(place: int, node: Node, active: Sequence[bool]) -> Iterator[int]:
     """The nodes whose values the derivative of a node takes, itself among them."""
     op, inputs = node.op, node.inputs
     if op is Op.SELECT:

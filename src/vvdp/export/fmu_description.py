@@ -166,11 +166,11 @@ def _dependencies(model: FmuModel, fmi: int) -> dict[int, str]:
     references |= {(Op.TIME, 0): 0} if fmi == 3 else {}
     rows = {"rate": 0, "output": model.tangent.rates}
     found = {}
-    for each in (*model.outputs, *model.inner):
-        if each.vector in rows:
-            behind = sources[rows[each.vector] + each.place]
+    for shown in (*model.outputs, *model.inner):
+        if shown.vector in rows:
+            behind = sources[rows[shown.vector] + shown.place]
             numbers = sorted({references[one] for one in behind if one in references})
-            found[known[each.name]] = f' dependencies="{" ".join(map(str, numbers))}"'
+            found[known[shown.name]] = f' dependencies="{" ".join(map(str, numbers))}"'
     return found
 
 

@@ -2,7 +2,7 @@
 
 At each sample the simulated system hands the reading to the process and waits for its answer. A frame to the process
 holds the time and the reading, a frame from it the memory and the command, all as doubles of this machine. Everything
-that a run records is compared with a run in which vvdp's own code is the program.
+that a run records is loop_difference with a run in which vvdp's own code is the program.
 """
 
 import argparse
@@ -72,8 +72,8 @@ _asked: list[Process] = []
 """The process that answers: compiled code is remembered, and calls the same function for each process."""
 
 
-def _answer(_: float, handle: float, t: float, given: int, n: int, found: int, m: int) -> float:
-    _asked[-1].answer(t, given, n, found, m)
+def _answer(_: float, handle: float, *sample: Any) -> float:
+    _asked[-1].answer(*sample)
     return handle
 
 
@@ -99,7 +99,7 @@ def outside_program(model: Model, case: Case, name: str, process: Process) -> Pr
     return replace(program, step=known["step"], partner=partner)
 
 
-class Compared(NamedTuple):
+class Difference(NamedTuple):
     """How many numbers of how many differ between the two runs, and how many samples the process has answered."""
 
     differing: int
@@ -107,8 +107,8 @@ class Compared(NamedTuple):
     samples: int
 
 
-def compared(system: System, name: str, command: Sequence[str], samples: int) -> Compared:
-    """A run of so many sample periods with a program in a process, compared with the same run without it.
+def loop_difference(system: System, name: str, command: Sequence[str], samples: int) -> Difference:
+    """A run of so many sample periods with a program in a process, loop_difference with the same run without it.
 
     Raises ConfigError where there is no such program or the process cannot be started; RunError where it ends early,
     and for a system with a foreign FMU.
@@ -141,7 +141,7 @@ def compared(system: System, name: str, command: Sequence[str], samples: int) ->
         int(np.sum(a.view(np.int64) != b.view(np.int64))) if a.shape == b.shape else max(a.size, b.size)
         for a, b in pairs
     )
-    return Compared(differing, sum(a.size for a, _ in pairs), process.samples)
+    return Difference(differing, sum(a.size for a, _ in pairs), process.samples)
 
 
 def main() -> int:
@@ -154,7 +154,7 @@ def main() -> int:
     words.add_argument("--samples", type=int, default=1000, metavar="N")
     given = words.parse_args()
     try:
-        found = compared(load_system(given.system, given.set), given.part, given.command, given.samples)
+        found = loop_difference(load_system(given.system, given.set), given.part, given.command, given.samples)
     except VvdpError as problem:
         print(problem, file=sys.stderr)
         return 1
