@@ -107,7 +107,7 @@ class Resumable:
     @property
     def shared_cores(self) -> int:
         """The cores that share the work, as far as options or this machine say."""
-        from vvdp.studies.engine import all_cores
+        from vvdp.simulation.crew import all_cores
 
         return (self.workers or 1) * (self.cores or (1 if self.workers else all_cores()))
 
