@@ -31,3 +31,15 @@ def test_a_word_that_nothing_has_names_what_is_alike(vvdp):  # noqa: F811
     answer = vvdp("list", "orifce")
     assert answer.code == 2
     assert answer.err == "list: orifce: nothing has this in its name or description; did you mean 'orifice'?\n"
+
+
+def test_the_page_of_a_type_stands_alone_and_other_names_follow_in_a_line(vvdp):  # noqa: F811
+    said = vvdp("list", "pi").out
+    assert said.startswith("pi: ") and "integral time" in said
+    last = said.strip().splitlines()[-1]
+    assert last.startswith("Other names with these letters: ") and "pid" in last and "pipe" in last
+
+
+def test_a_word_in_no_name_is_looked_for_in_descriptions(vvdp):  # noqa: F811
+    found = json.loads(vvdp("list", "controller", "--json").out)
+    assert {"pi", "pid"} <= found["programs"].keys() and not found["components"]

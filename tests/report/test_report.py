@@ -13,10 +13,12 @@ from tests.words import wording
 from vvdp.base.errors import ConfigError
 from vvdp.base.files import list_all, write_listed
 from vvdp.base.kinds import SPEED
+from vvdp.base.manifest import open_directory
 from vvdp.report.report import write_report
-from vvdp.report.result_page import listing_html
-from vvdp.results.result import Badge, Grade, Listing, Row
+from vvdp.report.result_page import Page, listing_html, write_result_page
+from vvdp.results.result import Badge, Finding, Grade, Listing, Result, Row
 from vvdp.runs.bench import causes, components
+from vvdp.runs.lead import lead
 from vvdp.runs.result import key_listings, run_result
 from vvdp.runs.run import open_run
 from vvdp.runs.simulate import run_system
@@ -344,3 +346,23 @@ def test_a_duty_ratio_that_changes_is_drawn_as_it_was_prescribed():
     drawn = run_result(run).tables["series"]["duty_ratio"]
     assert drawn == pytest.approx(0.5 + 0.1 * np.sin(2.0 * np.pi * 50.0 * run.times), abs=1e-12)
     assert np.ptp(drawn) > 0.19
+
+
+def test_the_lead_of_a_run_has_its_headline_its_powers_and_its_largest_losses(whole):
+    run = open_run(open_directory(whole))
+    rows = lead(run).rows
+    values = {(row.group, row.label): row.values[0] for row in rows}
+    assert len(rows) <= 12 and next(row.label for row in rows if row.group == "Result") == "efficiency"
+    parts = sorted((loss.simulated for loss in components(run)), reverse=True)
+    losses = [value for (group, _), value in values.items() if group == "Largest losses"]
+    assert losses == pytest.approx([sum(parts), *parts[:3]])
+    assert values["Power", "input power"] == pytest.approx(run.number("input_power_W"), rel=1e-6)
+    shares = [float(row.note.split()[0]) for row in rows if row.group == "Largest losses" and row.note]
+    assert shares == pytest.approx([100.0 * part / sum(parts) for part in parts[:3]], abs=0.05)
+
+
+def test_all_warnings_stand_in_one_box_and_only_the_first_are_open(tmp_path):
+    found = [Finding(title=f"note {n}", text="text", grade=Grade.WARNING) for n in range(5)]
+    result = Result(verb="map", title="a", system="", findings=tuple(found))
+    page = write_result_page(tmp_path, Page(result, {})).read_text("utf-8")
+    assert page.count('<div class="notice') == 1 and "<summary>2 more</summary>" in page

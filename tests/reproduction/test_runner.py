@@ -11,6 +11,7 @@ import pytest
 from vvdp.base.kinds import PRESSURE_DIFFERENCE, TIME
 from vvdp.base.manifest import open_directory
 from vvdp.cli.main import main
+from vvdp.cli.reproduce import usual_seconds
 from vvdp.reproduction import items as known
 from vvdp.reproduction.expectation import expectation_text, expected_rows, verdict_changes
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
@@ -159,3 +160,10 @@ def test_the_report_is_named_where_it_was_written(capsys, tmp_path, monkeypatch)
         main(["reproduce", "equation-3.4", "--out", "found"])
     assert "results: found\nreport: found/report.html\n" in capsys.readouterr().out
     assert (tmp_path / "found" / "report.html").exists()
+
+
+def test_the_usual_time_is_the_sum_of_what_was_timed_and_a_second_for_what_was_not():
+    first, *_ = known.ITEMS
+    new = replace(first, number="9.99")
+    assert usual_seconds([first, new]) == pytest.approx(usual_seconds([first]) + 1.0)
+    assert usual_seconds(known.ITEMS) > 60.0  # worth saying before

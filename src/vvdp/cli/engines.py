@@ -104,6 +104,13 @@ class Resumable:
         """Where to write; without --out the directory under `results` that a call before has written to."""
         return self.out if self.out is not None else Path("results", name)
 
+    @property
+    def shared_cores(self) -> int:
+        """The cores that share the work, as far as options or this machine say."""
+        from vvdp.simulation.crew import all_cores
+
+        return (self.workers or 1) * (self.cores or (1 if self.workers else all_cores()))
+
     def engine(self, directory: Path) -> "Engine":
         """The engine that the options name, see `Engines.engine`."""
         return Engines(self.on, self.workers, self.cores, self.sbatch).engine(directory)

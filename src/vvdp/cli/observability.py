@@ -4,7 +4,6 @@ from typing import Annotated
 
 import typer
 
-from vvdp.base.display import value_text
 from vvdp.cli.options import (
     Case,
     Output,
@@ -62,6 +61,7 @@ def observability(
 
 def _speed(system: str, text: str | None, own: float | None) -> float:
     """The spool speed of the option, else a system's own [rad/s]. Raises ConfigError without one above zero."""
+    from vvdp.base.display import value_text
     from vvdp.base.errors import ConfigError, Fault
     from vvdp.base.kinds import SPEED
     from vvdp.base.rules import POSITIVE

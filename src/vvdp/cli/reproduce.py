@@ -8,6 +8,8 @@ import typer
 from vvdp.cli.options import AsJson, Force, NoReport, default_directory, out_option
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from vvdp.reproduction.item import Item
 
 CHANGED, INTERRUPTED = 1, 130
@@ -41,6 +43,7 @@ def _work(items: "tuple[Item, ...]", directory: Path, force: bool, json: bool, n
     """Works the items out, writes and shows them, and exits with what came of it."""
     import time
 
+    from vvdp.base.display import long_time
     from vvdp.base.files import result_directory
     from vvdp.cli.printing import MOST_ROWS, print_result, write_with_report
     from vvdp.cli.screen import print_json, say, tell
@@ -51,6 +54,7 @@ def _work(items: "tuple[Item, ...]", directory: Path, force: bool, json: bool, n
     from vvdp.results.result import json_value
 
     began, outcomes = time.perf_counter(), []
+    say(f"{len(items)} item{'s' if len(items) > 1 else ''}, about {long_time(usual_seconds(items))}")
     done = {} if force else stopped_items(directory, items)
     with result_directory(directory, force=force or bool(done)) as folder:
         take_over(directory, folder, tuple(done))
@@ -77,6 +81,15 @@ def _work(items: "tuple[Item, ...]", directory: Path, force: bool, json: bool, n
         raise typer.Exit(INTERRUPTED)
     if changes or any(each.failure for each in outcomes):
         raise typer.Exit(CHANGED)
+
+
+def usual_seconds(items: "Iterable[Item]") -> float:
+    """The time that items usually take [s], from processor times on one core; a second for one that was never timed."""
+    from importlib import resources
+
+    text = resources.files("vvdp.reproduction").joinpath("seconds.csv").read_text("utf-8")
+    known = dict(line.split(",") for line in text.splitlines()[1:])
+    return sum(float(known.get(each.name, 1.0)) for each in items)
 
 
 def _list(items: "tuple[Item, ...]", json: bool) -> None:

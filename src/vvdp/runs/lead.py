@@ -24,11 +24,9 @@ def lead(run: RecordedRun) -> Listing:
 def _results(run: RecordedRun) -> Iterator[Row]:
     """The headline of the system, with its span over the ranges of values where the run has some; then its shares."""
     extras, numbers, ranges = run.system.extras, run.numbers, kept_ranges(run)
-    shares = [
-        line.keys[0]
-        for line in (() if extras is None else extras.OVERVIEW)
-        if line.kind is EFFICIENCY and len(line.keys) == 1
-    ]
+    lines = () if extras is None else extras.OVERVIEW
+    # The last group of an overview is that of its powers.
+    shares = [line.keys[0] for line in lines if line.kind is EFFICIENCY and line.group == lines[-1].group]
     keys = [key for key in dict.fromkeys((*headline(run), *shares)) if key in numbers]
     for key in keys[:MOST_RESULTS]:
         number = numbers[key]

@@ -260,7 +260,7 @@ def _called_functions(function: Callable[..., Any]) -> Iterator[Callable[..., An
 
 
 def _rules(classes: Sequence[type[Params]]) -> Iterator[str]:
-    """What values of the classes must keep, read from the calls of `require_positive` and `require_less`."""
+    """What values of the classes must keep, read from the calls of `base.rules` in their checks."""
     checks = {
         vars(cls)["check"] for each in classes for cls in each.__mro__ if "check" in vars(cls) and cls is not Params
     }
@@ -272,6 +272,10 @@ def _rules(classes: Sequence[type[Params]]) -> Iterator[str]:
                     yield f"{', '.join(words)}: greater than 0"
                 elif node.func.id == "require_less" and len(words) == 2:
                     yield f"{words[0]}: less than {words[1]}"
+                elif node.func.id == "require_rising" and words:
+                    yield f"{words[0]}: rising from row to row"
+                elif node.func.id == "refuse" and len(words) == 2:
+                    yield f"{words[0]}: {words[1].strip('`')}"
 
 
 def _warnings(classes: Sequence[type[Params]]) -> Iterator[str]:
