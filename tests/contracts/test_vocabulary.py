@@ -47,7 +47,6 @@ RULES = {
 OTHER_PAGES = {
     "CHANGELOG.md": "reports keys and labels as they were called then",
     "docs/errata.md": "made from rows that quote the sources",
-    "docs/equations.md": "made from a table of the printed equations",
 }
 """Pages that are not looked at, with the reason."""
 UNFINISHED = ("notebooks/",)

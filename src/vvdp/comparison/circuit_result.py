@@ -35,7 +35,7 @@ MANNER = (
     "Every circuit moves the same cylinder, mass, friction and load through the same duty cycle, behind the same "
     "reference filter, with a position loop of one form: velocity fed forward, a gain on the error that keeps the same "
     "margin by a rule, flows and openings from measured pressures; one law opens every meter-out throttle. All are "
-    "brought to the same rms error by how late they are told the reference. Pumps turn without friction, so that power "
+    "brought to the same rms error by the delay of their reference. Pumps turn without friction, so that power "
     "is hydraulic; motors are not counted."
 )
 DEFINITIONS = (

@@ -1,7 +1,7 @@
-"""A circuit brought to a given tracking error by one value: how late its loop is told the reference.
+"""A circuit brought to a given tracking error by one value: the delay of its loop's reference.
 
 The four poles of the filter before a loop delay the reference by L = 4/w. Errors are those against one common
-reference, so a circuit that is told it later follows worse, and one that is told it earlier follows better where it
+reference, so a circuit that receives it later follows worse, and one that receives it earlier follows better where it
 lags. At the rms speed V of a cycle a delay of D adds about V D to an error that it does not correlate with:
 e^2 = e_0^2 + (V D)^2. Between two delays on either side of the wanted error, e^2 is taken to be linear in L.
 

@@ -13,7 +13,7 @@ from vvdp.network.text import Text
 
 
 def junction_lines(text: Text, name: str) -> list[str]:
-    """Lines that work out a junction and all parts that it joins.
+    """Lines that calculate a junction and all parts that it joins.
 
     Raises NetworkError where a part needs oil there.
     """

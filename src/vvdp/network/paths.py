@@ -128,7 +128,7 @@ class Places:
                     yield met.part.name
 
     def _read_by(self, where: str, sources: Iterable[Source]) -> Iterator[str]:
-        """What has to be worked out before what reads `sources`."""
+        """What has to be calculated before what reads `sources`."""
         found = (self.quantity(path, where).needs for source in sources for path in paths_of(source))
         yield from filter(None, found)
 

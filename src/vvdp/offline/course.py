@@ -27,7 +27,7 @@ VAGUE = 100.0
 
 
 class Explanation(NamedTuple):
-    """What a record is smoothed with: the likeliest settings, the variance of an edge that the filter was told of
+    """What a record is smoothed with: the likeliest settings, the variance of an edge that the filter was given
     [rad^2], by how much each edge of the wheel lies further on [rad], and the ripple that the filter estimates."""
 
     noise: Noise

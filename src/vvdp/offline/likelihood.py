@@ -53,8 +53,8 @@ class Fit(NamedTuple):
 
 
 def first_edges(passed: Passed) -> Chosen:
-    """Whether nothing before an edge tells where it should be: a stop or a lost sensor is no noise, nor are edges that
-    are numbered anew after one."""
+    """Whether nothing before an edge shows where it should be: a stop or a lost sensor is no noise, nor are edges that
+    are numbered from the start after one."""
     steps = np.diff(passed.times)
     silent = (steps > SILENT * np.median(steps)) | (np.abs(np.diff(passed.numbers)) > SILENT)
     return np.concatenate([[True], (np.diff(passed.pieces) != 0.0) | silent])
@@ -101,7 +101,7 @@ class Likelihood:
 
     @property
     def pieces(self) -> int:
-        """Edges at which nothing before tells where they should be."""
+        """Edges at which nothing before shows where they should be."""
         return int(np.count_nonzero(self._first))
 
     @property
@@ -123,9 +123,9 @@ class Likelihood:
 
     @property
     def variance_floor(self) -> float:
-        """The edge variance below which nothing can be told [rad^2]: (omega dt)^2/12 from the step in which the times
+        """The edge variance below which nothing can be determined [rad^2]: (omega dt)^2/12 from the step in which the times
         are written, what the rounding of angles makes, the standard error sqrt(2/n) of the part from sampling, and what
-        one edge tells that is as far off as those of a pattern that was taken off."""
+        one edge shows that is as far off as those of a pattern that was taken off."""
         n = self.passed.times.size
         rounding = max(float(np.spacing(np.max(np.abs(self.passed.angles)))) ** 2, self._learnt)
         if self.sampling_variance > 0.0:
@@ -171,7 +171,7 @@ def fit(likelihood: Likelihood) -> Fit:
 
     The search runs over ln R_2, above its floor, and ln(q T^3/R), with R the whole variance of an edge. That is n^-4 at
     least: the filter's time constant (R T/q)^(1/4) is then as long as n edges, and the speed constant as far as they
-    tell.
+    show.
 
     Source  ours, docs/logs.md
     """
@@ -247,5 +247,5 @@ def speed_errors(likelihood: Likelihood, taken: Noise, true: Noise) -> Errors:
 
 
 def _after_two(h: float, R: float, q: float) -> AngleSpeed:
-    """What two edges tell."""
+    """What two edges show."""
     return AngleSpeed(0.0, 0.0, R, R / h, 2.0 * R / (h * h) + q * h / 3.0)

@@ -70,20 +70,20 @@ def passage_step(memory: PassageMemory, passage: Passage, noise: Noise) -> tuple
 
 
 class Restart(NamedTuple):
-    """Whether nothing before this edge tells where it should be (1, else 0)."""
+    """Whether nothing before this edge shows where it should be (1, else 0)."""
 
     here: float
 
 
 def restarting_step(memory: PassageMemory, passage: Passage, noise: Noise) -> tuple[PassageMemory, Restart]:
-    """The same filter, which begins anew at each edge that lies beyond `FAR` standard deviations: the speed changed
+    """The same filter, which begins again at each edge that lies beyond `FAR` standard deviations: the speed changed
     at once there, or the edge is not the one it is taken for.
 
     Source  ours, docs/logs.md
     """
     after, told = passage_step(memory, passage, noise)
     if told.innovation * told.innovation > FAR * FAR * told.variance:
-        anew = Passage(passage.duration, passage.angle, passage.sampling_variance, 1.0)
-        begun, _ = passage_step(memory, anew, noise)
+        first = Passage(passage.duration, passage.angle, passage.sampling_variance, 1.0)
+        begun, _ = passage_step(memory, first, noise)
         return begun, Restart(1.0)
     return after, Restart(passage.first)

@@ -2,7 +2,7 @@
 
 The edges are proportional valves, or digital flow control units: on/off valves in parallel, of which a code opens some.
 Into the supply side an edge meters the flow, out of the return side it holds the supply side at its level, by the law
-of all meter-out throttles. The pump is told the pressure of the chamber that is fed, and holds a margin above it.
+of all meter-out throttles. The pump receives the pressure of the chamber that is fed, and holds a margin above it.
 
 Source  ours, docs/circuits-compared.md
 """
@@ -51,7 +51,7 @@ from vvdp.systems.displacement.rival_tables import PumpDrive
 from vvdp.systems.displacement.rivals import LOOP, Rival, further_rivals, loaded_cylinder
 
 LEAST_DROP = 1e5
-"""Drop over an edge below which its loop reckons with this one [Pa]."""
+"""Drop over an edge below which its loop calculates with this one [Pa]."""
 
 
 class EdgeLoop(Params):
@@ -112,7 +112,7 @@ def edge_speed(into: float, out: float, sides: Sides) -> float:
 def metered_edges(flow: float, opening: float, sides: Sides, settings: EdgeLoop) -> Edges:
     """Commands for a flow, each between 0 and the highest: K_i = Q/root(P - P_s) into the supply side.
 
-    A chamber whose pressure exceeds that of its feed is shut, so that nothing falls back.
+    A chamber whose pressure exceeds that of its feed is closed, so that nothing falls back.
 
     flow     into the supply side [m^3/s]
     opening  of the return by the law of meter-out throttles [1]

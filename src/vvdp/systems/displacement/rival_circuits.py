@@ -97,7 +97,7 @@ def _size_one_way(tables: Tables, duty: Duty) -> Tables:
 
 
 def _size_load_sensing(tables: Tables, duty: Duty) -> Tables:
-    """A controlled pump, and a throttle in the return."""
+    """A controlled pump, and a meter-out throttle."""
     return {**_size_one_way(tables, duty), **_size_controlled_pump(tables, duty)}
 
 
