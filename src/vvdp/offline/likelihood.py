@@ -123,7 +123,7 @@ class Likelihood:
 
     @property
     def variance_floor(self) -> float:
-        """The edge variance below which nothing can be determined [rad^2]: (omega dt)^2/12 from the step in which the times
+        """The edge variance below which nothing can be known [rad^2]: (omega dt)^2/12 from the step in which the times
         are written, what the rounding of angles makes, the standard error sqrt(2/n) of the part from sampling, and what
         one edge shows that is as far off as those of a pattern that was taken off."""
         n = self.passed.times.size
