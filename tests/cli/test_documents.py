@@ -22,6 +22,8 @@ ENDINGS = {
     "m^3/s/Pa": "_m3_s_Pa",
     "m^3/(s*Pa^0.5)": "_m3_s_Pa05",
     "rad/s": "_rad_s",
+    "mm": "_mm",
+    "1/s": "_1_s",
     "m/s": "_m_s",
     "rad": "_rad",
     "rad^2": "_rad2",

@@ -52,7 +52,7 @@ def test_columns_in_another_unit_give_the_same_law():
 
 
 def test_values_that_do_not_tell_the_coefficients_apart_are_refused():
-    with pytest.raises(ParameterError, match="do not tell the 2 coefficients of a law apart"):
+    with pytest.raises(ParameterError, match="do not separate the 2 coefficients of a law"):
         fit([np.ones(4), np.full(4, 7.0)], np.arange(4.0))
 
 

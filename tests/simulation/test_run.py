@@ -386,7 +386,7 @@ def test_stiff_follower_of_a_smooth_curve(method):
         ({"until": 1.0, "sample_period": 0.0}, "sample_period"),
         ({"until": 1.0, "relative_tolerance": 0.1}, "relative_tolerance"),
         ({"until": 1.0, "window_interval": 1e-9}, "at most 2e7"),
-        ({"until": 1.0, "begin": 1.0}, wording.simulation.after_begin.format(begin="1 s")),
+        ({"until": 1.0, "begin": 1.0}, wording.simulation.after_begin.format(begin="1000 ms")),
         ({"until": 1.0, "longest_step": 0.0}, "longest_step"),
         ({"until": "1 s"}, "Stepping.until: '1 s' is a text; .*vvdp.base.units.parse"),
     ],

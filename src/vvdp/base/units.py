@@ -73,7 +73,7 @@ def parse(text: object, kind: Kind) -> float:
     number, unit = _split(text, kind)
     value = _to_si(number, unit, text, kind)
     if not math.isfinite(value):
-        raise ParameterError(str(kind.fault(value)))
+        raise ParameterError(f"{text!r} = {kind.fault(value)}" if unit else str(kind.fault(value)))
     if not kind.low <= value <= kind.high:
         zero, one = (_to_si(number, unit, text, kind) for number in (0.0, 1.0))
         low, high = (f"{(bound - zero) / (one - zero):.6g}" for bound in (kind.low, kind.high))

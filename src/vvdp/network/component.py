@@ -163,9 +163,7 @@ class Component:
         expected = (
             "FluidState, ShaftState, ShaftSpeed, RodState, Medium, Oil, Params, its state, or a float with a kind"
         )
-        raise NetworkError(
-            f"{function}: what {name!r} is cannot be distinguished from {plain!r}; annotate it as {expected}"
-        )
+        raise NetworkError(f"{function}: what {name!r} is does not follow from {plain!r}; annotate it as {expected}")
 
     @cached_property
     def ports(self) -> Mapping[str, Role]:

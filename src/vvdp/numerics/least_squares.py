@@ -64,7 +64,7 @@ def fit(columns: Sequence[Array], seen: Array) -> Fit:
         raise ParameterError(f"{len(seen)} values; a law with {matrix.shape[1]} coefficients needs more")
     coefficients, _, rank, _ = np.linalg.lstsq(matrix, seen, rcond=None)
     if rank < matrix.shape[1]:
-        raise ParameterError(f"{len(seen)} values that do not show the {matrix.shape[1]} coefficients of a law apart")
+        raise ParameterError(f"{len(seen)} values do not separate the {matrix.shape[1]} coefficients of a law")
     residuals = seen - matrix @ coefficients
     covariance = np.linalg.inv(matrix.T @ matrix) * float(residuals @ residuals) / free
     quantile = float(t.ppf(0.5 + 0.5 * CONFIDENCE, free))

@@ -275,9 +275,7 @@ def _granted_words(outcome: Outcome) -> str:
     n = outcome.sums.tally.sectors
     if outcome.summary["index_found"]:
         return ""
-    return (
-        f" That {n} edges pass in a turn, rising and falling ones, was taken for granted: such a wheel does not show."
-    )
+    return f" That {n} edges pass in a turn, rising and falling ones, is assumed: such a wheel does not show it."
 
 
 def _sections(listings: tuple[str, ...], charts: tuple[str, ...], outcome: Outcome) -> tuple[Section, ...]:

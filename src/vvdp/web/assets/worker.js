@@ -35,7 +35,7 @@ function vvdpWorker(model, { moduleOf, isFused } = vvdpModules(model)) {
 
   function checkUntil(until) {
     const s = { ...model.stepping, until }, lasts = until - s.begin;
-    if (!(Number.isFinite(until) && lasts > 0)) throw new Error(`until = ${until} s; expected more than ${s.begin} s`);
+    if (!(Number.isFinite(until) && lasts > 0)) throw new Error(`until = ${until} s; must be greater than ${s.begin} s`);
     const numbers = ["y", "command", "memory"].reduce((sum, name) => sum + model.arrays[name].shape[0], 1 + model.outputs);
     const rows = lasts / s.record_interval + Math.min(s.window, lasts) / s.window_interval;
     if (rows * numbers * 8 > MOST_BYTES) throw new Error(`until = ${until} s: ${rows.toPrecision(3)} rows to record are too many for a page; the command line takes them`);
