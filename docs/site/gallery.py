@@ -70,7 +70,7 @@ LOWEST_B = Number("lowest pressure in chamber B", "pressure_min_chamber_b_Pa", P
 CHARGE = Number("mean power of the charge pump", "power_charge_pump_W", POWER, "W")
 ENTRIES: Mapping[str, Entry] = {
     "prototype": Entry(
-        "The published prototype on its test bench. A rotary valve, kept spinning by its own flow, switches a fixed "
+        "The published prototype on its test rig. A rotary valve, kept spinning by its own flow, switches a fixed "
         "pump between the load and the tank. [Details](models/rotary-valve.md)",
         PUMP_NUMBERS,
     ),
@@ -79,7 +79,7 @@ ENTRIES: Mapping[str, Entry] = {
         PUMP_NUMBERS,
     ),
     "buck-converter": Entry(
-        "Steps a pressure down without throttling: while the valve is shut, the oil in the tube keeps moving and is "
+        "Steps a pressure down without throttling: while the valve is closed, the oil in the tube keeps moving and is "
         "drawn from the tank. [By hand](examples.md#buck-converter)",
         (
             Number("mean flow to the load", "flow_mean_tube_m3_s", FLOW, "lpm"),
@@ -165,7 +165,7 @@ ENTRIES: Mapping[str, Entry] = {
         ),
     ),
     "flow-control-unit": Entry(
-        "The machine's circuit with five on/off valves in parallel in the place of the rotary one: 32 flows. "
+        "The machine's circuit with five on/off valves in parallel instead of the rotary one: 32 flows. "
         "[When it pays](when-switching-pays.md)",
         (
             Number("mean power of the pump", "power_pump_shaft_W", POWER, "kW"),
@@ -174,7 +174,7 @@ ENTRIES: Mapping[str, Entry] = {
         ),
     ),
     "linear-valves": Entry(
-        "The machine's circuit with fast linear on/off valves at 75 Hz in the place of the rotary one. "
+        "The machine's circuit with fast linear on/off valves at 75 Hz instead of the rotary one. "
         "[When it pays](when-switching-pays.md)",
         (
             Number("mean power of the pump", "power_pump_shaft_W", POWER, "kW"),

@@ -206,6 +206,7 @@ def test_solids_in_the_page_are_as_large_as_in_the_picture(made, browser, built_
 
 def test_solids_turn_when_dragged_and_come_back(made, browser):
     browser.open(made.folder / "report.html")
+    browser.ask("document.querySelectorAll('details.fold').forEach((each) => { each.open = true; })")
     browser.ask(OPENED)
     browser.ask("solids.canvas.scrollIntoView()")
     left, top = browser.ask("(() => { const r = solids.canvas.getBoundingClientRect(); return [r.left, r.top]; })()")

@@ -8,7 +8,8 @@ import pytest
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.tables import Table
-from vvdp.hydraulics.junction import HIGHEST, TOLERANCE, begin_search, is_found_compiled, next_search
+from vvdp.hydraulics.junction import HIGHEST, TOLERANCE, begin_search, next_search
+from vvdp.network.junction_text import is_found_compiled
 from vvdp.simulation.run import Run, simulate
 from vvdp.studies.run import run_study
 from vvdp.studies.study import Study

@@ -43,6 +43,7 @@ def shown(browser, page, width, scheme):
     browser.call("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
     browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
     browser.open(page)
+    browser.ask("document.querySelectorAll('details.fold').forEach((each) => { each.open = true; })")
     return browser.ask("vvdp.run({ until: 0.02 }).then(() => document.querySelectorAll('.value [type=range]').length)")
 
 

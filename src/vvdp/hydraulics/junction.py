@@ -50,22 +50,6 @@ def begin_search(low: float, high: float) -> PressureSearch:
     )
 
 
-def is_found(search: PressureSearch) -> bool:
-    """Whether the search ends; the plain form goes through all rounds and stays where it is.
-
-    Source  ours, docs/models/components.md
-    """
-    return search.rounds >= ROUNDS
-
-
-def is_found_compiled(search: PressureSearch) -> bool:
-    """The same as `is_found`, which it replaces in compiled code: rounds that change nothing are left out.
-
-    Source  ours, docs/models/components.md
-    """
-    return search.rounds >= 2.0 and (search.high - search.low <= TOLERANCE or search.rounds >= ROUNDS)
-
-
 def next_search(search: PressureSearch, inflow: float) -> PressureSearch:
     """The search after the round that found a net `inflow` [m^3/s] at its guess.
 

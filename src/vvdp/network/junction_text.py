@@ -3,13 +3,23 @@
 from vvdp.base.errors import NetworkError
 from vvdp.base.select import maximum, minimum
 from vvdp.fluid.oil import Oil
-from vvdp.hydraulics.junction import begin_search, is_found, next_search
+from vvdp.hydraulics.junction import ROUNDS, TOLERANCE, PressureSearch, begin_search, next_search
 from vvdp.network.folding import indent
 from vvdp.network.heat import heat_balance
 from vvdp.network.network import Part
 from vvdp.network.nodes import Junction, has_free_air
 from vvdp.network.sense import is_ideal
 from vvdp.network.text import Text
+
+
+def is_found(search: PressureSearch) -> bool:
+    """Whether the search ends. Traced graphs cannot branch: they go through all rounds, and it stays where it is."""
+    return search.rounds >= ROUNDS
+
+
+def is_found_compiled(search: PressureSearch) -> bool:
+    """What stands for `is_found` in compiled code: rounds that change nothing are left out."""
+    return search.rounds >= 2.0 and (search.high - search.low <= TOLERANCE or search.rounds >= ROUNDS)
 
 
 def junction_lines(text: Text, name: str) -> list[str]:
