@@ -76,10 +76,11 @@ def _terminal_lines(found: Mapping[str, Mapping[str, str]]) -> Iterator[str]:
 def terminals(model: FmuModel) -> dict[str, dict[str, str]]:
     """By name of a node, part or program, the names of its inputs and outputs by what they are of it.
 
-    `valve_load_flow` is the `load_flow` of the terminal `valve`; a node's own number is its `pressure` or `angle`.
+    `valve_load_flow` is the `load_flow` of the terminal `valve`; a node's own number is its `pressure` or `angle`. What
+    a part shows twice, as a command and as an output, is one member.
     """
     network = model.system.circuit.network
-    names = sorted({*network.nodes, *network.parts, *network.programs}, key=len, reverse=True)
+    names = sorted({*network.nodes, *network.parts, *network.groups, *network.programs}, key=len, reverse=True)
     found = dict[str, dict[str, str]]()
     inputs = [own for own in model.settables if own.role == INPUT]
     variables: list[Settable | Output] = [*inputs, *model.outputs]
