@@ -80,7 +80,7 @@ def terminals(model: FmuModel) -> dict[str, dict[str, str]]:
     a part shows twice, as a command and as an output, is one member.
     """
     network = model.system.circuit.network
-    names = sorted({*network.nodes, *network.parts, *network.groups, *network.programs}, key=len, reverse=True)
+    names = sorted({*network.nodes, *network.parts, *network.programs}, key=len, reverse=True)
     found = dict[str, dict[str, str]]()
     inputs = [own for own in model.settables if own.role == INPUT]
     variables: list[Settable | Output] = [*inputs, *model.outputs]
