@@ -76,7 +76,8 @@ def _terminal_lines(found: Mapping[str, Mapping[str, str]]) -> Iterator[str]:
 def terminals(model: FmuModel) -> dict[str, dict[str, str]]:
     """By name of a node, part or program, the names of its inputs and outputs by what they are of it.
 
-    `valve_load_flow` is the `load_flow` of the terminal `valve`; a node's own number is its `pressure` or `angle`.
+    `valve_load_flow` is the `load_flow` of the terminal `valve`; a node's own number is its `pressure` or `angle`. What
+    a part shows twice, as a command and as an output, is one member.
     """
     network = model.system.circuit.network
     names = sorted({*network.nodes, *network.parts, *network.programs}, key=len, reverse=True)
