@@ -286,11 +286,11 @@ def test_a_cycle_of_ones_own_is_read(tmp_path):
         ("time,position,force\n0,0.1,0\n", wording.compare.rows_missing.format(count=1)),
         (
             "time,position,force\n0,0.1,0\n2,0.2,0\n2,0.1,0\n",
-            wording.compare.time_stands.format(row=3, time="2 s", before="2 s"),
+            wording.compare.time_stands.format(row=3, time="2000 ms", before="row 2, 2000 ms"),
         ),
         (
             "time,position,force\n0,0.1,0\n2,0.2,0\n",
-            wording.compare.does_not_return.format(row=2, position="0.2 m", first="0.1 m"),
+            wording.compare.does_not_return.format(row=2, position="200 mm", first="100 mm"),
         ),
     ],
 )

@@ -199,7 +199,7 @@ def _flow_table(stand: Stand, flows: Flows) -> Table:
             ),
             "simulated_flow_m3_s": Column(flows.simulated_flow, kinds.FLOW, "delivered flow, simulated"),
             "averaged_flow_m3_s": Column(flows.at_own_speed, kinds.FLOW, "delivered flow, averages"),
-            "remark": Column(remarks, None, "remark"),
+            "remark": Column(remarks, None, "note"),
         },
         axes=("pressure_difference_Pa", "duty_ratio"),
         is_data=True,

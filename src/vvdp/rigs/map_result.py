@@ -122,7 +122,7 @@ def map_result(found: PumpMap, table: str = "map") -> Result:
     """The map as a result whose table has the name `table`."""
     axes, stand = found.axes, found.stand
     columns = {name: Column(values, *COLUMNS[name]) for name, values in found.columns.items()}
-    columns["remark"] = Column(np.array([reason or "" for reason in found.reasons]), None, "remark")
+    columns["remark"] = Column(np.array([reason or "" for reason in found.reasons]), None, "note")
     whole = Table(title="All points", columns=columns, shown=SHOWN, axes=AXES)
     numbers = _numbers(found)
     said = conditions(stand) | {

@@ -175,7 +175,7 @@ def _conditions(stand: Stand) -> dict[str, str]:
 def _columns(states: Sequence[Steady], waves: Sequence[Waveform | None]) -> dict[str, Column]:
     rows = [_row(state, wave) for state, wave in zip(states, waves, strict=True)]
     columns = {name: Column(np.array([row.get(name, np.nan) for row in rows]), *what) for name, what in COLUMNS.items()}
-    columns["remark"] = Column(np.array([state.reason or "" for state in states]), None, "remark")
+    columns["remark"] = Column(np.array([state.reason or "" for state in states]), None, "note")
     return columns
 
 
