@@ -190,6 +190,6 @@ def verdict_table(statements: Sequence[tuple[str, Statement]], heading: str = "i
             "tolerance": texts((s.tolerance_text for s in each), "tolerance"),
             "tolerance_source": texts((s.because for s in each), "where it comes from"),
             "verdict": texts((s.verdict.value for s in each), "verdict"),
-            "remark": texts((s.remark for s in each), "remark"),
+            "remark": texts((s.remark for s in each), "note"),
         },
     )

@@ -117,9 +117,9 @@ def _map_table(stand: Stand, share: Array, rise: Array, found: Spread) -> Table:
     for rival, name in RIVALS.items():
         low, high = found.lowest[rival], found.highest[rival]
         open_question = ((low < 0.0) & (high > 0.0)).astype(float)
-        columns[f"gain_over_{rival}_W"] = Column(found.gain(rival), MEAN_POWER, f"more lost, {name}")
+        columns[f"gain_over_{rival}_W"] = Column(found.gain(rival), MEAN_POWER, f"extra loss, {name}")
         columns[f"gain_over_{rival}_low_W"] = Column(low, MEAN_POWER, f"extra loss, minimum over assumptions, {name}")
-        columns[f"gain_over_{rival}_high_W"] = Column(high, MEAN_POWER, f"more lost at most, {name}")
+        columns[f"gain_over_{rival}_high_W"] = Column(high, MEAN_POWER, f"extra loss, maximum over assumptions, {name}")
         columns[f"undecided_{rival}"] = Column(open_question, FLAG, f"result depends on assumptions, {name}")
     columns["winner"] = Column(np.array(_winners(losses)), None, "least lost, but for displacement control")
     shown = ("load_pressure_Pa", "delivered_share", *(f"loss_{key}_W" for key in WAYS), "winner")
@@ -185,7 +185,7 @@ def _cycle_table(cycles: Cycles) -> Table:
     columns |= {f"loss_{key}_W": Column(cycles.means[key], MEAN_POWER, WAYS[key]) for key in WAYS}
     for rival, name in RIVALS.items():
         for ending, values in (("low", cycles.lowest), ("high", cycles.highest)):
-            label = f"{name}: more lost {'at least' if ending == 'low' else 'at most'}"
+            label = f"{name}: extra loss, {'minimum' if ending == 'low' else 'maximum'} over assumptions"
             columns[f"gain_over_{rival}_{ending}_W"] = Column(values[rival], MEAN_POWER, label)
     shown = ("cycle", *(f"loss_{key}_W" for key in WAYS))
     return Table(title="Mean loss over duty cycles", columns=columns, shown=shown)
