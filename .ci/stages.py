@@ -42,7 +42,7 @@ class Timed(NamedTuple):
 STAGES = (
     Stage("setup", share=0.03),
     Stage("lint", share=0.02),
-    Stage("docs", share=0.03),
+    Stage("docs", share=0.02),
     Stage("test", share=0.22),
     Stage("test-thorough", share=0.20),
 )
