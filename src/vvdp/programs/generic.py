@@ -7,7 +7,7 @@ from typing import Any
 from vvdp.base.kinds import Kind
 from vvdp.base.params import Params
 from vvdp.network.program import ProgramType
-from vvdp.programs.quantities import PLAIN, replacements, with_kinds
+from vvdp.programs.quantities import replacements, with_kinds
 
 Written = Mapping[str, Any]
 """The values of a program as a file gives them."""
@@ -35,8 +35,7 @@ class GenericProgram:
 
     def for_quantities(self, read: Sequence[Kind], output: Kind | None = None) -> ProgramType:
         """The program for one circuit, where its first inputs read these quantities and its command is `output`."""
-        second = read[1] if len(read) > 1 else PLAIN
-        kinds = replacements(read[0] if read else PLAIN, second, output or self.output(read, {}))
+        kinds = replacements(read, output or self.output(read, {}))
         settings = self.type.settings
         return replace(
             self.type,

@@ -15,12 +15,14 @@ from vvdp.programs.generic import GenericProgram
 from vvdp.programs.gerotor_control import FEEDFORWARD_PI, GEROTOR_OBSERVER
 from vvdp.programs.gerotor_filters import GENERATOR_OBSERVER, LUMPED_OBSERVER
 from vvdp.programs.pulses import CYCLE, PWM
+from vvdp.programs.stages import COMPARATOR, SEQUENCE, SUPERVISION
 from vvdp.programs.unloading import UNLOADING
 
 PROGRAMS: Mapping[str, ProgramType | GenericProgram] = {
     "axial-sensor": AXIAL_SENSOR,
     "backstepping": BACKSTEPPING,
     "chamber-observer": CHAMBER_OBSERVER,
+    "comparator": COMPARATOR,
     "cycle": CYCLE,
     "derivative": DERIVATIVE,
     "encoder": ENCODER,
@@ -42,7 +44,9 @@ PROGRAMS: Mapping[str, ProgramType | GenericProgram] = {
     "pwm": PWM,
     "rate-limit": RATE_LIMIT,
     "reference": REFERENCE,
+    "sequence": SEQUENCE,
     "sum": SUM,
+    "supervision": SUPERVISION,
     "table": TABLE,
     "threshold": THRESHOLD,
     "unloading": UNLOADING,

@@ -5,9 +5,10 @@ A program for any quantity is written with the kinds of this module; `with_kinds
 
 import re
 from collections import namedtuple
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
+from itertools import zip_longest
 from typing import Annotated, Any, NamedTuple, cast
 
 from vvdp.base.errors import ParameterError
@@ -46,16 +47,22 @@ DIFFERENCES = {PRESSURE_LEVEL: SIGNED_PRESSURE, TEMPERATURE: TEMPERATURE_DIFFERE
 
 INPUT = Kind("value of what is read", "Pa", -LARGEST, LARGEST, "100 bar")
 SECOND = Kind("value of what is read second", "K", -LARGEST, LARGEST, "5 K")
+THIRD = Kind("value of what is read third", "m", -LARGEST, LARGEST, "20 mm")
+FOURTH = Kind("value of what is read fourth", "N", -LARGEST, LARGEST, "2 kN")
 OUTPUT = Kind("value of the command", "1", -LARGEST, LARGEST, "0.8")
 GAIN = Kind("gain", "1/Pa", -LARGEST, LARGEST, "0.02 1/bar")
 OUTPUT_RATE = Kind("rate of the command", "1/s", -LARGEST, LARGEST, "0.5 1/s")
 SECOND_RATE = Kind("second derivative of the command", "1/s^2", -LARGEST, LARGEST, "0.5 1/s^2")
 THIRD_RATE = Kind("third derivative of the command", "1/s^3", -LARGEST, LARGEST, "0.5 1/s^3")
 """Kinds that stand for those of a circuit; their units are those of a fraction that follows a pressure."""
+INPUTS = (INPUT, SECOND, THIRD, FOURTH)
+"""Kinds of what is read; a program that reads several quantities gives each input its own."""
 
 Plain = Annotated[float, PLAIN]
 Input = Annotated[float, INPUT]
 Second = Annotated[float, SECOND]
+Third = Annotated[float, THIRD]
+Fourth = Annotated[float, FOURTH]
 Output = Annotated[float, OUTPUT]
 Gain = Annotated[float, GAIN]
 OutputRate = Annotated[float, OUTPUT_RATE]
@@ -156,13 +163,14 @@ def ratio(name: str, above: Kind, below: str, shown: str) -> Kind:
     return Kind(name, unit, -LARGEST, LARGEST, f"1 {example}" if unit != "1" else "1")
 
 
-def replacements(read: Kind, second: Kind, command: Kind) -> dict[Kind, Kind]:
-    """What stands for the kinds of this module where these three are known."""
+def replacements(read: Sequence[Kind], command: Kind) -> dict[Kind, Kind]:
+    """What stands for the kinds of this module where what is read and the command are known; the rest is plain."""
+    reads = dict(zip_longest(INPUTS, read[: len(INPUTS)], fillvalue=PLAIN))
+    first = reads[INPUT]
     return {
-        INPUT: read,
-        SECOND: second,
+        **reads,
         OUTPUT: command,
-        GAIN: ratio("gain", command, read.unit, read.display_unit or "1"),
+        GAIN: ratio("gain", command, first.unit, first.display_unit or "1"),
         OUTPUT_RATE: ratio("rate", command, "s", "s"),
         SECOND_RATE: ratio("second derivative", command, "s^2", "s^2"),
         THIRD_RATE: ratio("third derivative", command, "s^3", "s^3"),

@@ -24,7 +24,7 @@ from vvdp.programs.foreign.table import KEYS as FMU_KEYS
 from vvdp.programs.foreign.table import FieldError
 from vvdp.programs.generic import GenericProgram
 from vvdp.programs.library import PROGRAMS
-from vvdp.programs.quantities import INPUT, LARGEST, PLAIN, SECOND, written_quantity
+from vvdp.programs.quantities import INPUTS, LARGEST, PLAIN, written_quantity
 from vvdp.sensing.instrument import Instrument, ideal_instrument
 from vvdp.systems.own_programs import own_program
 
@@ -158,12 +158,12 @@ class Kinds:
                 )
             if isinstance(part.kind, ProgramType):
                 return part.kind
-            read = [self._read(part, kind, (*above, name)) for kind in (INPUT, SECOND)]
+            read = [self._read(part, kind, (*above, name)) for kind in INPUTS]
             self.known[name] = part.kind.for_quantities(read, part.kind.output(read, part.values))
         return self.known[name]
 
     def _read(self, part: WrittenPart, of: Kind, above: tuple[str, ...]) -> Kind:
-        """The kind of what is read by the first input of this kind, INPUT or SECOND."""
+        """The kind of what is read by the first input of this kind, one of INPUTS."""
         kinds = field_kinds(_own_type(part.kind).reading)
         entry = next((part.values[name] for name, kind in kinds.items() if kind == of and name in part.values), None)
         path = _path(entry)

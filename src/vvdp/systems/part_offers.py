@@ -18,7 +18,7 @@ from vvdp.systems.part_files import PARTS, VALUES, PartFile, find_part
 from vvdp.systems.part_scopes import as_table
 from vvdp.systems.part_uses import joined_ports
 
-GENERIC = frozenset(replacements(PLAIN, PLAIN, PLAIN))
+GENERIC = frozenset(replacements((), PLAIN))
 """Kinds that stand for those of a circuit: what a file gives shows the quantity."""
 
 
