@@ -8,6 +8,7 @@ from vvdp.programs.axial_sensor import AXIAL_SENSOR
 from vvdp.programs.chamber_laws import BACKSTEPPING, PASSIVITY, PRINTED_PASSIVITY
 from vvdp.programs.chamber_observer import CHAMBER_OBSERVER
 from vvdp.programs.controllers import PI, PID
+from vvdp.programs.displacement_law import DISPLACEMENT_CONTROL
 from vvdp.programs.encoders import ENCODER, EVENT_FILTER, THRESHOLD
 from vvdp.programs.estimators import FLOW_MAP, LOAD_OBSERVER, PERIOD_AVERAGE
 from vvdp.programs.filters import DERIVATIVE, LIMIT, LOW_PASS, RATE_LIMIT, REFERENCE
@@ -25,6 +26,7 @@ PROGRAMS: Mapping[str, ProgramType | GenericProgram] = {
     "comparator": COMPARATOR,
     "cycle": CYCLE,
     "derivative": DERIVATIVE,
+    "displacement-control": DISPLACEMENT_CONTROL,
     "encoder": ENCODER,
     "event-filter": EVENT_FILTER,
     "feedforward-pi": FEEDFORWARD_PI,

@@ -1,0 +1,212 @@
+"""Displacement control of a cylinder as a program: from a reference and what is measured to valves and flow.
+
+Source  ours, docs/models/displacement-control.md
+"""
+
+from typing import Any, NamedTuple, TypeVar
+
+from vvdp.base.kinds import (
+    Area,
+    BulkModulus,
+    Compliance,
+    Flow,
+    FlowCoefficient,
+    Force,
+    Fraction,
+    Mass,
+    Polytropic,
+    Position,
+    Pressure,
+    SignedFraction,
+    Time,
+    Velocity,
+    ViscousFriction,
+    Volume,
+)
+from vvdp.base.params import Params, field_types
+from vvdp.base.units import ATMOSPHERE
+from vvdp.control.adaptation import Adaptation
+from vvdp.control.capacities import CircuitPressures, CylinderModel, SupplyLine
+from vvdp.control.cylinder_force import ForceGains
+from vvdp.control.direction import DirectionSettings
+from vvdp.control.displacement import (
+    CylinderSeen,
+    DisplacementMemory,
+    DisplacementSettings,
+    SupplySupport,
+    displacement_start,
+    displacement_step,
+    idle_demand,
+)
+from vvdp.control.flow_split import FlowSplit
+from vvdp.control.pressure_modes import PressureBounds, PressureMode
+from vvdp.control.reference import Jerk, Reference, SignedAcceleration
+from vvdp.network.program import ProgramType
+from vvdp.programs.generic import GenericProgram
+
+
+class KnownCylinder(Params):
+    """Cylinder, load, line and return valve as the law believes them; oil volumes at position 0, hoses included."""
+
+    area_a: Area
+    area_b: Area
+    oil_volume_a: Volume
+    oil_volume_b: Volume
+    lowest_position: Position
+    highest_position: Position
+    moving_mass: Mass
+    viscous_friction: ViscousFriction
+    bulk_modulus: BulkModulus
+    return_conductance: FlowCoefficient
+    tank_pressure: Pressure = ATMOSPHERE
+    line_volume: Volume = 0.0
+    hose_compliance: Compliance = 0.0
+    gas_volume: Volume = 0.0
+    precharge_pressure: Pressure = 0.0
+    gas_exponent: Polytropic = 1.3
+
+
+class DisplacementTable(
+    KnownCylinder, ForceGains, DirectionSettings, FlowSplit, PressureBounds, SupplySupport, Adaptation
+):
+    """Gains and limits of the law, and the cylinder as it believes it; it is called every `sample_period`.
+
+    `uses_delivered_flow` 1 asks for `delivered_flow`: the return valve then makes up for what the pump does not give.
+    """
+
+    uses_delivered_flow: Fraction = 0.0
+    sample_period: Time
+
+    def check(self) -> None:
+        displacement_settings(self)
+
+
+def known_cylinder(table: KnownCylinder) -> CylinderModel:
+    """The cylinder of a table. Raises ParameterError."""
+    line = SupplyLine(
+        oil_volume=table.line_volume,
+        hose_compliance=table.hose_compliance,
+        gas_volume=table.gas_volume,
+        precharge_pressure=table.precharge_pressure,
+        gas_exponent=table.gas_exponent,
+    )
+    return _part(CylinderModel, table, line=line)
+
+
+def displacement_settings(table: DisplacementTable) -> DisplacementSettings:
+    """The settings of the law as its step takes them. Raises ParameterError."""
+    return DisplacementSettings(
+        cylinder=known_cylinder(table),
+        gains=_part(ForceGains, table),
+        direction=_part(DirectionSettings, table),
+        split=_part(FlowSplit, table),
+        bounds=_part(PressureBounds, table),
+        support=_part(SupplySupport, table),
+        adaptation=_part(Adaptation, table),
+        sample_period=table.sample_period,
+    )
+
+
+Part = TypeVar("Part", bound=Params)
+
+
+def _part(cls: type[Part], table: Params, **others: Any) -> Part:
+    """The values of a class that stand in a table, beside others."""
+    return cls(**others, **{name: getattr(table, name) for name in field_types(cls) if hasattr(table, name)})
+
+
+class CylinderTask(NamedTuple):
+    """The reference with its derivatives, what is believed of the rod, and the measured pressures, absolute.
+
+    `mean_...` are pressures averaged over a period of a pulsating supply; at 0 bara the measured one counts. While
+    `released` is 0 all valves are closed and no flow is asked for.
+    """
+
+    reference: Position
+    reference_velocity: Velocity
+    reference_acceleration: SignedAcceleration
+    reference_jerk: Jerk
+    position: Position
+    velocity: Velocity
+    load_force: Force
+    pressure_a: Pressure
+    pressure_b: Pressure
+    line_pressure: Pressure
+    mean_pressure_a: Pressure = 0.0
+    mean_pressure_b: Pressure = 0.0
+    mean_line_pressure: Pressure = 0.0
+    delivered_flow: Flow = 0.0
+    released: Fraction = 1.0
+
+
+class CylinderCommand(NamedTuple):
+    """Command of the directional valve (1 extends), opening of the return valve, flow of the pump; the force that is
+    missing, the number of the pressure mode, and 1 while the opening is at an end."""
+
+    direction: SignedFraction
+    opening: Fraction
+    flow: Flow
+    force_error: Force
+    mode: PressureMode
+    saturated: Fraction
+
+
+def displacement_program_step(
+    t: float, memory: DisplacementMemory, reading: CylinderTask, settings: DisplacementSettings
+) -> tuple[DisplacementMemory, CylinderCommand]:
+    """Displacement control of a cylinder by pump, return valve and directional valve together."""
+    demand = idle_demand()
+    if reading.released > 0.5:
+        seen, reference = read_task(reading)
+        memory, demand = displacement_step(memory, seen, reference, settings)
+    else:
+        memory = displacement_start(settings)
+    return memory, CylinderCommand(
+        direction=demand.direction,
+        opening=demand.opening,
+        flow=demand.flow,
+        force_error=demand.force_error,
+        mode=demand.mode,
+        saturated=demand.saturated,
+    )
+
+
+def read_task(reading: CylinderTask) -> tuple[CylinderSeen, Reference]:
+    """What the law works with: pressures as they are and averaged, motion and load, and the reference."""
+    r = reading
+    fast = CircuitPressures(r.pressure_a, r.pressure_b, r.line_pressure)
+    slow = CircuitPressures(
+        r.mean_pressure_a if r.mean_pressure_a > 0.0 else r.pressure_a,
+        r.mean_pressure_b if r.mean_pressure_b > 0.0 else r.pressure_b,
+        r.mean_line_pressure if r.mean_line_pressure > 0.0 else r.line_pressure,
+    )
+    seen = CylinderSeen(
+        position=r.position,
+        velocity=r.velocity,
+        load_force=r.load_force,
+        fast=fast,
+        slow=slow,
+        delivered_flow=r.delivered_flow,
+    )
+    reference = Reference(
+        position=r.reference,
+        velocity=r.reference_velocity,
+        acceleration=r.reference_acceleration,
+        jerk=r.reference_jerk,
+    )
+    return seen, reference
+
+
+IDLE = CylinderCommand(direction=0.0, opening=0.0, flow=0.0, force_error=0.0, mode=0.0, saturated=0.0)
+
+
+DISPLACEMENT_CONTROL = GenericProgram(
+    ProgramType(
+        displacement_program_step,
+        CylinderTask,
+        IDLE,
+        DisplacementTable,
+        displacement_start,
+    ),
+    made=displacement_settings,
+)
