@@ -89,8 +89,9 @@ def guarded(root: Path, *allowed: Path) -> Iterator[None]:
     assert [path for path in GUARD.read_as_code if path.is_relative_to(root)] == []
 
 
-NEUTRAL = (Path("/dev"), Path(os.environ.get("VVDP_CACHE") or Path.home() / ".cache"), Path(sys.prefix))
-"""Where caches of compiled code and of fonts are."""
+BYTECODE = sorted({path.parent / "__pycache__" for path in Path(package.__file__).parent.rglob("*.py")})
+NEUTRAL = (Path("/dev"), Path(os.environ.get("VVDP_CACHE") or Path.home() / ".cache"), Path(sys.prefix), *BYTECODE)
+"""Where caches of compiled code, of fonts and of vvdp's own modules are."""
 
 
 def content(folder: Path) -> dict[str, bytes | str]:
