@@ -37,6 +37,11 @@ SAID_END = "<!-- end of the statements on loads -->\n"
 CLOSE_BEGIN, CLOSE_END = "<!-- close, made by docs/site/circuits_compared.py -->\n", "<!-- end of close -->\n"
 CLOSE, CLOSE_DUTY = 1e-3, "heavy"
 """An error below that at which all are compared [m], and the cycle on which it is asked for."""
+SWAY_BEGIN, SWAY_END = "<!-- sway, made by docs/site/circuits_compared.py -->\n", "<!-- end of sway -->\n"
+SWAYS_BEGIN = "<!-- statement on small changes, made from their table -->\n"
+SWAYS_END = "<!-- end of the statement on small changes -->\n"
+SWAY, SWAY_DUTIES = (0.9995, 0.9998, 1.0, 1.0002, 1.0005), ("heavy", "three-loads")
+"""Shares of the poles before a loop, which move no delay by more than 0.1 ms, and the cycles that are run with them."""
 FULL_SPEED = 60.0 * math.pi
 """Of a pump without a drive of its own: 1800 rpm [rad/s]."""
 COLUMNS = (
@@ -180,6 +185,48 @@ def close_table(found: CircuitComparison) -> Iterator[str]:
     yield ""
 
 
+def span(values: Sequence[float]) -> str:
+    """The smallest and the largest of some values, in words."""
+    return f"{short(min(values))} to {short(max(values))}"
+
+
+def sway_table(found: CircuitComparison) -> Iterator[str]:
+    """How far the numbers of each circuit move where the poles before its loop move by 0.05 % at most."""
+    yield f"| circuit | {' | '.join(f'rms error [mm], {name} | net [W] | highest [bar]' for name in SWAY_DUTIES)} |"
+    yield "|---" * (1 + 3 * len(SWAY_DUTIES)) + "|"
+    for name in found.circuits:
+        runs = [run for duty in SWAY_DUTIES for run in found.found if (run.duty, run.circuit) == (duty, name)]
+        yield f"| `{name}` | {' | '.join(cell for run in runs for cell in sway(found, run))} |"
+    yield ""
+
+
+def sway(found: CircuitComparison, run: CircuitRun) -> tuple[str, str, str]:
+    """Smallest and largest rms error, power and pressure of a run with slightly other poles."""
+    circuit, duty, rate = found.circuits[run.circuit], found.duties[run.duty], run.tried[run.kept].filter_rate
+    runs = [run_pair(circuit, duty, rate=share * rate, begins=run.begins) for share in SWAY]
+    scores = [each.score for each in runs if each.score]
+    errors = span([1e3 * each.tracking_rms for each in scores])
+    powers = span([each.drawn - each.returned for each in scores])
+    return errors, powers, span([1e-5 * each.pressure_max for each in scores])
+
+
+WIDE = 0.01
+"""A power that moves by more is named."""
+
+
+def sway_sentence(page: str) -> str:
+    """Which circuits the table of small changes shows to move, and by how much."""
+    found = []
+    for line in page.partition(SWAY_BEGIN)[2].partition(SWAY_END)[0].splitlines():
+        name, *cells = [cell.strip() for cell in line.strip("| ").split(" | ")]
+        for place, duty in enumerate(SWAY_DUTIES if name.startswith("`") else ()):
+            error, power, pressure = cells[3 * place : 3 * place + 3]
+            low, high = map(float, power.split(" to "))
+            if high > (1.0 + WIDE) * low:
+                found.append(f"{name} on {duty}: {power} W at {error} mm, with {pressure} bar at most")
+    return f"The power of all others moves by less than 1 %. Not so {'; '.join(found)}. Its codes are whole numbers."
+
+
 def compared(duties: Sequence[Duty], circuits: Sequence[RivalCircuit], error: float | None = None) -> CircuitComparison:
     """What is tabulated."""
     return compare_circuits(duties, circuits, error=error)
@@ -196,6 +243,7 @@ def with_sentences(page: str) -> str:
     page = put(page, SENTENCES_BEGIN, SENTENCES_END, sentences(page))
     loads, spread = rows_between(page, LOADS_BEGIN, LOADS_END), rows_between(page, SPREAD_BEGIN, SPREAD_END)
     page = put(page, SAID_BEGIN, SAID_END, iter(["\n\n".join(map(flowed, load_sentences(page, loads))), ""]))
+    page = put(page, SWAYS_BEGIN, SWAYS_END, iter([sway_sentence(page), ""]))
     return put(page, ASSUMED_BEGIN, ASSUMED_END, iter([*map(flowed, spread_sentences(spread)), ""]))
 
 
@@ -209,6 +257,7 @@ def main(path: Path = PAGE) -> None:
     page = re.sub(ERROR, f"rms error of {short(1e3 * found.error)} mm", page)
     page = put(page, BEGIN, END, (line for duty in found.duties.values() for line in table(found, duty, dear)))
     page = put(page, LOADS_BEGIN, LOADS_END, drawn_table(found, LOADS))
+    page = put(page, SWAY_BEGIN, SWAY_END, sway_table(found))
     page = put(page, CLOSE_BEGIN, CLOSE_END, close_table(found))
     page = put(page, SPREAD_BEGIN, SPREAD_END, drawn_table(spread, SPREAD_DUTIES))
     path.write_text(with_sentences(page), "utf-8")

@@ -13,6 +13,7 @@ from vvdp.comparison.equal_error import (
     Attempt,
     attempts,
     closest,
+    common_error,
     is_reached,
     next_rate,
     rms_speed,
@@ -58,6 +59,18 @@ def test_an_error_below_what_a_circuit_has_is_tried_with_earlier_references():
     assert is_reached(lead[-1].error, 1e-3) and lead[-1].filter_rate > 25.0
 
 
+def test_a_jump_is_enclosed_by_delays_and_not_by_errors():
+    """The error wavers by 0.25 mm around the one wanted: the closest delays on either side are halved further."""
+    delays = [0.16, 0.18, 0.20, 0.22]
+    errors = [1e-3, 2.9e-3, 2.85e-3, 4e-3]
+    tried = [Attempt(4.0 / delay, error, 1.0) for delay, error in zip(delays, errors, strict=True)]
+    assert 0.20 < 4.0 / next_rate(tried, 3e-3, 0.1) < 0.22
+
+
+def test_a_common_error_has_three_digits():
+    assert [common_error([each]) for each in (3.0301e-3, 3.03e-3, 6.675e-4, 0.02)] == [3.04e-3, 3.03e-3, 6.68e-4, 0.02]
+
+
 def test_a_circuit_that_cannot_is_tried_up_to_the_fastest_poles():
     tried = attempts(lambda rate: Attempt(rate, 2e-3, 1.0), Attempt(25.0, 2e-3, 1.0), 1e-3, 0.01)
     assert tried[-1].filter_rate == FASTEST and not is_reached(tried[closest(tried, 1e-3)].error, 1e-3)
@@ -89,7 +102,8 @@ def test_all_rows_have_one_error(found):
     errors = errors_in_mm(circuit_result(found))["error_rms_mm"]
     assert len(errors) == len(QUICK) and max(errors) <= 1.05 * min(errors)
     firsts = [run.tried[0] for run in found.found]
-    assert {each.filter_rate for each in firsts} == {25.0} and found.error == max(each.error for each in firsts)
+    assert {each.filter_rate for each in firsts} == {25.0}
+    assert found.error == common_error([each.error for each in firsts]) == pytest.approx(6.68e-4, rel=1e-12)
     front = circuit_result(found).tables["front"]
     assert front.rows == sum(len(run.tried) for run in found.found) > len(QUICK)
     for run in found.found:

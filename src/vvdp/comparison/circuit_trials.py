@@ -11,7 +11,7 @@ from typing import NamedTuple
 from vvdp.base.errors import ParameterError, RunError
 from vvdp.base.version import VERSION
 from vvdp.comparison.contest import carry_out
-from vvdp.comparison.equal_error import Attempt, attempts, closest, rms_speed
+from vvdp.comparison.equal_error import Attempt, attempts, closest, common_error, rms_speed
 from vvdp.simulation.link import quiet
 from vvdp.simulation.run import compiled_loop, simulate
 from vvdp.studies.engine import HERE, Engine
@@ -114,7 +114,7 @@ def compare_circuits(
     """What every circuit comes to on every duty, all at one tracking error.
 
     All are run with the common reference first. Then each is run with other poles before its loop until its rms error
-    is `error` [m], without it the largest that any had at first.
+    is `error` [m], without it the largest that any had at first, rounded up to three digits.
 
     `engine` says where the runs are made, `progress` receives how many are done, of all. Ctrl-C ends the comparison
     after the current runs, at once the second time, and keeps what is done. Raises ParameterError where there is
@@ -160,7 +160,7 @@ def _carried_out(
     scores = [run.score for run in found if run.score is not None]
     if len(found) < len(pairs) or not scores:
         return found, None, len(found) == len(pairs)
-    wanted = max(score.tracking_rms for score in scores) if error is None else error
+    wanted = common_error([score.tracking_rms for score in scores]) if error is None else error
     tunable = [run for run in found if run.score is not None]
     failed = [run for run in found if run.score is None]
     try:

@@ -8,7 +8,9 @@ e^2 = e_0^2 + (V D)^2. Between two delays on either side of the wanted error, e^
 Source  ours, docs/circuits-compared.md
 """
 
+import math
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -26,6 +28,8 @@ MOST_TRIES = 8
 """Runs for one circuit on one cycle, beside the first."""
 FASTEST, SLOWEST = 100.0, 5.0
 """Between which the poles are tried [1/s]: a delay of 40 to 800 ms."""
+DIGITS = 3
+"""Of a common error: what a page prints is then what was wanted, with all digits."""
 INNER = 0.1
 """A try lies at least this share of their distance away from the two delays that enclose it."""
 
@@ -36,6 +40,16 @@ class Attempt(NamedTuple):
     filter_rate: Annotated[float, RATE]
     error: Length
     power: Annotated[float, MEAN_POWER]
+
+
+def common_error(errors: Sequence[float]) -> float:
+    """The error to which circuits with these rms errors [m] are brought: the largest, rounded up to three digits [m].
+
+    >>> common_error([1e-3, 3.0301e-3])
+    0.00304
+    """
+    step = 10.0 ** (math.floor(math.log10(max(errors))) + 1 - DIGITS)
+    return round(step * math.ceil(max(errors) / step - 1e-6), 12)
 
 
 def is_reached(error: float, wanted: float, share: float = TOLERANCE) -> bool:
@@ -59,15 +73,17 @@ def next_rate(tried: Sequence[Attempt], wanted: float, speed: float) -> float:
     20.0
     >>> next_rate([Attempt(40.0, 1e-3, 100.0), Attempt(10.0, 7e-3, 100.0)], 5e-3, 0.1)
     16.0
+
+    The error may jump between two delays, so the closest pair of delays on either side counts, not of errors.
     """
     points = sorted((POLES / each.filter_rate, each.error) for each in tried)
-    below = [each for each in points if each[1] < wanted]
-    above = [each for each in points if each[1] >= wanted]
-    if below and above:
-        (late, little), (later, much) = max(below, key=lambda each: each[1]), min(above, key=lambda each: each[1])
+    around = [(a, b) for a, b in pairwise(points) if a[1] < wanted <= b[1]]
+    if around:
+        (late, little), (later, much) = min(around, key=lambda pair: pair[1][0] - pair[0][0])
         share = (wanted**2 - little**2) / (much**2 - little**2)
         delay = late + min(max(share, INNER), 1.0 - INNER) * (later - late)
     else:
+        below = points[-1][1] < wanted
         delay, error = points[-1] if below else points[0]
         delay += (1.0 if below else -1.0) * abs(wanted**2 - error**2) ** 0.5 / speed
     return round(min(max(POLES / max(delay, 1e-9), SLOWEST), FASTEST), 9)

@@ -145,7 +145,7 @@ def circuit_score(circuit: RivalCircuit, system: System, run: Run, duty: Duty, b
         delivered=float(delivered),
         received=float(received),
         friction=_lost_power(books, run.times, last, ("friction", "end_stops")),
-        stored=_storing_power(run, last),
+        stored=_storing_power(run, last) - sum(_rod_kinetic_power(system, run, last, each) for each in _suffixes(run)),
         sinks=tuple(_lost_power(books, run.times, last, circuit.sinks.get(sink, ())) for sink in SINKS),
         pressure_max=max(highest),
         pressure_min=min(float(found[f"pressure_min_{name}_Pa"]) for name in chambers),
@@ -220,6 +220,14 @@ def _storing_power(run: Run, rows: Rows) -> float:
     balance = balance_between(run.model, run.case, run.states[rows[0]], run.states[rows[-1]])
     assert balance is not None
     return float(balance.energy_stored) / float(run.times[rows[-1]] - run.times[rows[0]])
+
+
+def _rod_kinetic_power(system: System, run: Run, rows: Rows, suffix: str) -> float:
+    """Mean power at which a rod gains kinetic energy over `rows` [W]: it lies behind the power that is delivered."""
+    load, velocity = system.tables.get("load"), getattr(run.state, f"rod{suffix}").velocity[rows]
+    mass = system.tables["cylinder"].moving_mass + (load.mass if load else 0.0)
+    gained: float = 0.5 * mass * float(velocity[-1] ** 2 - velocity[0] ** 2)
+    return gained / float(run.times[rows[-1]] - run.times[rows[0]])
 
 
 def _drive_powers(books: Mapping[str, Array], times: Array, rows: Rows) -> tuple[float, float]:
