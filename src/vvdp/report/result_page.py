@@ -8,10 +8,10 @@ from typing import Any
 from vvdp.base.kinds import GAUGE_PRESSURE, PRESSURE_LEVEL
 from vvdp.base.manifest import open_directory
 from vvdp.report.drawing import Drawn
-from vvdp.report.html import figure, group, row, table, text
+from vvdp.report.html import figure, group, row, share_letters, table, text
 from vvdp.report.interactive import live_body, live_head
 from vvdp.report.page import opening, write_page
-from vvdp.report.plot import draw_chart
+from vvdp.report.plot import draw_chart, paper_chart
 from vvdp.report.references import bibliography
 from vvdp.results.cells import column_head, row_unit, shown_cell, shown_columns, table_cell, thinned_rows
 from vvdp.results.result import Finding, Grade, Listing, Result, Row, Section, Table
@@ -64,8 +64,9 @@ def write_result_report(directory: Path) -> Path:
 def write_result_page(directory: Path, page: Page) -> Path:
     """Writes a page and the files of its figures into `directory`."""
     result = page.result
-    drawn = {name: draw_chart(chart, result.tables) for name, chart in result.charts.items()} | dict(page.drawings)
-    return write_page(directory, _lines(page, drawn), tuple(drawn.values()))
+    charts = ((name, paper_chart(chart, result.tables)) for name, chart in result.charts.items())
+    drawn = {name: draw_chart(chart, result.tables) for name, chart in charts} | dict(page.drawings)
+    return write_page(directory, [share_letters("\n".join(_lines(page, drawn)))], tuple(drawn.values()))
 
 
 def _lines(page: Page, drawn: Mapping[str, Drawn]) -> Iterator[str]:
