@@ -123,9 +123,7 @@ def test_values_are_packed_as_shown(table):
     assert panel["x"]["unit"] == "ms"
     assert (panel["x"]["low"], panel["x"]["high"]) == pytest.approx((1000.0, 1500.0))
     assert x == pytest.approx(1e3 * table["time_s"], abs=1e-6)
-    assert y == pytest.approx(
-        (table["load_Pa"] - 101325.0) / 1e5, abs=3.06e-4
-    )  # bar gauge: half of a step of 10 bar / 16382
+    assert y == pytest.approx((table["load_Pa"] - 101325.0) / 1e5, abs=3.06e-4)  # bar gauge; 10 / 16382 / 2
 
 
 def test_long_columns_are_thinned_and_short_ones_kept(table):

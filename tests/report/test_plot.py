@@ -91,9 +91,8 @@ def test_panels_stand_beside_each_other_on_paper(count, columns, rows):
     FigureCanvasAgg(figure).draw()
     tops = {round(axes.get_position().y1, 3) for axes in figure.axes if axes.get_visible()}
     assert len(tops) == rows
-    assert [axes.get_xlabel() != "" for axes in figure.axes[:count]] == [
-        place + columns >= count for place in range(count)
-    ]
+    named = [axes.get_xlabel() != "" for axes in figure.axes[:count]]
+    assert named == [place + columns >= count for place in range(count)]
 
 
 def test_panels_with_names_beside_them_stay_one_above_the_other():

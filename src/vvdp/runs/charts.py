@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 
 from vvdp.base.display import with_unit
-from vvdp.base.kinds import FLOW, GAUGE_PRESSURE
+from vvdp.base.kinds import FLOW, GAUGE_PRESSURE, NUMBER
 from vvdp.results.chart import Bars, Chart, Colour, Level, Line, Lines, Panel, Stroke
 from vvdp.results.result import Table
 from vvdp.runs.run import Detail, RecordedRun
@@ -81,15 +81,14 @@ def _pressures(series: Table) -> list[tuple[str, list[str]]]:
 
 
 def _program_chart(program: str, series: Table) -> Iterator[Chart]:
-    """The commands of a program, a panel for each kind; those that never change stand in the caption with their value."""
+    """The commands of a program, a panel for each kind; those that never change are in the caption with their value."""
     mine = {key: column for key, column in series.columns.items() if key.startswith(f"command_{program}_")}
     still = {key for key, column in mine.items() if np.all(column.values == column.values[0])}
     words = f"Commands of {program.replace('_', ' ')} over the whole run."
     if still:
-        constant = (
-            f"{mine[key].label} {with_unit(float(mine[key].values[0]), mine[key].kind)}" for key in sorted(still)
-        )
-        words += f" Constant: {', '.join(constant)}."
+        constant = (mine[key] for key in sorted(still))
+        values = (f"{each.label} {with_unit(float(each.values[0]), each.kind or NUMBER)}" for each in constant)
+        words += f" Constant: {', '.join(values)}."
     moving = [key for key in mine if key not in still]
     kinds = dict.fromkeys(mine[key].kind for key in moving)
     groups = (("", [key for key in moving if mine[key].kind is kind]) for kind in kinds)
