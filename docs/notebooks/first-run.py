@@ -48,7 +48,7 @@ plt.show()
 
 # %% [markdown]
 # The inlet is a square wave: it follows the load while the load port is open and falls to a few bar while the tank port
-# is open. In between both ports are nearly shut, and the relief valve opens.
+# is open. In between, both ports are nearly closed, and the relief valve opens.
 #
 # ## Several duty ratios
 #

@@ -1,9 +1,9 @@
 # %% [markdown]
 # # A sensor, an estimator and a controller of your own
 #
-# A gauge with noise and a lag looks at the pressure of a line; an estimator makes a pressure and its rate of what the gauge
-# shows; a controller opens a throttle so that the line keeps 60 bar while the pump's flow steps. All three are plain functions
-# of values: they run here as they are, over a record, and compiled in the loop.
+# A gauge with noise and a lag measures the pressure of a line; an estimator calculates the pressure and its rate from the
+# measured values; a controller opens a throttle so that the line keeps 60 bar while the pump's flow steps. All three are plain
+# functions: they run here as they are, over a record, and compiled in the loop.
 
 # %%
 from dataclasses import replace
@@ -35,7 +35,7 @@ from vvdp.simulation.run import Stepping, simulate
 # %% [markdown]
 # ## The sensor
 #
-# An instrument of the library is enough here: range, lag, resolution, noise, offset and faults are values. What it cannot say is
+# An instrument of the library is enough here: range, lag, resolution, noise, offset and faults are values. What it does not cover is
 # written as a step of a program: [a sensor of your own](own-sensor.md).
 
 # %%
@@ -44,8 +44,8 @@ gauge = replace(ideal_instrument(0.0, 250e5), lag=1e-3, resolution=0.1e5, noise=
 # %% [markdown]
 # ## The estimator
 #
-# What it is told is a `reading`, what it keeps a `memory`, what it can be tuned by its `settings`: each a record with kinds, so that
-# everything is checked for range, recorded by name and printed with its unit. The law is an alpha-beta filter.
+# Its measured values are a `reading`, its internal values a `memory`, its parameters the `settings`: each is a record with kinds, so that
+# everything is checked for range, recorded by name and printed with its unit. The equation is that of an alpha-beta filter.
 
 
 # %%
@@ -96,7 +96,7 @@ print(f"noise {1e-5 * rows[500:].std():.2f} bar, estimate {1e-5 * shown[500:, 0]
 # %% [markdown]
 # ## The controller
 #
-# It calls the estimator and acts on what that believes. One program may hold all three, as here, or each may be a program of its own with its
+# It calls the estimator and acts on the estimate. One program may hold all three, as here, or each may be a program of its own with its
 # own sample period.
 
 
@@ -136,7 +136,7 @@ CONTROL = ProgramType(control, Seen, Asked(0.5, 60e5), Gains, begin)
 # %% [markdown]
 # ## The circuit
 #
-# A throttle whose opening follows the command with a lag is a component of one's own as well: a law and a record that names it.
+# A throttle whose opening follows the command with a lag is a custom component as well: an equation and a record that names it.
 
 
 # %%

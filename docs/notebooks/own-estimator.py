@@ -2,11 +2,11 @@
 # # An estimator of your own
 #
 # Angle and speed of a shaft from a wheel with eight stripes: what ships with vvdp is the [event filter](../subjects/encoder-filter.md). This page puts
-# an estimator of one's own beside it, on the same readings: a tracking loop of fixed gains that goes on at its speed, and is corrected at each edge
+# a custom estimator beside it, on the same readings: a tracking loop of fixed gains that goes on at its speed, and is corrected at each edge
 # by a share of the error.
 #
 # An estimator is a step, `step(memory, reading, settings) -> (memory, estimate)`. The `Reading` says how many edges came since the sample before,
-# and when the last one passed; the `Estimate` has fields for what is believed and how surely, NaN where the estimator does not know.
+# and when the last one passed; the `Estimate` has fields for the estimates and their standard deviations, NaN if the estimator gives none.
 
 # %%
 from typing import NamedTuple
@@ -88,8 +88,8 @@ for k in range(1, 501):
 # ## Beside the others
 #
 # A `Contender` is an estimator with its values and where it begins. `compare` runs all of them over random runs of scenarios whose truth is known, compiled, and
-# tells errors, delays and what was lost: the figures of [estimators compared](../comparison.md). Here twenty runs each of a steady speed, of a flow that
-# steps, and of a wheel a fifth of whose edges does not show.
+# reports errors, delays and lost edges: the figures of [estimators compared](../comparison.md). Here twenty runs each of a steady speed, of a flow that
+# steps, and of a wheel a fifth of whose edges are missing.
 
 # %%
 wanted = ("constant", "step", "missed-edges")

@@ -1,9 +1,9 @@
 # %% [markdown]
 # # A sensor of your own
 #
-# A program of vvdp never sees the state of the circuit, it sees what a sensor makes of it. Most sensors are an *instrument* of the
+# A program of vvdp never receives the state of the circuit, only what a sensor measures of it. Most sensors are an *instrument* of the
 # library: range, lag, offset, noise, resolution and faults, all of them values ([instrument](../models/instrument.md)). This page writes
-# one that is more than that: a flow meter of two gear wheels. It tells the flow by pulses, one for each filling of its teeth, and some oil
+# one that is more than that: a flow meter of two gear wheels. It gives pulses, one for each filling of its teeth, and some oil
 # slips past them uncounted.
 #
 # A sensor is a step, `step(t, memory, reading, settings) -> (memory, shown)`, of plain numbers. It is tried by hand, and the same
@@ -38,8 +38,8 @@ LPM = 1.0 / 6e4
 # ## Four records and a step
 #
 # *Settings* are a class of `Params`. Each value has a kind, which gives it a unit and a range that is checked when it is made; `check` refuses
-# what no range can tell. *Reading* is what is there, *memory* what the sensor keeps between two samples, and what it *shows* is all that
-# anybody else will ever see.
+# combinations that no range excludes. *Reading* is the true state, *memory* what the sensor keeps between two samples, and what it *shows* is
+# all that estimators and controllers receive.
 
 
 # %%
@@ -96,9 +96,9 @@ def gear_meter(t: float, memory: Teeth, there: There, settings: GearMeter) -> tu
 meter = GearMeter(pulse_volume=1e-6, slip=2e-6)
 memory, pulses = begin(meter), 0.0
 for k in range(1, 1001):
-    memory, told = gear_meter(1e-3 * k, memory, There(6 * LPM), meter)
-    pulses += told.pulses
-print(f"{pulses:.0f} pulses, the last flow shown {told.flow / LPM:.2f} lpm")
+    memory, measured = gear_meter(1e-3 * k, memory, There(6 * LPM), meter)
+    pulses += measured.pulses
+print(f"{pulses:.0f} pulses, the last flow shown {measured.flow / LPM:.2f} lpm")
 try:
     GearMeter(pulse_volume=-1e-6, slip=0.0)
 except ParameterError as problem:
@@ -122,11 +122,11 @@ net.add("load", ORIFICE, Orifice(), a="line", b="tank", area=4e-6)
 net.program("meter", METER, meter, reads={"flow": "load.flow"}, period=1e-3)
 circuit = build(net)
 run = simulate(circuit.model, circuit.case, Stepping(until=1.5))
-told, true = run.command.meter.flow, run.outputs.load_flow
+measured, true = run.command.meter.flow, run.outputs.load_flow
 early, late = (run.times > 0.2) & (run.times < 0.5), run.times > 1.0
 for name, part in (("before", early), ("after", late)):
-    mean, scatter = told[part].mean() / LPM, told[part].std() / LPM
-    print(f"{name}: {true[part].mean() / LPM:.2f} lpm, told {mean:.2f} +- {scatter:.2f} lpm")
+    mean, scatter = measured[part].mean() / LPM, measured[part].std() / LPM
+    print(f"{name}: {true[part].mean() / LPM:.2f} lpm, measured {mean:.2f} +- {scatter:.2f} lpm")
 print("trusted", balance(run).is_trusted)
 
 # %% [markdown]
@@ -135,7 +135,7 @@ print("trusted", balance(run).is_trusted)
 
 # %%
 figure, axis = plt.subplots(figsize=(7, 3), layout="constrained")
-axis.plot(run.times, told / LPM, linewidth=0.8, label="told")
+axis.plot(run.times, measured / LPM, linewidth=0.8, label="measured")
 axis.plot(run.times, true / LPM, label="true")
 axis.set(xlabel="time [s]", ylabel="flow [lpm]")
 axis.legend()

@@ -1,8 +1,8 @@
 # %% [markdown]
 # # Speed from a log
 #
-# A photodiode looks at a wheel with eight stripes, and its voltage has been logged a thousand times a second. This
-# notebook estimates the speed from such a log. How the estimator works is told in the tutorial [speed from a bad
+# A photodiode observes a wheel with eight stripes, and its voltage has been logged a thousand times a second. This
+# notebook estimates the speed from such a log. The tutorial on how the estimator works is [speed from a bad
 # encoder](../tutorials/speed-from-a-bad-encoder.md).
 #
 # ## A log to try it on
@@ -45,11 +45,11 @@ for key in ("edges", "missed_edges", "spool_speed_mean_rad_s", "speed_deviation_
     print(f"{key:28}{found[key].value:.4g}")
 
 # %% [markdown]
-# `nis_mean` is the mean squared innovation over what the filter expects. Near 1 the stated deviation is honest.
+# `nis_mean` is the mean squared innovation over what the filter expects. Near 1, the stated standard deviation agrees with the errors.
 #
 # ## Against the truth
 #
-# `result.h5` holds time, angle and speed with their deviations. Here the truth is known:
+# `result.h5` holds time, angle and speed with their standard deviations. Here the truth is known:
 
 # %%
 import h5py
@@ -64,12 +64,12 @@ print(f"root mean square error {np.sqrt(np.mean(error[settled] ** 2)):.2f} rad/s
 figure, axes = plt.subplots(figsize=(7, 3), layout="constrained")
 axes.plot(time, speed, color="black", label="true")
 axes.plot(moments, estimated, label="estimated")
-axes.fill_between(moments, estimated - 2 * deviation, estimated + 2 * deviation, alpha=0.3, label="two deviations")
+axes.fill_between(moments, estimated - 2 * deviation, estimated + 2 * deviation, alpha=0.3, label="±2σ")
 axes.set(xlabel="time [s]", ylabel="speed [rad/s]", ylim=(115, 165))
 axes.legend()
 plt.show()
 
 # %% [markdown]
-# The filter expects a constant speed. While the speed falls it drifts off, notices that it does, and corrects in jumps; the
-# stated deviation is wide there. `vvdp estimate wheel.csv --wave photodiode --sectors 8 --fit` finds a setting that follows
+# The filter expects a constant speed. While the speed falls it drifts off, detects this, and corrects in jumps; the
+# stated standard deviation is larger there. `vvdp estimate wheel.csv --wave photodiode --sectors 8 --fit` finds a setting that follows
 # this log evenly; `--smooth` also uses the edges to come. What the warnings mean is in [measured logs](../logs.md).

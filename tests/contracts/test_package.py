@@ -93,7 +93,7 @@ def test_the_core_lock_is_a_part_of_the_full_one():
     assert {condition.sub(" ", block) for block in core} < {condition.sub(" ", block) for block in full}
     pinned = {_name(block) for block in core}
     assert {_name(line) for line in PROJECT["dependencies"]} < pinned
-    only_extras = {_name(line) for lines in EXTRAS.values() for line in lines} - {"pillow"}  # Matplotlib needs it too
+    only_extras = {_name(line) for lines in EXTRAS.values() for line in lines}
     assert not only_extras & pinned
 
 

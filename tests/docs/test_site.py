@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.report.axe import serious
 from tests.report.browser import running
 
 from vvdp.systems.system import shipped_systems
@@ -135,3 +136,29 @@ def test_circuits_run_in_the_site(site, chromium, tmp_path):
         assert found / 1e5 == pytest.approx(79.29, abs=5e-3)
         asked = [event["request"]["url"] for event in browser.named("Network.requestWillBeSent")]
         assert all(url.startswith(("file:", "blob:")) for url in asked)
+
+
+SCROLLS = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
+TINY = """[...document.querySelectorAll('article *')].filter((each) => each.checkVisibility()
+  && !each.closest('svg, .katex, sup, sub') && [...each.childNodes].some((one) => one.nodeType === 3 && one.data.trim())
+  && parseFloat(getComputedStyle(each).fontSize) < 8.99).map((each) => each.outerHTML.slice(0, 80))"""
+CHECKED = ("index", "first-circuit", "logs")
+"""Pages that axe looks at: the home page, a tutorial with live circuits, a reference with code and tables."""
+
+
+@pytest.mark.parametrize("width", [1400, 390])
+def test_pages_fit_a_screen_and_a_phone(site, chromium, tmp_path, width):
+    """No script error, no sideways scrolling, no text below 9 px; names and contrasts that axe asks for."""
+    written = sorted(path for path in site.rglob("*.html") if not {"reference", "live"} & set(path.parts))
+    assert len(written) > 50
+    with running(chromium, tmp_path / "profile") as browser:
+        browser.call("Emulation.setDeviceMetricsOverride", width=width, height=1000, deviceScaleFactor=1, mobile=False)
+        for path in written:
+            browser.open(path)
+            assert (browser.ask(SCROLLS), browser.ask(TINY)) == (0, []), path.name
+            assert browser.named("Runtime.exceptionThrown") == [], path.name
+        for scheme in ("light", "dark"):
+            browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+            for name in CHECKED:
+                browser.open(site / f"{name}.html")
+                assert serious(browser) == [], (name, scheme)

@@ -24,6 +24,8 @@ PAGES = {
     "compare estimators": "compare estimators --seeds 2 --scenario constant --estimator m-over-t",
     "compare runs": "compare runs one two",
 }
+LIMITS = {"prototype": (6, 1.0e6), "displacement-control": (12, 2.0e6)}
+"""Most printed pages and bytes of the report of a system's whole run."""
 SLOW_PAGES = {
     "simulated map": 'map prototype-constant-load --duty 0.3 0.9 3 --pressure "60 bar" "80 bar" 2',
     "rig step": "rig step prototype-constant-load",
@@ -47,6 +49,9 @@ SMALL = """[...document.querySelectorAll('figure[id^=figure-circuit] svg text')]
   const scale = each.ownerSVGElement.getScreenCTM().a;
   return parseFloat(getComputedStyle(each).fontSize) * scale < 8.99;
 }).map((each) => each.textContent)"""
+FINE_PRINT = """[...document.body.querySelectorAll('*')].filter((each) => each.checkVisibility()
+  && !each.closest('svg, .live, .solids') && [...each.childNodes].some((one) => one.nodeType === 3 && one.data.trim())
+  && parseFloat(getComputedStyle(each).fontSize) < 8.99).map((each) => each.outerHTML.slice(0, 80))"""
 SCROLLS = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
 
 
@@ -117,7 +122,7 @@ def check_page(browser, page):
         resize(browser, width)
         assert browser.ask(f"new Promise((done) => setTimeout(() => done({TOO_WIDE}), 50))") == [], width
         assert browser.ask(SCROLLS) == 0, width
-    check_paper(browser)
+    assert 1 <= check_paper(browser) <= 20
     check_phone(browser, page)
     check_lead(browser, page)
     said = [each["entry"] for each in browser.named("Log.entryAdded")]
@@ -158,22 +163,33 @@ def check_phone(browser, page):
 
 
 def check_paper(browser):
-    """Nothing is cut off on A4, and the page prints."""
+    """Nothing is cut off on A4 or too small to read, and the page prints; its sheets."""
     resize(browser, PAPER)
     browser.call("Emulation.setEmulatedMedia", media="print")
     try:
         assert browser.ask(TOO_WIDE) == []
+        assert browser.ask(FINE_PRINT) == []
         printed = browser.call("Page.printToPDF", preferCSSPageSize=True)
     finally:
         browser.call("Emulation.setEmulatedMedia", media="")
     pdf = base64.b64decode(printed["data"])
-    assert 1 <= len(re.findall(rb"/Type\s*/Page\b", pdf)) <= 20
+    return len(re.findall(rb"/Type\s*/Page\b", pdf))
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", PAGES)
 def test_page(browser, write_page, name):
     check_page(browser, write_page(PAGES[name]))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", LIMITS)
+def test_a_whole_run_is_few_sheets_of_paper(browser, write_page, name):
+    page = write_page(f"run {name}")
+    sheets, size = LIMITS[name]
+    assert page.stat().st_size <= size
+    opened_charts(browser, page)
+    assert check_paper(browser) <= sheets
 
 
 @pytest.mark.slow

@@ -176,7 +176,7 @@ def test_numbers_arrive(charts):
         wanted = 1e3 * wanted if key == "time_s" else (wanted - 101325.0) / 1e5
         for block in range(0, ROWS, 1024):
             part = slice(block, block + 1024)
-            assert np.max(abs(found[part] - wanted[part])) <= 0.51 / 65534 * np.ptp(wanted[part])
+            assert np.max(abs(found[part] - wanted[part])) <= 0.51 / 16382 * np.ptp(wanted[part])
 
 
 def test_opens_with_the_view_of_the_still_figure_and_holds_the_whole_run(charts):

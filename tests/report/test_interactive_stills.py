@@ -7,6 +7,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from vvdp.base import kinds
+from vvdp.report.drawing import _short_path
+from vvdp.report.html import inline_svg, share_letters
 from vvdp.report.plot import draw_chart, fill_figure
 from vvdp.results.chart import Chart, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
@@ -58,9 +60,28 @@ def test_first_and_last_mark_are_whole(table, stroke):
 
 
 def test_a_long_run_is_a_light_picture(table):
-    """Lowest and highest of each of 1000 parts, each coordinate with two places: about 15 bytes a point."""
+    """Lowest and highest of each of 400 parts, each step with one place (".6-79.1"): about 8 bytes a point."""
     svg = draw_chart(chart_of(Line(x="time_s", y="noise_Pa")), {"run": table}).svg
-    assert len(svg) < 70_000
+    assert len(svg) < 40_000
     paths = re.findall(r'\bd="([^"]*)"', svg)
-    assert max(len(path) for path in paths) > 20_000
+    assert 5_000 < max(len(path) for path in paths) < 8_000
     assert not re.search(r"\.\d{3}", " ".join(paths))
+
+
+def test_steps_of_a_short_path_add_up_to_its_points():
+    """By hand, in tenths: 100, 200; 100, 200; 101, 200; 5, 2. A curve keeps hundredths, and a line after it goes on."""
+    short = _short_path(
+        "M 10 20 L 10.04 20.04 L 10.08 19.98 L 0.5 0.2 C 1.234 2.345 3 4 5.55 6.66 L 6 7 z M 0 0 L 0 3.5"
+    )
+    assert short == "M10 20l0 0 .1 0-9.6-19.8C1.23 2.35 3 4 5.55 6.66l.4 .3zM0 0l0 3.5"
+
+
+def test_letters_are_drawn_once_on_a_page(table):
+    """The same figure twice: the second takes all its letters from the first, and every letter is there."""
+    svg = draw_chart(chart_of(Line(x="time_s", y="noise_Pa")), {"run": table}).svg
+    one, two = (inline_svg(svg, name) for name in ("one", "two"))
+    page = share_letters(one + two)
+    shapes, used = (set(re.findall(rf'<{what}="#?(DejaVuSans[^"]+)"', page)) for what in ("path id", "use href"))
+    assert shapes == used
+    assert len(re.findall(r'<path id="DejaVuSans', page)) == len(shapes) > 10
+    assert page.count("<use href") == (one + two).count("<use xlink:href=") - page.count("<use xlink:href=")

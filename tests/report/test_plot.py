@@ -5,7 +5,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from vvdp.base import kinds
-from vvdp.report.plot import new_figure
+from vvdp.report.plot import new_figure, paper_chart
 from vvdp.results.chart import Bars, Chart, Line, Lines
 from vvdp.results.result import Column, Table
 
@@ -69,3 +69,32 @@ def test_numbers_at_an_axis_are_those_of_the_line():
     (axes,) = figure.axes
     assert axes.yaxis.get_offset_text().get_text() == ""
     assert all(19.9 < float(label.get_text()) < 20.1 for label in axes.get_yticklabels())
+
+
+def table_of(names):
+    columns = {"time_s": Column(np.arange(3.0), kinds.DURATION, "time")}
+    columns |= {f"{name}_W": Column(np.arange(3.0) + k, kinds.MEAN_POWER, name) for k, name in enumerate(names)}
+    return {"t": Table(title="t", columns=columns)}
+
+
+def stack(count, **more):
+    panels = tuple(Lines(lines=(Line(x="time_s", y=f"{name}_W"),), **more) for name in NAMES[:count])
+    return Chart(name="c", caption="", table="t", panels=panels, height=1.5 * count)
+
+
+@pytest.mark.parametrize(("count", "columns", "rows"), [(1, 1, 1), (2, 2, 1), (3, 3, 1), (4, 2, 2), (5, 3, 2)])
+def test_panels_stand_beside_each_other_on_paper(count, columns, rows):
+    """A row is 1.25 inches high, the words below all of them 0.42."""
+    chart = paper_chart(stack(count), table_of(NAMES))
+    assert (chart.columns, chart.height) == (columns, pytest.approx(0.42 + 1.25 * rows))
+    figure = new_figure(chart, table_of(NAMES))
+    FigureCanvasAgg(figure).draw()
+    tops = {round(axes.get_position().y1, 3) for axes in figure.axes if axes.get_visible()}
+    assert len(tops) == rows
+    named = [axes.get_xlabel() != "" for axes in figure.axes[:count]]
+    assert named == [place + columns >= count for place in range(count)]
+
+
+def test_panels_with_names_beside_them_stay_one_above_the_other():
+    chart = stack(3, legend="part")
+    assert paper_chart(chart, table_of(NAMES)) is chart

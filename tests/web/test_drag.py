@@ -43,7 +43,6 @@ def shown(browser, page, width, scheme):
     browser.call("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
     browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
     browser.open(page)
-    browser.ask("document.querySelectorAll('details.fold').forEach((each) => { each.open = true; })")
     return browser.ask("vvdp.run({ until: 0.02 }).then(() => document.querySelectorAll('.value [type=range]').length)")
 
 
@@ -132,6 +131,17 @@ def test_a_slider_goes_to_both_ends(browser, pages, width, scheme):
     assert count > 15
     is_readable(browser)
     goes_to_both_ends(browser, [count - 1])
+
+
+def test_the_sliders_of_a_report_are_there_when_it_opens(browser, pages):
+    """Of all folded sections, that of the parameters stands open; the others do not."""
+    count = shown(browser, pages["report"], 1000, "light")
+    visible = "(each) => each.checkVisibility({ contentVisibilityAuto: true })"
+    assert count > 15
+    assert browser.ask(f"[...document.querySelectorAll('.value [type=range]')].every({visible})")
+    assert browser.ask("[...document.querySelectorAll('details.fold[open] > section')].map((each) => each.id)") == [
+        "parameters"
+    ]
 
 
 @pytest.mark.thorough

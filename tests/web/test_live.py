@@ -200,7 +200,7 @@ def test_a_page_without_the_module_is_as_before(report, tmp_path):
     live = (report[0] / "report.html").read_text("utf-8")
     assert "wasm" not in plain and 'type="range"' not in plain and "data-listing" not in plain
     assert "'wasm-unsafe-eval'" in live and live.count('type="range"') > 15
-    assert len(live) < 2 * len(plain)
+    assert len(live) - len(plain) < 230_000  # the module, its scripts and the sliders
 
 
 def test_each_cell_shows_the_number_of_its_key():

@@ -18,6 +18,13 @@ def pages_of(words: Iterable[str]) -> "list[LibraryPage]":
     return [library_page(word) for word in words if word in COMPONENTS or word in PROGRAMS]
 
 
+INPUTS = (
+    'An input is a value, a signal over time, or { from = "NAME.QUANTITY" }, a quantity of the circuit or an output of '
+    'a program; a program may have it as "NAME.QUANTITY" alone.'
+)
+"""How inputs of components and programs are written in a file."""
+
+
 def descriptions() -> dict[str, str]:
     """The description of each component and program of the library by its type, in small letters."""
     from vvdp.components.library import COMPONENTS
@@ -37,6 +44,8 @@ def print_page(page: "LibraryPage") -> None:
         tell(f"\nPorts: {ports}")
     for title, rows in (("Inputs", page.inputs), ("Values", page.values), ("Outputs", page.outputs)):
         _print_values(title, rows)
+        if rows and rows is page.inputs:
+            tell(INPUTS)
     for title, lines in (("Rules", page.rules), ("Warnings of a run", page.warnings)):
         if lines:
             tell("\n".join([f"\n{title}", *(f"  {line}" for line in lines)]))

@@ -217,12 +217,13 @@ def _library_lists() -> dict[str, Listed]:
 
 def _print_hints() -> None:
     """How the values of the library are written."""
+    from vvdp.cli.library import INPUTS
     from vvdp.cli.screen import console
 
     out = console()
     out.print("Values are written with their unit, as in the examples; a value in brackets is the default.")
     out.print("Programs of any quantity take the units of their values from what they read; here of a pressure.")
-    out.print('An input is a value, a signal over time, or { from = "NAME.OUTPUT" }.')
+    out.print(INPUTS)
 
 
 def _component(page: "LibraryPage") -> Sequence[list[str]]:

@@ -402,7 +402,7 @@ def check_unit(where: str, wanted: Kind | None, path: str, found: Kind) -> None:
         return
     raise NetworkError(
         f"{where} is {wanted.with_article} [{wanted.unit}], {path!r} is {found.with_article} [{found.unit}]; "
-        "a Connection converts it"
+        f"the units must agree: a program commands {wanted.with_article} if its values have such units"
     )
 
 

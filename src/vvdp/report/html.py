@@ -42,6 +42,24 @@ def inline_svg(svg: str, name: str) -> str:
     return re.sub(r"<metadata>.*?</metadata>\s*", "", body, flags=re.DOTALL)
 
 
+def share_letters(page: str) -> str:
+    """A page whose figures take the shapes of letters from the first figure that has them, with less text for each."""
+    shorter = re.sub(
+        r'<use xlink:href="#[\w-]*?(DejaVuSans[\w-]*)"(?: transform="translate\(([-\d.]+) 0\)")?',
+        lambda use: f'<use href="#{use[1]}"' + (f' x="{use[2]}"' if use[2] else ""),
+        page,
+    )
+    known = set[str]()
+
+    def once(shape: re.Match[str]) -> str:
+        is_first = shape[1] not in known
+        known.add(shape[1])
+        return f'<path id="{shape[1]}"{shape[2]}' if is_first else ""
+
+    shared = re.sub(r'<path id="[\w-]*?(DejaVuSans[\w-]*)"([^>]*>\s*)', once, shorter)
+    return re.sub(r"<defs>\s*</defs>\s*", "", shared)
+
+
 def figure(svg: str, name: str, number: int, caption: str) -> str:
     """A numbered figure with its caption, already HTML."""
     words = f"<figcaption><b>Figure {number}.</b> {caption}</figcaption>"

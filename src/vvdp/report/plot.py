@@ -1,6 +1,8 @@
 """A chart as a printed figure: SVG for the page, PNG for other documents; drawn again it has the same bytes."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,12 +24,23 @@ WITH_MARKS = (Stroke.POINTS, Stroke.MARKED, Stroke.STEMS)
 """Strokes that would be cut in half at the edge of a panel."""
 MOST_ABOVE = 6
 """Names of lines that stand above a panel; more stand beside it."""
-MOST_POINTS = 2000
-"""Points of a printed line; of more, the lowest and highest of each part are drawn."""
+MOST_POINTS = 800
+"""Points of a printed line; of more, the lowest and highest of each part are drawn.
+
+A panel is 6.26 inches wide at most, and a line 1.3 points: 347 lines beside each other fill it, so 400 parts show all.
+"""
 BESIDE = 4
 """Names of bars that stand beside each other above a panel."""
 LEFT, RIGHT, BELOW, ABOVE, GAP, LETTER = 0.72, 0.12, 0.42, 0.2, 0.08, 0.062
 """Room beside, below and above stacked panels, between them, and for a letter of a bar's name [inch]."""
+LETTERS, STROKE_LETTERS = 105, 7
+"""Letters of the names of lines that stand in one row above panels across the page; a line's stroke is as wide as 7."""
+ROW, NAMED = 1.25, 0.17
+"""Height of a row of panels on paper, with the words at its axes, and of a row of names above it [inch]."""
+MOST_LETTERS = 24
+"""Letters in a line of the words at an axis of y that is as short as panels in rows have it."""
+IN_PAIRS = (2, 4)
+"""Panels of which two stand in a row on paper; of other numbers three do."""
 EDGE = 0.07
 """Of the width and height of a picture: closer to its edge no label of a contour stands."""
 
@@ -35,6 +48,30 @@ EDGE = 0.07
 def draw_chart(chart: Chart, tables: Mapping[str, Table]) -> Drawn:
     """The printed figure of a chart over the tables of its result."""
     return draw_figure(chart.name, chart.caption, chart.height, lambda figure: fill_figure(figure, chart, tables))
+
+
+def paper_chart(chart: Chart, tables: Mapping[str, Table]) -> Chart:
+    """A chart as it is printed: panels of lines over one axis of x in rows of two or three.
+
+    Panels with their names beside them need the whole width and stay one above the other.
+    """
+    count = len(chart.panels)
+    lines = [panel for panel in chart.panels if isinstance(panel, Lines) and not _is_beside(panel) and not panel.equal]
+    is_stack = not chart.side_by_side and not chart.columns
+    if len(lines) < count or not is_stack or len({panel.lines[0].x for panel in lines}) > 1:
+        return chart
+    columns = min(count, 2 if count in IN_PAIRS else 3)
+    names = [_names(panel, tables[panel.table or chart.table]) for panel in lines]
+    rows = [-(-len(each) // _names_abreast(each, columns)) for each in names]
+    named = sum(max(rows[begin : begin + columns]) for begin in range(0, count, columns))
+    height = BELOW + ROW * -(-count // columns) + NAMED * named
+    return replace(chart, columns=columns, one_x=True, height=height)
+
+
+def _names_abreast(names: Sequence[str], columns: int) -> int:
+    """How many names of lines stand beside each other above a panel, of which `columns` stand in a row."""
+    longest = max(map(len, names), default=0) + STROKE_LETTERS
+    return max(1, min(len(names), LETTERS // columns // longest))
 
 
 def new_figure(chart: Chart, tables: Mapping[str, Table]) -> "Figure":
@@ -81,18 +118,21 @@ def _fill_rows(figure: "Figure", chart: Chart, tables: Mapping[str, Table]) -> N
     count = len(chart.panels)
     columns = min(chart.columns, count)
     rows = -(-count // columns)
-    grid = figure.subplots(rows, columns, squeeze=False, sharex=chart.share, sharey=chart.share)
+    grid = figure.subplots(rows, columns, squeeze=False, sharex=chart.share or chart.one_x, sharey=chart.share)
+    common = _has_common_legend(chart, tables)
     for place, (axes, panel) in enumerate(zip(grid.flat, chart.panels, strict=False)):
-        _draw_panel(axes, panel, tables[panel.table or chart.table], tables)
-        if place % columns and chart.share:
-            axes.set_ylabel("")
-        if place + columns < count and chart.share:
+        table = tables[panel.table or chart.table]
+        _draw_panel(axes, panel, table, tables)
+        axes.set_ylabel("" if place % columns and chart.share else fill(axes.get_ylabel(), MOST_LETTERS))
+        if place + columns < count and (chart.share or chart.one_x):
             axes.set_xlabel("")
         else:
             axes.tick_params(axis="x", labelbottom=True)
+        if chart.one_x and not common and isinstance(panel, Lines) and (names := _names(panel, table)):
+            _legend(axes, panel, columns=_names_abreast(names, columns))
     for axes in grid.flat[count:]:
         axes.set_visible(False)
-    if _has_common_legend(chart, tables):
+    if common:
         _common_legend(figure, list(grid.flat[:count]), chart.panels)
 
 
@@ -282,15 +322,16 @@ def _rows_in_view(panel: Lines, line: Line, table: Table) -> slice:
 def _draw_line(axes: "Axes", line: Line, table: Table, look: tuple[str, Stroke], rows: slice) -> None:
     colour, stroke = look
     x, y = (shown_values(table, key, line.rows)[rows] for key in (line.x, line.y))
-    label = line_label(line, table)
+    label, spec = line_label(line, table), axes.get_subplotspec()
+    most = MOST_POINTS // (spec.get_gridspec().ncols if spec else 1)
     if line.low:
         low, high = (shown_values(table, key, line.rows)[rows] for key in (line.low, line.high))
-        kept = np.union1d(kept_places(x, low), kept_places(x, high))
+        kept = np.union1d(kept_places(x, low, most), kept_places(x, high, most))
         axes.fill_between(x[kept], low[kept], high[kept], facecolor=colour, alpha=0.25, linewidth=0.0)
     if stroke is Stroke.STEMS:
         axes.vlines(x, 0.0, y, color=colour, linewidth=line.width, label=label)
         return
-    kept = kept_places(x, y)
+    kept = kept_places(x, y, most)
     x, y = x[kept], y[kept]
     style: dict[str, Any] = {"color": colour, "linewidth": line.width, "label": label}
     if stroke is Stroke.POINTS:
@@ -366,7 +407,7 @@ def _draw_stacked_bars(axes: "Axes", panel: Bars, table: Table) -> None:
         colour = panel.colours[place] if panel.colours else ORDER[place % len(ORDER)]
         bars = axes.barh(np.arange(len(rows)), values, 0.65, done, color=colour, label=label)
         texts = [plain(value, 3) if value > ROOM * np.max(ends) else "" for value in values]
-        axes.bar_label(bars, texts, label_type="center", fontsize=6.5, color=_ink_on(colour))
+        axes.bar_label(bars, texts, label_type="center", fontsize=6.75, color=_ink_on(colour))
         done = done + values
     for place, (end, row) in enumerate(zip(ends, rows[::-1], strict=True)):
         words = str(table[panel.texts][row]) if panel.texts else plain(end, 3)
@@ -438,7 +479,7 @@ def _draw_field(axes: "Axes", panel: Field, table: Table) -> None:
     values = np.ma.masked_invalid(z)
     axes.contourf(x, y, values, levels=steps, colors=field_colours(len(steps) - 1), extend="max")
     lines = axes.contour(x, y, values, levels=steps[1:-1], colors=Colour.INK, linewidths=0.5)
-    for label in axes.clabel(lines, levels=steps[2:-1:2], fmt=lambda value: plain(value, 3), fontsize=6.5):
+    for label in axes.clabel(lines, levels=steps[2:-1:2], fmt=lambda value: plain(value, 3), fontsize=6.75):
         place = axes.transAxes.inverted().transform(axes.transData.transform(label.get_position()))
         label.set_visible(not (np.any(place < EDGE) or np.any(place > 1.0 - EDGE)))
     if panel.hatch:

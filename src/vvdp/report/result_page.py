@@ -8,10 +8,10 @@ from typing import Any
 from vvdp.base.kinds import GAUGE_PRESSURE, PRESSURE_LEVEL
 from vvdp.base.manifest import open_directory
 from vvdp.report.drawing import Drawn
-from vvdp.report.html import figure, group, row, table, text
+from vvdp.report.html import figure, group, row, share_letters, table, text
 from vvdp.report.interactive import live_body, live_head
 from vvdp.report.page import opening, write_page
-from vvdp.report.plot import draw_chart
+from vvdp.report.plot import draw_chart, paper_chart
 from vvdp.report.references import bibliography
 from vvdp.results.cells import column_head, row_unit, shown_cell, shown_columns, table_cell, thinned_rows
 from vvdp.results.result import Finding, Grade, Listing, Result, Row, Section, Table
@@ -29,12 +29,16 @@ LONG = 12
 
 @dataclass(frozen=True)
 class Additions:
-    """What scripts of a page need beside the charts: for its head, its style, above its sections and at its end."""
+    """What scripts of a page need beside the charts: for its head, its style, above its sections and at its end.
+
+    opened  what is shown by sections that are not folded
+    """
 
     head: str = ""
     style: str = ""
     begin: str = ""
     end: str = ""
+    opened: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -60,8 +64,9 @@ def write_result_report(directory: Path) -> Path:
 def write_result_page(directory: Path, page: Page) -> Path:
     """Writes a page and the files of its figures into `directory`."""
     result = page.result
-    drawn = {name: draw_chart(chart, result.tables) for name, chart in result.charts.items()} | dict(page.drawings)
-    return write_page(directory, _lines(page, drawn), tuple(drawn.values()))
+    charts = ((name, paper_chart(chart, result.tables)) for name, chart in result.charts.items())
+    drawn = {name: draw_chart(chart, result.tables) for name, chart in charts} | dict(page.drawings)
+    return write_page(directory, [share_letters("\n".join(_lines(page, drawn)))], tuple(drawn.values()))
 
 
 def _lines(page: Page, drawn: Mapping[str, Drawn]) -> Iterator[str]:
@@ -82,7 +87,8 @@ def _lines(page: Page, drawn: Mapping[str, Drawn]) -> Iterator[str]:
     numbers = {name: place for place, name in enumerate(figures, 1)}
     for section in sections:
         parts = [_part(page, drawn, name, numbers.get(name, 0)) for name in section.shows]
-        yield from _section(section, parts, is_lead=section.title == LEAD)
+        fold = None if section.title == LEAD else _fold(is_open=not added.opened.isdisjoint(section.shows))
+        yield from _section(section, parts, fold)
     yield from _references(result.references)
     yield live_body(result.charts.values(), result.tables)
     yield from filter(None, [added.end])
@@ -119,18 +125,22 @@ def _without_repetition(sections: Sequence[Section]) -> Iterator[Section]:
             yield left
 
 
-def _section(section: Section, parts: Sequence[str], *, is_lead: bool) -> Iterator[str]:
-    """The lead of the page, or a section that is folded on the screen, opened by its links and in print."""
+def _fold(*, is_open: bool) -> str:
+    return f'<details class="fold"{" open" if is_open else ""}>'
+
+
+def _section(section: Section, parts: Sequence[str], fold: str | None) -> Iterator[str]:
+    """The lead of the page, or a section in a `fold` that is opened by its links and in print."""
     body = [f"<p>{text(words)}</p>" for words in section.words] + list(parts)
     if section.text:
         body.append(f'<pre class="keys">{text(section.text)}</pre>')
     heading = f"<h2{' class=page' if section.starts_page else ''}>{text(section.title)}</h2>"
-    if is_lead:
+    if fold is None:
         yield f'{heading}\n<section id="{_anchor(section)}">'
         yield from body
         yield "</section>"
     else:
-        yield f'<details class="fold"><summary>{heading}</summary>\n<section id="{_anchor(section)}">'
+        yield f'{fold}<summary>{heading}</summary>\n<section id="{_anchor(section)}">'
         yield from body
         yield "</section></details>"
 

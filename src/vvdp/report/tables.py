@@ -20,11 +20,11 @@ def parameter_table(
 ) -> str:
     """All parameters with their origin, grouped by table; `ready` has the cells of some by their setting."""
     head = ["Parameter", "Value", "Unit", "Status", "Source", "Where", "Note"]
-    return table(head, _parameter_rows(system, known, ready, len(head)), (1,))
+    return table(head, _parameter_rows(system, known, ready, len(head)), (1,), "values")
 
 
 def assumed_table(system: System) -> str:
-    """The parameters that are merely assumed."""
+    """The parameters that are merely assumed; on paper only where they are marked."""
     rows = (
         row(
             [
@@ -36,7 +36,8 @@ def assumed_table(system: System) -> str:
         )
         for r in system.assumptions
     )
-    return table(["Parameter", "Value", "Unit", "Why"], rows, (1,))
+    listed = table(["Parameter", "Value", "Unit", "Why"], rows, (1,))
+    return f'<div class="on-screen">{listed}</div>\n<p class="on-paper">They are marked assumed under Parameters.</p>'
 
 
 def _parameter_rows(

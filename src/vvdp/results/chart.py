@@ -197,6 +197,8 @@ class Chart:
     """Whether panels have one scale."""
     columns: int = 0
     """Panels in a row, where they stand in rows of so many."""
+    one_x: bool = False
+    """Whether panels in rows have one scale of x, and names of lines of their own."""
     height: float = 3.0
 
     @property

@@ -4,7 +4,10 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import TypeAlias
 
-from vvdp.base.kinds import FLOW, GAUGE_PRESSURE
+import numpy as np
+
+from vvdp.base.display import with_unit
+from vvdp.base.kinds import FLOW, GAUGE_PRESSURE, NUMBER
 from vvdp.results.chart import Bars, Chart, Colour, Level, Line, Lines, Panel, Stroke
 from vvdp.results.result import Table
 from vvdp.runs.run import Detail, RecordedRun
@@ -15,6 +18,8 @@ Groups: TypeAlias = Iterable[tuple[str, list[str]]]
 """Labels of panels and the columns that they show."""
 SERIES = "series"
 """Name of the table that holds what is recorded."""
+MOTIONS = ("speed", "position", "velocity")
+"""What the names of columns of motions begin with."""
 MOST_LINES = 24
 """Most lines of one panel."""
 
@@ -29,8 +34,11 @@ def run_charts(run: RecordedRun, series: Table) -> Iterator[Chart]:
         seen = tuple(replace(panel, left=ends[0], right=ends[1]) for panel in panels)
         yield _chart("detail", detail_words(run, part), seen)
         yield _chart("run", whole_words(run), panels)
-    if motion := tuple(_panels(series, _motions(run, series))):
-        yield _chart("motion", "Shafts, rods and the commands of programs over the whole run.", motion)
+    moved = [(what, [key for key in series.columns if key.startswith(f"{what}_")]) for what in MOTIONS]
+    if motion := tuple(_panels(series, moved)):
+        yield _chart("motion", "Shafts and rods over the whole run.", motion)
+    for program in run.network.programs:
+        yield from _program_chart(program, series)
 
 
 def loss_chart(table: Table, caption: str) -> Chart:
@@ -39,7 +47,7 @@ def loss_chart(table: Table, caption: str) -> Chart:
     rows = sorted(range(table.rows), key=lambda row: -table[values[0]][row])
     shown = tuple(row for row in rows if any(table[key][row] > 0.0 for key in values))
     bars = Bars(names=name, values=tuple(values), texts=words, rows=shown, label="mean power")
-    height = 0.9 + 0.24 * len(shown) * len(values)
+    height = 0.75 + 0.175 * len(shown) * len(values)
     return Chart(name=f"losses-{name}", caption=caption, table=f"powers-{name}", panels=(bars,), height=height)
 
 
@@ -72,13 +80,20 @@ def _pressures(series: Table) -> list[tuple[str, list[str]]]:
     return [("pressure", pressures), ("flow", flows)]
 
 
-def _motions(run: RecordedRun, series: Table) -> Iterator[tuple[str, list[str]]]:
-    for what in ("speed", "position", "velocity"):
-        yield what, [key for key in series.columns if key.startswith(f"{what}_")]
-    for program in run.network.programs:
-        mine = [key for key in series.columns if key.startswith(f"command_{program}_")]
-        for kind in dict.fromkeys(series.columns[key].kind for key in mine):
-            yield program.replace("_", " "), [key for key in mine if series.columns[key].kind is kind]
+def _program_chart(program: str, series: Table) -> Iterator[Chart]:
+    """The commands of a program, a panel for each kind; those that never change are in the caption with their value."""
+    mine = {key: column for key, column in series.columns.items() if key.startswith(f"command_{program}_")}
+    still = {key for key, column in mine.items() if np.all(column.values == column.values[0])}
+    words = f"Commands of {program.replace('_', ' ')} over the whole run."
+    if still:
+        constant = (mine[key] for key in sorted(still))
+        values = (f"{each.label} {with_unit(float(each.values[0]), each.kind or NUMBER)}" for each in constant)
+        words += f" Constant: {', '.join(values)}."
+    moving = [key for key in mine if key not in still]
+    kinds = dict.fromkeys(mine[key].kind for key in moving)
+    groups = (("", [key for key in moving if mine[key].kind is kind]) for kind in kinds)
+    if panels := tuple(_panels(series, groups)):
+        yield _chart(f"program-{program.replace('_', '-')}", words, panels)
 
 
 def _panels(series: Table, groups: Groups) -> Iterator[Lines]:

@@ -94,7 +94,7 @@ def range_chart(ranges: Ranges, known: Known) -> Chart:
         )
         for key in keys
     )
-    height = 1.1 + 0.32 * len(order)
+    height = 1.1 + 0.265 * len(order)
     return Chart(
         name=RESTS_ON, caption=CAPTION, table=RANGES, panels=panels, side_by_side=True, share=True, height=height
     )

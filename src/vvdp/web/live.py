@@ -40,6 +40,7 @@ def live_page(run: RecordedRun, page: Page, command: str, say: Callable[[str], N
         style=asset("page.css"),
         begin=f'<h2 id="run">Run in this page</h2>\n{asset("controls.html")}',
         end=scripts_html(model),
+        opened=frozenset(ready),
     )
     return Page(page.result, page.meta, {**page.ready, **listings, **ready}, page.drawings, added)
 
