@@ -23,7 +23,11 @@ CRITERIA: Mapping[str, float] = MappingProxyType(
 
 
 class WallDistance(NamedTuple):
-    """y+ = y u_tau / nu of the cells at one patch of walls: least, mean of its `faces`, largest."""
+    """y+ = y u_tau / nu of the cells at one patch of walls: least, mean of its `faces`, largest.
+
+    u_tau is C_mu^(1/4) k^(1/2) of the cell where a model of turbulence has wall functions, and that of the wall's shear
+    in laminar flow.
+    """
 
     patch: str
     faces: int

@@ -92,7 +92,7 @@ class Work:
     @contextmanager
     def place(self, verb: str, name: str) -> Iterator["Place"]:
         """The place of a study of `verb`, for as long as it is at work."""
-        from vvdp.cfd.series import make_place
+        from vvdp.cfd.series import SeriesStopped, make_place
         from vvdp.cli.screen import say
 
         directory = self.out if self.out is not None else Path("results", f"cfd-{name}")
@@ -101,8 +101,8 @@ class Work:
         try:
             with _progress() as hear:
                 yield Place(directory, engine, hear)
-        except KeyboardInterrupt:
-            say("interrupted; rerun the same command to resume")
+        except SeriesStopped as stopped:
+            say(f"interrupted: {stopped.words}; rerun the same command to resume")
             raise
 
     def finish(self, place: "Place", loaded: "System", result: "Result", *shown: str) -> None:
