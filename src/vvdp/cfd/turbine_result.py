@@ -92,10 +92,7 @@ def turbine_result(runs: Sequence[TurbineRun], told: Told) -> Result:
             "fits": _fits(numbers), "lengths": turbine_lengths(told),
             **quality_listings(_names(runs), [run.solved for run in runs]),
         },
-        tables={
-            "runs": table,
-            "line": _line(order, speeds, line),
-        },
+        tables={"runs": table, "line": _line(order, speeds, line)},
         charts={"torque-over-speed": _chart()},
         findings=tuple(_findings(order, numbers, runs)),
         sections=(
