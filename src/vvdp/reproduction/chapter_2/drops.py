@@ -9,6 +9,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.display import with_unit
 from vvdp.base.kinds import DISCHARGE_COEFFICIENT, FLOW, LENGTH, NUMBER, PRESSURE_DIFFERENCE, SIGNED_PRESSURE
 from vvdp.cfd.kept import KeptStudy
+from vvdp.cfd.models_result import square_law
 from vvdp.numerics.least_squares import fit
 from vvdp.numerics.power_laws import drop_laws, power_columns
 from vvdp.reproduction.chapter_2 import valve as here
@@ -34,7 +35,7 @@ WHOLE_WIDTH = 11955.0
 RAIL_INDEX, CENTRE_INDEX, TURBINE_INDEX = 0.10634, 0.0329, 0.02392
 RAIL, CENTRE, TURBINE = (
     f"the grids' convergence index of the {section} (fig. {figure})"
-    for section, figure in (("rail", "2.7"), ("centre section", "2.8"), ("outlet turbine", "2.9"))
+    for section, figure in (("rail, R/5.66 to R/11.3", "2.7"), ("centre section", "2.8"), ("outlet turbine", "2.9"))
 )
 ARM, WINDOWS = "the nozzles' arm", "the shape of the windows"
 """What was chosen so that computed drops come out as printed: docs/models/cfd.md."""
@@ -113,6 +114,7 @@ def figure_2_12() -> Reproduction:
                 share=0.5 * RAIL_INDEX,
                 because=f"half of {RAIL}",
                 calibration=ARM,
+                note=_rail_range(float(coefficient), study.grid_index),
             ),
             bound_statement(
                 "exponent of the flow in the computed drops",
@@ -129,6 +131,21 @@ def figure_2_12() -> Reproduction:
     lines = (_law("nozzle", "eq. 2.3", Colour.INLET), *marks)
     chart = _curve_chart("2.12", "Drop of inlet rail and nozzles over the flow.", *lines)
     return Reproduction(statements=found, tables={**_law_tables(), **tables}, charts=(chart,))
+
+
+def _rail_range(coefficient: float, index: float) -> str:
+    """What models of turbulence and schemes make of a discharge coefficient, and what grids leave open of the drop."""
+    models = kept_or_none("rail-models")
+    if models is None:
+        return ""
+    names = dict.fromkeys(models["approach"].tolist())
+    first, *others = (
+        square_law(*(models[key][models["approach"] == name] for key in ("flow_m3_s", "pressure_drop_Pa"))).coefficient
+        for name in names
+    )
+    found = [coefficient * (first / each) ** 0.5 for each in (first, *others)]
+    left = f"the grids leave {100.0 * index:.1f} % of the drop open"
+    return f"{min(found):.3f} to {max(found):.3f} by models and schemes ({'; '.join(names)}); {left}"
 
 
 def scaled_table() -> Table:
