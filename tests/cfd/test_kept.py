@@ -31,7 +31,7 @@ def test_every_study_says_how_it_was_made_and_balances(name):
 @pytest.mark.parametrize("name", kept_studies())
 def test_every_study_says_by_which_model_and_scheme_and_what_grids_leave_open(name):
     study = kept_study(name)
-    assert study.model in ("standard k-epsilon", "model by approach")
+    assert study.model in ("standard k-epsilon", "laminar", "model by approach")
     assert re.match("first|second|upwind|scheme by approach", study.scheme)
     assert 0.0 < study.grid_index < 0.2
     assert ("approach" in study.columns) == (study.model == "model by approach")

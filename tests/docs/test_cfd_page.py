@@ -194,6 +194,7 @@ def grids() -> Iterator[str]:
 
 PARTS = {
     "rail-grids": {"pressure_drop_Pa": "rail (a), drop"},
+    "rail-laminar-grids": {"pressure_drop_Pa": "rail (a), laminar, drop"},
     "rail-final-grids": {"pressure_drop_Pa": "final rail, drop"},
     "centre-grids": {"pressure_drop_Pa": "centre section, total drop", "torque_N_m": "its torque"},
     "turbine-grids": {
@@ -450,8 +451,18 @@ def effects() -> Iterator[str]:
         share = laws["k-epsilon, first order"][key].coefficient / laws["k-epsilon"][key].coefficient
         yield words.format(100.0 * abs(share - 1.0))
     fine, big = kept_study("rail-grids"), kept_study("rail-million")
+    laminar = kept_study("rail-laminar-grids")["pressure_drop_Pa"]
+    yield f"grows by {100.0 * (laminar[2] / laminar[0] - 1.0):.1f} % from R/8 to R/16"
+    yield f"an extrapolated {1e-5 * rail_extrapolated():.1f} bar"
     seconds = big["mesh_time_s"][0] + fine["iterations"][-1] * big["iteration_time_s"][0]
     yield f"{seconds / 60.0:.0f} min on two cores"
+
+
+def rail_extrapolated() -> float:
+    """Drop of the rail on cells of no size [Pa]."""
+    study = kept_study("rail-grids")
+    sizes, drops = (tuple(study[key][::-1]) for key in ("cell_size_m", "pressure_drop_Pa"))
+    return grid_convergence(sizes, drops).extrapolated
 
 
 def headlines() -> Iterator[str]:

@@ -59,11 +59,10 @@ class KeptStudy:
         """What the three finest grids leave open of the drop of this part of the valve, over it: the convergence index,
         or the spread where drops swing. nan where no study of its grids is kept.
         """
-        part = PARTS.get(self.name.split("-")[0], "")
-        shape = "-final" if self.name.startswith("rail-final") else ""
-        if f"{part}{shape}-grids" not in kept_studies():
+        grids = f"{PARTS.get(self.name.split('-')[0])}-grids"
+        study = self if self.name.endswith("-grids") else kept_study(grids) if grids in kept_studies() else None
+        if study is None:
             return np.nan
-        study = kept_study(f"{part}{shape}-grids")
         finest = study["cells"].argsort()[:-4:-1]
         sizes, drops = (
             tuple(column[finest].tolist()) for column in (study["cells"] ** (-1 / 3), study["pressure_drop_Pa"])
