@@ -114,7 +114,7 @@ def figure_2_12() -> Reproduction:
                 share=0.5 * RAIL_INDEX,
                 because=f"half of {RAIL}",
                 calibration=ARM,
-                note=_rail_range(float(coefficient), study.grid_index),
+                note=_range_note(study, _by_approach("rail-models", float(coefficient))),
             ),
             bound_statement(
                 "exponent of the flow in the computed drops",
@@ -133,19 +133,27 @@ def figure_2_12() -> Reproduction:
     return Reproduction(statements=found, tables={**_law_tables(), **tables}, charts=(chart,))
 
 
-def _rail_range(coefficient: float, index: float) -> str:
-    """What models of turbulence and schemes make of a discharge coefficient, and what grids leave open of the drop."""
-    models = kept_or_none("rail-models")
+def _by_approach(study: str, coefficient: float) -> dict[str, float]:
+    """A discharge coefficient as each approach of a kept study of models has it; empty where there is none."""
+    models = kept_or_none(study)
     if models is None:
-        return ""
+        return {}
     names = dict.fromkeys(models["approach"].tolist())
-    first, *others = (
-        square_law(*(models[key][models["approach"] == name] for key in ("flow_m3_s", "pressure_drop_Pa"))).coefficient
-        for name in names
-    )
-    found = [coefficient * (first / each) ** 0.5 for each in (first, *others)]
-    left = f"the grids leave {100.0 * index:.1f} % of the drop open"
-    return f"{min(found):.3f} to {max(found):.3f} by models and schemes ({'; '.join(names)}); {left}"
+    rows = {name: models["approach"] == name for name in names}
+    drops = {
+        name: square_law(*(models[key][row] for key in ("flow_m3_s", "pressure_drop_Pa"))).coefficient
+        for name, row in rows.items()
+    }
+    first = next(iter(drops.values()))
+    return {name: coefficient * (first / drop) ** 0.5 for name, drop in drops.items()}
+
+
+def _range_note(study: KeptStudy, found: Mapping[str, float]) -> str:
+    """The range over models and schemes, and what the grids leave open."""
+    left = f"the grids leave {100.0 * study.grid_index:.1f} % of the drop open"
+    if not found:
+        return left
+    return f"{min(found.values()):.3f} to {max(found.values()):.3f} by models and schemes ({'; '.join(found)}); {left}"
 
 
 def scaled_table() -> Table:
@@ -257,8 +265,17 @@ def _turbine_statement(study: KeptStudy | None) -> Statement:
         laws = drop_laws(study["flow_m3_s"][at_rest], study["turbine_drop_Pa"][at_rest])
         found = float(np.sqrt(0.5 * DENSITY / laws.orifice.coefficients[0]) / area)
         what = "discharge coefficient of the computed drops"
+        approaches = _by_approach("turbine-models", found)
         return number_statement(
-            what, printed, found, DISCHARGE_COEFFICIENT, share=0.5 * TURBINE_INDEX, because=f"half of {TURBINE}"
+            what,
+            printed,
+            found,
+            DISCHARGE_COEFFICIENT,
+            share=0.5 * TURBINE_INDEX,
+            because=f"half of {TURBINE}",
+            other=approaches.get("k-epsilon, first order"),
+            assumption="convection of second order; in the second run of first order, as in the source",
+            note=_range_note(study, approaches),
         )
     grids = kept_or_none("turbine-grids")
     what = "discharge coefficient of the computed drop at 40 lpm"
