@@ -510,8 +510,35 @@ def opening_torques() -> Iterator[str]:
         yield f"| {each * 30.0 / np.pi:.0f} rpm | {' | '.join(f'{value:.4f} N m' for value in same)} |"
 
 
-ROWS = (arms, designs, openings, nozzles, periods, grids, turbines, laws, flows, centre, million, two_arms, frequencies)
-ROWS += (distances, effects, headlines, opening_torques)
+def sleeves() -> Iterator[str]:
+    """What the bore adds to the drop of the rail."""
+    study = kept_study("sleeve")
+    (whole, rail), many = study["drop_Pa"], [cells(study, row) for row in (0, 1)]
+    added = f"it adds {1e-5 * (whole - rail):.2f} bar to {1e-5 * rail:.2f} bar"
+    yield f"({many[0]} and {many[1]} cells, kept as `sleeve`) {added}"
+    yield f"So the {1e-5 * (whole - rail):.2f} bar, {100.0 * (whole / rail - 1.0):.0f} % of the drop"
+
+
+ROWS = (
+    arms,
+    designs,
+    openings,
+    nozzles,
+    periods,
+    grids,
+    turbines,
+    laws,
+    flows,
+    centre,
+    million,
+    two_arms,
+    frequencies,
+    distances,
+    effects,
+    headlines,
+    opening_torques,
+    sleeves,
+)
 
 
 @pytest.mark.parametrize("rows", ROWS, ids=lambda rows: rows.__name__)

@@ -15,7 +15,14 @@ from vvdp.cfd.refinement import grid_convergence
 from vvdp.results.result import Texts
 
 FOLDER = "kept"
-PARTS = {"rail": "rail", "centre": "centre", "openings": "centre", "period": "centre", "turbine": "turbine"}
+PARTS = {
+    "rail": "rail",
+    "sleeve": "rail",
+    "centre": "centre",
+    "openings": "centre",
+    "period": "centre",
+    "turbine": "turbine",
+}
 """Which part of the valve a study is of, by the first word of its name."""
 _GAP = re.compile(r"\{(\w+)\}")
 
