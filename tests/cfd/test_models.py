@@ -72,6 +72,19 @@ def test_ratios_and_exponents_come_back(result):
     assert result.numbers["drop_exponent_low"].value == pytest.approx(1.8)
 
 
+def test_a_residual_above_its_criterion_is_told_and_is_no_warning(result):
+    told = [each.text for each in result.findings]
+    assert any(text.startswith("U 0.002 (criterion 0.001). ") for text in told)
+    assert result.flat["warnings"] == []
+
+
+def test_walls_and_residuals_are_listed_for_every_run(result):
+    walls, residuals = result.listings["walls"], result.listings["residuals"]
+    assert len(walls.rows) == len(FLOWS) * len(APPROACHES)
+    assert walls.rows[0].values == (0.5, 4.0, 14.0)
+    assert [row.values for row in residuals.rows[:2]] == [(2e-3, 1e-3), (5e-3, 1e-2)]
+
+
 def test_the_first_approach_is_that_of_all_other_studies():
     first, *others = APPROACHES.values()
     assert first == (RailOrder._field_defaults["turbulence"], RailOrder._field_defaults["phases"])

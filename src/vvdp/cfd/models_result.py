@@ -97,7 +97,7 @@ def models_result(order: RailOrder, part: OnGrids, flows: Sequence[float], about
         system=about.system,
         manner=part.manner,
         references=("wang2017",),
-        conditions={"oil": about.oil, "grid": about.grid, "turbulence": ", ".join(APPROACHES)},
+        conditions={"oil": about.oil, "grid": about.grid, "turbulence": "; ".join(APPROACHES)},
         left_out=("Cavitation, and the warming of the oil.", "What a finer mesh would change; compare the grids."),
         numbers=numbers_of(numbers, QUANTITIES),
         listings={"lengths": lengths, **quality_listings(names, part.solved)},

@@ -97,5 +97,5 @@ def residual_findings(runs: Sequence[Solved]) -> Iterator[Finding]:
         )
         yield Finding(
             title="Residuals above their criteria",
-            text=f"{told}. The value that each run is judged by changes by less than its tolerance all the same.",
+            text=f"{told}. A run is ended by the change of its drop from window to window, not by residuals.",
         )
