@@ -74,7 +74,7 @@ def test_ratios_and_exponents_come_back(result):
 
 def test_a_residual_above_its_criterion_is_told_and_is_no_warning(result):
     told = [each.text for each in result.findings]
-    assert any(text.startswith("U 0.002 (criterion 0.001). ") for text in told)
+    assert any(text.startswith("U 0.0020 (criterion 0.001). ") for text in told)
     assert result.flat["warnings"] == []
 
 
