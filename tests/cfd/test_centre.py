@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from tests.cfd.conftest import say
+from tests.cfd.conftest import QUALITY, say
 from tests.words import wording
 
 from vvdp.base.errors import ParameterError
@@ -70,7 +70,10 @@ def made_up(order, rows, share):
         law = turbulent_drops(float(flow), 1.0, 876.0, order.valve).centre_section
         total = share * law + 0.5 * 876.0 * (flow / perpendicular_area(order.shape, order.valve)) ** 2
         solved = SimpleNamespace(
-            judgement=Judgement(160, total, 300.0, 0.0, 1e-5), settled=True, mesh=SimpleNamespace(cells=22765)
+            judgement=Judgement(160, total, 300.0, 0.0, 1e-5),
+            settled=True,
+            quality=QUALITY,
+            mesh=SimpleNamespace(cells=22765),
         )
         runs.append(CentreRun(order._replace(flow=float(flow)), solved, 0.1, 27.5e-6, 1.0))
     return centre_result(runs, Told("prototype", "coarse", "oil", rows))
@@ -100,7 +103,7 @@ def test_a_drop_steeper_than_the_valve_takes_is_met_in_the_middle(order, shaped)
     for flow in FLOWS.tolist():
         jet = 0.5 * 876.0 * (flow / perpendicular_area(order.shape, order.valve)) ** 2
         judgement = Judgement(160, 0.8e5 * (flow / FLOWS[1]) ** 2.03 + jet, 300.0, 0.0, 1e-5)
-        solved = SimpleNamespace(judgement=judgement, settled=True, mesh=SimpleNamespace(cells=22765))
+        solved = SimpleNamespace(judgement=judgement, settled=True, quality=QUALITY, mesh=SimpleNamespace(cells=22765))
         runs.append(CentreRun(order._replace(flow=flow), solved, 0.1, 27.5e-6, 1.0))
     result = centre_result(runs, Told("prototype", "coarse", "oil", shaped[2]))
     valve = load_system("prototype", fitted_settings(result)).tables["valve"]
@@ -149,7 +152,10 @@ def test_the_law_of_several_diameters_comes_back(order, shaped):
             law = turbulent_drops(flow, 1.0, 876.0, wide.valve).centre_section
             total = law + 0.5 * 876.0 * (flow / perpendicular_area(wide.shape, wide.valve)) ** 2
             solved = SimpleNamespace(
-                judgement=Judgement(160, total, 300.0, 0.0, 1e-5), settled=True, mesh=SimpleNamespace(cells=22765)
+                judgement=Judgement(160, total, 300.0, 0.0, 1e-5),
+                settled=True,
+                quality=QUALITY,
+                mesh=SimpleNamespace(cells=22765),
             )
             runs.append(CentreRun(wide._replace(flow=flow), solved, 0.1, 27.5e-6, 1.0))
     result = centre_result(runs, Told("prototype", "coarse", "oil", shaped[2]))

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from tests.cfd.conftest import say
+from tests.cfd.conftest import QUALITY, say
 from tests.words import wording
 
 from vvdp.cfd import rail
@@ -40,6 +40,7 @@ def result():
             history=history,
             judgement=Judgement(60, drop, 10.0, 0.0, 1e-5),
             settled=True,
+            quality=QUALITY,
             mesh=SimpleNamespace(cells=16256),
         )
         run = RailRun(

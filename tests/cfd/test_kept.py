@@ -12,6 +12,7 @@ from tests.words import wording
 from vvdp.base.errors import ParameterError
 from vvdp.cfd.convergence import LARGEST_IMBALANCE
 from vvdp.cfd.kept import kept_studies, kept_study
+from vvdp.cfd.models_result import APPROACHES
 from vvdp.fitting.drop import fit_centre
 from vvdp.valve.bearing import radial_force
 
@@ -25,6 +26,38 @@ def test_every_study_says_how_it_was_made_and_balances(name):
     assert "{" not in study.command_of(0)
     if "mass_imbalance" in study.columns:
         assert study["mass_imbalance"].max() < LARGEST_IMBALANCE
+
+
+@pytest.mark.parametrize("name", kept_studies())
+def test_every_study_says_by_which_model_and_scheme_and_what_grids_leave_open(name):
+    study = kept_study(name)
+    assert study.model in ("standard k-epsilon", "laminar", "model by approach")
+    assert re.match("first|second|upwind|scheme by approach", study.scheme)
+    assert 0.0 < study.grid_index < 0.2
+    assert ("approach" in study.columns) == (study.model == "model by approach")
+
+
+def test_an_index_is_that_of_the_three_grids_of_its_part():
+    """The centre section swings, so its spread counts: (368078 - 356307) / 357795 = 3.290 %."""
+    assert kept_study("openings").grid_index == pytest.approx((368078.0 - 356307.0) / 357795.0)
+    assert kept_study("rail-final-grids").grid_index != kept_study("rail-flows").grid_index
+
+
+@pytest.mark.parametrize("name", [name for name in kept_studies() if name.endswith("-models")])
+def test_models_are_the_four_approaches_with_the_walls_and_residuals_of_each_run(name):
+    study = kept_study(name)
+    assert tuple(dict.fromkeys(study["approach"].tolist())) == tuple(APPROACHES)
+    assert (study["y_plus_least"] < study["y_plus_mean"]).all()
+    assert (study["y_plus_mean"] < study["y_plus_largest"]).all()
+    assert (study["residual_share"] > 0.0).all()
+    assert study["has_settled"].all()
+
+
+def test_the_first_approach_repeats_the_flows_that_are_kept():
+    """At 10 and 60 lpm, on the same mesh, to the digits that are kept and the iteration at which vvdp looked."""
+    flows, models = kept_study("rail-flows"), kept_study("rail-models")
+    first = models["approach"] == "k-epsilon"
+    assert models["pressure_drop_Pa"][first][[0, 2]] == pytest.approx(flows["pressure_drop_Pa"][[0, 3]], rel=1e-4)
 
 
 @pytest.mark.parametrize("name", [name for name in kept_studies() if "split_1" in kept_study(name).columns])

@@ -4,7 +4,7 @@ import math
 from types import SimpleNamespace
 
 import pytest
-from tests.cfd.conftest import say
+from tests.cfd.conftest import QUALITY, say
 from tests.words import wording
 
 from vvdp.cfd.case import Fluid
@@ -35,7 +35,10 @@ def result():
         torque = inlet_torque(order.flow / opening, opening, 876.0, valve, skew)
         drop = 0.5 * 876.0 * (order.flow / (22e-6 * opening * (0.9 if angle > 0.0 else 1.0))) ** 2
         solved = SimpleNamespace(
-            judgement=Judgement(160, drop, 300.0, 0.0, 1e-5), settled=True, mesh=SimpleNamespace(cells=22765)
+            judgement=Judgement(160, drop, 300.0, 0.0, 1e-5),
+            settled=True,
+            quality=QUALITY,
+            mesh=SimpleNamespace(cells=22765),
         )
         runs.append(CentreRun(order._replace(angle=angle), solved, torque, 27.5e-6, 1.0))
     return openings_result(runs, Told("prototype", "coarse", "oil", rows))

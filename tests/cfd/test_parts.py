@@ -5,7 +5,7 @@ import math
 from types import SimpleNamespace
 
 import pytest
-from tests.cfd.conftest import say
+from tests.cfd.conftest import QUALITY, say
 
 from vvdp.cfd import rail
 from vvdp.cfd.balance import Torques
@@ -46,7 +46,10 @@ def orders(shaped):
 
 def run(name, drop, torque=math.nan):
     solved = SimpleNamespace(
-        judgement=Judgement(160, drop, 0.0, 0.0, 1e-5), settled=True, mesh=SimpleNamespace(cells=1000)
+        judgement=Judgement(160, drop, 0.0, 0.0, 1e-5),
+        settled=True,
+        quality=QUALITY,
+        mesh=SimpleNamespace(cells=1000),
     )
     return PartRun(name, solved, Torques(torque, 0.0, torque), 1.0)
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from tests.cfd.conftest import say
+from tests.cfd.conftest import QUALITY, say
 from tests.words import wording
 
 from vvdp.base.errors import ParameterError
@@ -101,7 +101,7 @@ def result(order, shaped):
     opening = np.array([port_openings(each, centre.position, centre.valve).load for each in angle.tolist()])
     factor = np.where((opening > 0.0) & (opening < 1.0), np.where(angle > 0.0, 0.9, 1.1), 1.0)
     flow = 24e-6 * factor * opening * math.sqrt(2.0 * order.drop / 876.0)
-    solved = SimpleNamespace(mesh=SimpleNamespace(cells=8320), took=1.0)
+    solved = SimpleNamespace(mesh=SimpleNamespace(cells=8320), quality=QUALITY, took=1.0)
     run = PeriodRun(order, solved, angle, opening, flow, 0.98 * flow, 0.1 * opening)
     return period_result(run, Told("prototype", "coarse", "oil", shaped[2]))
 

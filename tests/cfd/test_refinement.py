@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from tests.cfd.conftest import say
+from tests.cfd.conftest import QUALITY, say
 from tests.words import wording
 
 from vvdp.base.errors import ParameterError
@@ -104,6 +104,7 @@ def result():
             history=History(np.arange(60.0), np.full(60, drop), flows),
             judgement=Judgement(160, drop, 10.0, 0.0, 1e-5),
             settled=True,
+            quality=QUALITY,
             mesh=SimpleNamespace(cells=cells),
             seconds={"second order": 1.0},
         )

@@ -7,8 +7,9 @@ from tests.cfd.conftest import OIL, PIPE
 from tests.slurm import told
 
 from vvdp.base.errors import RunError
+from vvdp.cfd import series
 from vvdp.cfd.section import Plane
-from vvdp.cfd.series import PROGRESS, NamedCase, case_folder, solve_series
+from vvdp.cfd.series import PROGRESS, NamedCase, SeriesStopped, case_folder, solve_series
 from vvdp.cfd.verification import pipe_case
 from vvdp.studies.dask_engines import LocalDask, Slurm
 from vvdp.studies.engine import ThisProcess
@@ -36,6 +37,26 @@ def test_cases_come_back_in_their_order_and_share_a_mesh(pipes, openfoam, tmp_pa
     dones = [each.done for each in told]
     assert all(each.most == 9000 for each in told)
     assert max(dones, default=0) <= 9000
+
+
+def test_a_stopped_series_says_what_is_missing_and_goes_on(pipes, openfoam, tmp_path, monkeypatch):
+    """The third has a mesh of its own and is computed second, when the series is stopped."""
+    solve, begun = series.solve, []
+
+    def stop(case, folder, *rest):
+        begun.append(folder.name)
+        if len(begun) == 2:
+            raise KeyboardInterrupt
+        return solve(case, folder, *rest)
+
+    monkeypatch.setattr(series, "solve", stop)
+    with pytest.raises(SeriesStopped) as stopped:
+        solve_series(pipes, ACROSS, tmp_path, ThisProcess(1), lambda now: None)
+    assert stopped.value.missing == ("thick", "coarse")
+    assert stopped.value.words == "2 of 3 cases are missing: thick; coarse"
+    found = solve_series(pipes, ACROSS, tmp_path, ThisProcess(1), lambda now: None)
+    assert len(found) == 3
+    assert (tmp_path / "case" / "log.simpleFoam").read_text().count("Create time") == 1
 
 
 @pytest.mark.thorough

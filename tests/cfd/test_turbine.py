@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from tests.cfd.conftest import say
+from tests.cfd.conftest import QUALITY, say
 from tests.words import wording
 
 from vvdp.cfd import rail
@@ -68,7 +68,10 @@ def result(order, shaped):
     runs = []
     for speed in SPEEDS:
         solved = SimpleNamespace(
-            judgement=Judgement(160, 2.1e5, 300.0, 0.0, 1e-5), settled=True, mesh=SimpleNamespace(cells=33702)
+            judgement=Judgement(160, 2.1e5, 300.0, 0.0, 1e-5),
+            settled=True,
+            quality=QUALITY,
+            mesh=SimpleNamespace(cells=33702),
         )
         torque = outlet_torque(order.flow, speed, 876.0, order.valve)
         torques = Torques(torque, 1e-4, 0.97 * torque)

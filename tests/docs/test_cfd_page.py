@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+import vvdp
 from vvdp.cfd.kept import KeptStudy, kept_studies, kept_study
+from vvdp.cfd.models_result import SquareLaw, square_law
 from vvdp.cfd.period_result import Ramps, fit_ramps
 from vvdp.cfd.refinement import grid_convergence
 from vvdp.fitting.drop import fit_centre, fit_nozzle
@@ -192,6 +194,7 @@ def grids() -> Iterator[str]:
 
 PARTS = {
     "rail-grids": {"pressure_drop_Pa": "rail (a), drop"},
+    "rail-laminar-grids": {"pressure_drop_Pa": "rail (a), laminar, drop"},
     "rail-final-grids": {"pressure_drop_Pa": "final rail, drop"},
     "centre-grids": {"pressure_drop_Pa": "centre section, total drop", "torque_N_m": "its torque"},
     "turbine-grids": {
@@ -382,7 +385,166 @@ def frequencies() -> Iterator[str]:
     yield f"an exponent of 0.65 has 70.4 to 82 Hz {bands[0]}, 1 {bands[1]}"
 
 
-ROWS = (arms, designs, openings, nozzles, periods, grids, turbines, laws, flows, centre, million, two_arms, frequencies)
+def distances() -> Iterator[str]:
+    """y+ of the grids of the rail, and of each approach at the largest flow."""
+    for name in ("rail-grids", *models()):
+        study = kept_study(name)
+        for k in range(study.rows):
+            if "approach" in study.columns and study["flow_m3_s"][k] != study["flow_m3_s"].max():
+                continue
+            least, mean, largest = (f"{study[f'y_plus_{end}'][k]:.2g}" for end in ("least", "mean", "largest"))
+            head = study["approach"][k] if "approach" in study.columns else cells(study, k)
+            yield f"| {head} | {least} | {mean} | {largest} | {study['residual_share'][k]:.2g} |"
+
+
+def models() -> tuple[str, ...]:
+    return tuple(name for name in kept_studies() if name.endswith("-models"))
+
+
+KEYS = ("pressure_drop_Pa", "static_drop_Pa", "torque_N_m")
+
+
+def approach_laws(study: KeptStudy) -> dict[str, dict[str, SquareLaw]]:
+    """The laws of each approach by name and column."""
+    names = dict.fromkeys(study["approach"].tolist())
+    keys = [key for key in KEYS if key in study.columns]
+    return {
+        name: {
+            key: square_law(*(study[each][study["approach"] == name] for each in ("flow_m3_s", key))) for key in keys
+        }
+        for name in names
+    }
+
+
+def effects() -> Iterator[str]:
+    """Of each part the laws by each approach over those of the first, and their exponents."""
+    for name in models():
+        laws = approach_laws(kept_study(name))
+        first = next(iter(laws.values()))
+        for approach, found in laws.items():
+            shown = [
+                f"{found[key].coefficient / first[key].coefficient:.3f} | {found[key].exponent:.2f}"
+                for key in (KEYS[:1] if name.startswith("rail") else KEYS if "centre" in name else KEYS[::2])
+            ]
+            yield f"| {approach} | {' | '.join(shown)} |"
+    drops = [each[KEYS[0]].coefficient for each in approach_laws(kept_study("rail-models")).values()]
+    coefficients = np.array([0.6230 * np.sqrt(drops[0] / each) for each in drops])
+    yield f"$C_d$ is {coefficients.min():.3f} to {coefficients.max():.3f}"
+    every = {name: approach_laws(kept_study(name)) for name in models()}
+    off = {
+        key: max(
+            abs(laws[each][key].coefficient / laws["k-epsilon"][key].coefficient - 1.0)
+            for laws in every.values()
+            for each in ("k-omega SST", "laminar")
+            if key in laws[each]
+        )
+        for key in KEYS
+    }
+    drop, torque = 100.0 * max(off[KEYS[0]], off[KEYS[1]]), 100.0 * off[KEYS[2]]
+    yield f"within {drop:.0f} % of k-epsilon in each drop and {torque:.0f} % in each torque"
+    for name, key, words in (
+        ("rail", KEYS[0], "the drop of the rail {:.0f} % larger"),
+        ("centre", KEYS[1], "the static drop of the centre section {:.0f} % smaller"),
+        ("turbine", KEYS[2], "the torque of the turbine {:.0f} % smaller"),
+    ):
+        laws = every[f"{name}-models"]
+        share = laws["k-epsilon, first order"][key].coefficient / laws["k-epsilon"][key].coefficient
+        yield words.format(100.0 * abs(share - 1.0))
+    fine, big = kept_study("rail-grids"), kept_study("rail-million")
+    laminar = kept_study("rail-laminar-grids")["pressure_drop_Pa"]
+    yield f"grows by {100.0 * (laminar[2] / laminar[0] - 1.0):.1f} % from R/8 to R/16"
+    yield f"an extrapolated {1e-5 * rail_extrapolated():.1f} bar"
+    seconds = big["mesh_time_s"][0] + fine["iterations"][-1] * big["iteration_time_s"][0]
+    yield f"{seconds / 60.0:.0f} min on two cores"
+
+
+def rail_extrapolated() -> float:
+    """Drop of the rail on cells of no size [Pa]."""
+    study = kept_study("rail-grids")
+    sizes, drops = (tuple(study[key][::-1]) for key in ("cell_size_m", "pressure_drop_Pa"))
+    return grid_convergence(sizes, drops).extrapolated
+
+
+def headlines() -> Iterator[str]:
+    """Frequency and efficiency of the prototype, its published laws scaled by the ratios of each approach."""
+    found = {name.removesuffix("-models"): approach_laws(kept_study(name)) for name in models()}
+
+    def ratio(part: str, approach: str, key: str) -> float:
+        laws = found[part]
+        return laws[approach][key].coefficient / next(iter(laws.values()))[key].coefficient
+
+    ranges: list[tuple[float, float]] = []
+    for approach in found["rail"]:
+        values = {
+            "nozzle_discharge_coefficient": 0.61 / ratio("rail", approach, KEYS[0]) ** 0.5,
+            "centre_coefficient": 1.45e-6 / ratio("centre", approach, KEYS[1]),
+            "inlet_area_ratio": 1.0 / ratio("centre", approach, KEYS[2]),
+            "outlet_discharge_coefficient": 0.677 / ratio("turbine", approach, KEYS[0]) ** 0.5,
+            "outlet_effective_area": 61.8e-6 / ratio("turbine", approach, KEYS[2]),
+        }
+        run = vvdp.load("prototype", valve=values).run()
+        frequency, efficiency = run.summary["pwm_frequency_Hz"], run.summary["efficiency"]
+        yield f"| {approach} | {frequency:.1f} Hz | {100.0 * efficiency:.1f} % |"
+        ranges.append((frequency, 100.0 * efficiency))
+    (low, least), (high, most) = (np.array(ranges).min(0), np.array(ranges).max(0))
+    told = f"{low:.1f} to {high:.1f} Hz and {least:.1f} to {most:.1f} %"
+    yield told
+    coefficient = 0.61 * (kept_study("rail-grids")["pressure_drop_Pa"][0] / rail_extrapolated()) ** 0.5
+    run = vvdp.load("prototype", valve={"nozzle_discharge_coefficient": coefficient}).run()
+    finest = f"gives {run.summary['pwm_frequency_Hz']:.1f} Hz and {100.0 * run.summary['efficiency']:.1f} %"
+    yield f"becomes {coefficient:.3f}, and the run {finest}"
+    readme = " ".join((Path(__file__).parents[2] / "README.md").read_text("utf-8").split())
+    assert told in readme
+    assert finest in readme
+
+
+def opening_torques() -> Iterator[str]:
+    """Torque of opening nozzles at the flow of open ones: spools at rest by either scheme, and one that turns."""
+    still, first, slow = (kept_study(name) for name in ("openings", "openings-first-order", "period-slow"))
+    angle = still["spool_angle_rad"][2::2]
+    flow, torque = (np.interp(angle, slow["spool_angle_rad"], slow[key]) for key in ("flow_m3_s", "torque_N_m"))
+    turning = torque * (Q40 / flow) ** 2
+    for k, each in enumerate(angle):
+        torques = (still["torque_N_m"][2::2][k], first["torque_N_m"][2::2][k], turning[k])
+        yield f"| {-np.degrees(each):.4g}° | {' | '.join(f'{value:.4f} N m' for value in torques)} |"
+    missing = 100.0 * (still["torque_N_m"][2::2] - turning) / still["torque_N_m"][0]
+    yield f"{missing.min():.0f} to {missing.max():.0f} % of the torque of open nozzles"
+    speeds = kept_study("period-speeds")
+    for each in dict.fromkeys(speeds["spool_speed_rad_s"].tolist()):
+        rows = (speeds["spool_speed_rad_s"] == each) & (speeds["spool_angle_rad"] < 0.0)
+        same = speeds["torque_N_m"][rows] * (Q40 / speeds["flow_m3_s"][rows]) ** 2
+        yield f"| {each * 30.0 / np.pi:.0f} rpm | {' | '.join(f'{value:.4f} N m' for value in same)} |"
+
+
+def sleeves() -> Iterator[str]:
+    """What the bore adds to the drop of the rail."""
+    study = kept_study("sleeve")
+    (whole, rail), many = study["drop_Pa"], [cells(study, row) for row in (0, 1)]
+    added = f"it adds {1e-5 * (whole - rail):.2f} bar to {1e-5 * rail:.2f} bar"
+    yield f"({many[0]} and {many[1]} cells, kept as `sleeve`) {added}"
+    yield f"So the {1e-5 * (whole - rail):.2f} bar, {100.0 * (whole / rail - 1.0):.0f} % of the drop"
+
+
+ROWS = (
+    arms,
+    designs,
+    openings,
+    nozzles,
+    periods,
+    grids,
+    turbines,
+    laws,
+    flows,
+    centre,
+    million,
+    two_arms,
+    frequencies,
+    distances,
+    effects,
+    headlines,
+    opening_torques,
+    sleeves,
+)
 
 
 @pytest.mark.parametrize("rows", ROWS, ids=lambda rows: rows.__name__)

@@ -11,6 +11,7 @@ from vvdp.cfd.boundary import Patch, field_files
 from vvdp.cfd.convergence import History
 from vvdp.cfd.dictionary import Entry
 from vvdp.cfd.numerics import STEADY, Phase, control_text, property_files, schemes_text, solution_text
+from vvdp.cfd.quality import quality_monitors
 from vvdp.cfd.turbulence import Inflow, Turbulence
 
 
@@ -64,8 +65,9 @@ def start_files(case: Case) -> dict[str, str]:
 
 def phase_files(case: Case, phase: Phase, end: int) -> dict[str, str]:
     """What a phase that ends at the iteration `end` is solved by, by path."""
+    monitors = {**case.monitors, **quality_monitors(case.turbulence)}
     return {
-        "system/controlDict": control_text(end, case.monitors, case.step),
+        "system/controlDict": control_text(end, monitors, case.step),
         "system/fvSchemes": schemes_text(phase, unsteady=case.step != STEADY),
         "system/fvSolution": solution_text(phase),
     }

@@ -8,14 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.display import number, percent, with_unit
+from vvdp.base.display import number, with_unit
 from vvdp.base.kinds import (
     ANGLE,
     AREA,
     COUNT,
     DENSITY,
-    EFFICIENCY,
-    FLAG,
     FLOW,
     LENGTH,
     NUMBER,
@@ -27,6 +25,7 @@ from vvdp.base.kinds import (
 from vvdp.base.params import field_kinds
 from vvdp.cfd.centre_study import CentreRun
 from vvdp.cfd.rail_result import METHOD, Told
+from vvdp.cfd.state_table import QUALITY, approach, quality_listings, restless_findings, state_columns
 from vvdp.geometry.result import origin_rows
 from vvdp.geometry.shape import perpendicular_area
 from vvdp.numerics.least_squares import fit
@@ -91,11 +90,14 @@ def centre_result(runs: Sequence[CentreRun], told: Told) -> Result:
         system=told.system,
         manner=METHOD,
         references=tuple(dict.fromkeys(("wang2017", *(row.source for row in told.rows if row.source)))),
-        conditions={"flow": span, "oil": told.oil, "grid": told.grid, "turbulence": order.turbulence.model},
+        conditions={"flow": span, "oil": told.oil, "grid": told.grid, **approach(order)},
         left_out=("Rail and nozzles upstream: the stubs have a uniform inflow and walls without friction.",
                   "The turning of the spool, leakage, cavitation, and the warming of the oil."),
         numbers=numbers_of(numbers, QUANTITIES),
-        listings={"fits": _fits(numbers), "lengths": centre_lengths(told)},
+        listings={
+            "fits": _fits(numbers), "lengths": centre_lengths(told),
+            **quality_listings(_names(runs), [run.solved for run in runs]),
+        },
         tables={"runs": table},
         charts={"drop-over-flow": _chart(Stroke.POINTS if np.ptp(table["diameter_m"]) else Stroke.MARKED)},
         findings=tuple(_findings(numbers, span, runs, static)),
@@ -103,6 +105,7 @@ def centre_result(runs: Sequence[CentreRun], told: Told) -> Result:
             Section(title="Drop and torque", words=(DROPS,), shows=("fits", "drop-over-flow", "runs")),
             Section(title="The centre section", words=(LENGTHS,), shows=("geometry", "lengths"), starts_page=True),
             Section(title="The flow", shows=("sections", "streamlines"), starts_page=True),
+            QUALITY,
             Section(title="How it was done", words=(METHOD,), shows=("conditions",)),
         ),
         seconds=math.fsum(run.seconds for run in runs),
@@ -158,12 +161,16 @@ def _runs(runs: Sequence[CentreRun]) -> Table:
         "static_drop_law_Pa": Column(law, SIGNED_PRESSURE, "law of the system"),
         "torque_N_m": Column(np.array([run.torque for run in runs]), TORQUE, "torque"),
         "torque_law_N_m": Column(torque, TORQUE, "torque, law of the system"),
-        "mass_imbalance": Column(np.array([run.solved.judgement.imbalance for run in runs]), EFFICIENCY, "imbalance"),
         "cells": Column(np.array([float(run.solved.mesh.cells) for run in runs]), COUNT, "cells"),
-        "iterations": Column(np.array([float(run.solved.judgement.iteration) for run in runs]), COUNT, "iterations"),
-        "has_settled": Column(np.array([float(run.solved.settled) for run in runs]), FLAG, "settled"),
+        **state_columns([run.solved for run in runs]),
     }
     return Table(title="Runs", columns=columns, axes=("diameter_m", "flow_m3_s"))
+
+
+def _names(runs: Sequence[CentreRun]) -> list[str]:
+    return [
+        f"{with_unit(2.0 * run.order.valve.spool_radius, LENGTH)}, {with_unit(run.order.flow, FLOW)}" for run in runs
+    ]
 
 
 def _jets(runs: Sequence[CentreRun]) -> dict[str, float]:
@@ -262,10 +269,7 @@ def _findings(numbers: dict[str, float], span: str, runs: Sequence[CentreRun], s
     if not (static > 0.0).all():
         yield Finding(title="No static drop", grade=Grade.WARNING, text="The mesh is too coarse for the static drop.",
                       remedy="Take a finer grid.")  # fmt: skip
-    if restless := [run for run in runs if not run.solved.settled]:
-        worst = percent(max(run.solved.judgement.change for run in restless), 2)
-        text = f"{len(restless)} of {len(runs)} runs still changed at their end, by up to {worst}."
-        yield Finding(title="Not settled", grade=Grade.WARNING, text=text, remedy="Take a finer grid.")
+    yield from restless_findings([run.solved for run in runs])
 
 
 def fitted_settings(result: Result) -> tuple[str, ...]:

@@ -14,10 +14,9 @@ from vvdp.cfd.rail_result import (
     Told,
     drop_columns,
     rail_lengths,
-    restless_findings,
-    state_columns,
 )
 from vvdp.cfd.rail_study import RailRun
+from vvdp.cfd.state_table import QUALITY, approach, quality_listings, restless_findings, state_columns
 from vvdp.results.chart import Bars, Chart, Colour
 from vvdp.results.result import Column, Finding, Result, Section, Table, numbers_of
 from vvdp.valve.bearing import radial_force
@@ -49,11 +48,11 @@ def designs_result(orders: Mapping[str, RailOrder], runs: Sequence[RailRun], tol
             "flow": with_unit(order.flow, FLOW),
             "oil": told.oil,
             "grid": told.grid,
-            "turbulence": order.turbulence.model,
+            **approach(order),
         },
         left_out=LEFT_OUT,
         numbers=numbers_of({"flow_m3_s": order.flow, "density_kg_m3": order.fluid.density}, QUANTITIES),
-        listings={"lengths": rail_lengths(told)},
+        listings={"lengths": rail_lengths(told), **quality_listings(tuple(orders), [run.solved for run in runs])},
         tables={"designs": table},
         charts={"shares": _chart(len(runs[0].mouths))},
         findings=tuple(_findings(table, runs)),
@@ -61,6 +60,7 @@ def designs_result(orders: Mapping[str, RailOrder], runs: Sequence[RailRun], tol
             Section(title="The shapes", words=(FORCES,), shows=("shares", "designs")),
             Section(title="The first of them", words=(LENGTHS,), shows=("geometry", "lengths"), starts_page=True),
             Section(title="The flow through the first of them", shows=("sections", "streamlines"), starts_page=True),
+            QUALITY,
             Section(title="How it was done", words=(MANNER,), shows=("conditions",)),
         ),
         seconds=sum(run.seconds for run in runs),

@@ -31,15 +31,15 @@ from vvdp.cfd.rail_result import (
     Told,
     drop_columns,
     rail_lengths,
-    restless_findings,
-    state_columns,
 )
 from vvdp.cfd.rail_study import RailRun
 from vvdp.cfd.refinement import grid_convergence
 from vvdp.cfd.solve import Solved
+from vvdp.cfd.state_table import QUALITY, approach, quality_listings, restless_findings, state_columns
 from vvdp.cfd.turbine_result import LENGTHS as TURBINE_LENGTHS
 from vvdp.cfd.turbine_result import turbine_lengths
 from vvdp.cfd.turbine_study import TurbineRun
+from vvdp.geometry.shape import perpendicular_area
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Section, Table, numbers_of
 
@@ -102,10 +102,12 @@ def rail_on_grids(runs: Sequence[RailRun], about: Told) -> OnGrids:
 
 def centre_on_grids(runs: Sequence[CentreRun], about: Told) -> OnGrids:
     """The centre section on several grids, judged by the total drop."""
+    total = np.array([run.solved.judgement.value for run in runs])
+    jets = np.array([run.order.flow / perpendicular_area(run.order.shape, run.order.valve) for run in runs])
+    static = total - 0.5 * runs[0].order.fluid.density * jets**2
     columns = {
-        "pressure_drop_Pa": Column(
-            np.array([run.solved.judgement.value for run in runs]), SIGNED_PRESSURE, "total drop"
-        ),
+        "pressure_drop_Pa": Column(total, SIGNED_PRESSURE, "total drop"),
+        "static_drop_Pa": Column(static, SIGNED_PRESSURE, "static drop"),
         "torque_N_m": Column(np.array([run.torque for run in runs]), TORQUE, "torque"),
         "mesh_area_m2": Column(np.array([run.stub_area for run in runs]), AREA, "stubs' ends in the mesh"),
     }
@@ -159,10 +161,14 @@ def grids_result(order: RailOrder, part: OnGrids, told: Sequence[str], about: To
         system=about.system,
         manner=part.manner,
         references=("celik2008", "wang2017"),
-        conditions={"oil": about.oil, "grids": ", ".join(told), "turbulence": order.turbulence.model},
+        conditions={"oil": about.oil, "grids": ", ".join(told), **approach(order)},
         left_out=("Cavitation, and the warming of the oil.",),
         numbers=numbers_of(numbers, quantities),
-        listings={"convergence": Listing(title="", heads=("value",), rows=rows), "lengths": lengths},
+        listings={
+            "convergence": Listing(title="", heads=("value",), rows=rows),
+            "lengths": lengths,
+            **quality_listings(told, part.solved),
+        },
         tables={"grids": table},
         charts={"drop-over-cells": _chart(*part.lines)},
         findings=tuple(_findings(numbers, part.solved)),
@@ -170,6 +176,7 @@ def grids_result(order: RailOrder, part: OnGrids, told: Sequence[str], about: To
             Section(title="Convergence", words=(INDEX,), shows=("convergence", "drop-over-cells", "grids")),
             Section(title=part.title, words=(words,), shows=("geometry", "lengths"), starts_page=True),
             Section(title="The flow on the coarsest grid", shows=("sections", "streamlines"), starts_page=True),
+            QUALITY,
             Section(title="How it was done", words=(part.manner,), shows=("conditions",)),
         ),
         seconds=float(table["time_s"].sum()),

@@ -11,9 +11,19 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
+from vvdp.cfd.refinement import grid_convergence
 from vvdp.results.result import Texts
 
 FOLDER = "kept"
+PARTS = {
+    "rail": "rail",
+    "sleeve": "rail",
+    "centre": "centre",
+    "openings": "centre",
+    "period": "centre",
+    "turbine": "turbine",
+}
+"""Which part of the valve a study is of, by the first word of its name."""
 _GAP = re.compile(r"\{(\w+)\}")
 
 
@@ -23,7 +33,7 @@ class KeptStudy:
 
     name        of its file
     command     that repeats it; where it holds names of columns in braces, a run for each row
-    provenance  program, model of turbulence, grid
+    provenance  program, model of turbulence, scheme, grid, with commas between them
     columns     values [SI] or words, a row for each run; the names of quantities end with their unit
     """
 
@@ -40,6 +50,32 @@ class KeptStudy:
     def rows(self) -> int:
         """Number of rows."""
         return len(next(iter(self.columns.values())))
+
+    @property
+    def model(self) -> str:
+        """Model of turbulence."""
+        return self.provenance.split(", ")[1]
+
+    @property
+    def scheme(self) -> str:
+        """Scheme of the convection."""
+        return self.provenance.split(", ")[2]
+
+    @property
+    def grid_index(self) -> float:
+        """What the three finest grids leave open of the drop of this part of the valve, over it: the convergence index,
+        or the spread where drops swing. nan where no study of its grids is kept.
+        """
+        grids = f"{PARTS.get(self.name.split('-')[0])}-grids"
+        study = self if self.name.endswith("-grids") else kept_study(grids) if grids in kept_studies() else None
+        if study is None:
+            return np.nan
+        finest = study["cells"].argsort()[:-4:-1]
+        sizes, drops = (
+            tuple(column[finest].tolist()) for column in (study["cells"] ** (-1 / 3), study["pressure_drop_Pa"])
+        )
+        found = grid_convergence(sizes, drops)
+        return found.band if found.is_monotone else found.spread
 
     def command_of(self, row: int) -> str:
         """The command that repeats a row."""

@@ -39,6 +39,11 @@ class Phase(NamedTuple):
     window: int = 50
     tolerance: float = 2e-3
 
+    @property
+    def order(self) -> str:
+        """Order of the convection's scheme, in words."""
+        return "first order" if self.convection.endswith("upwind") else "second order"
+
 
 UPWIND = Phase("upwind start", "bounded Gauss upwind", (0.3, 0.7, 0.5), most=60, window=20, tolerance=0.0)
 """Robust, and about a tenth too high in drop: only to begin with, always as long."""
@@ -46,6 +51,10 @@ SECOND_ORDER = Phase(
     "second order", "bounded Gauss linearUpwind grad(U)", (0.3, 0.6, 0.5), most=600, window=50, tolerance=1e-3
 )
 """With a limited gradient, without which it does not settle."""
+FIRST_ORDER = UPWIND._replace(name="first order", most=600, window=50, tolerance=1e-3)
+"""Upwind to the end, as the source has it."""
+SCHEMES: Mapping[str, tuple[Phase, ...]] = {"second-order": (UPWIND, SECOND_ORDER), "first-order": (FIRST_ORDER,)}
+"""Phases of a steady run, by the order of the convection's scheme at its end."""
 
 
 PASSING = Phase("passing", "Gauss upwind", (0.7, 0.8, 0.8), most=240, window=120, tolerance=0.0)

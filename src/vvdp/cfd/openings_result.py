@@ -13,7 +13,6 @@ from vvdp.base.kinds import (
     COUNT,
     DENSITY,
     EFFICIENCY,
-    FLAG,
     FLOW,
     FRACTION,
     LENGTH,
@@ -25,9 +24,10 @@ from vvdp.cfd.centre import CentreOrder
 from vvdp.cfd.centre_result import LENGTHS, centre_lengths
 from vvdp.cfd.centre_study import CentreRun
 from vvdp.cfd.rail_result import METHOD, Told
+from vvdp.cfd.state_table import QUALITY, approach, quality_listings, restless_findings, state_columns
 from vvdp.numerics.least_squares import fit
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
-from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Section, Table, numbers_of
+from vvdp.results.result import Column, Finding, Listing, Result, Row, Section, Table, numbers_of
 from vvdp.valve.geometry import jet_skews, port_openings, port_shape
 from vvdp.valve.torque import inlet_torque
 
@@ -81,19 +81,25 @@ def openings_result(runs: Sequence[CentreRun], told: Told) -> Result:
             "flow": with_unit(order.flow, FLOW),
             "oil": told.oil,
             "grid": told.grid,
-            "turbulence": order.turbulence.model,
+            **approach(order),
         },
         left_out=("The turning of the spool: what it does to a jet within a transition.",
                   "Rail and nozzles upstream, leakage, cavitation."),
         numbers=numbers_of(numbers, QUANTITIES),
-        listings={"fits": Listing(title="", heads=("value",), rows=rows), "lengths": centre_lengths(told)},
-        tables={"angles": table},
+        listings={
+            "fits": Listing(title="", heads=("value",), rows=rows), "lengths": centre_lengths(told),
+            **quality_listings([with_unit(run.order.angle, ANGLE) for run in runs], [run.solved for run in runs]),
+        },
+        tables={
+            "angles": table,
+        },
         charts={"opening-over-angle": _chart()},
         findings=tuple(_findings(numbers, runs)),
         sections=(
             Section(title="Openings and jets", words=(STANDING, JETS), shows=("fits", "opening-over-angle", "angles")),
             Section(title="The open section", words=(LENGTHS,), shows=("geometry", "lengths"), starts_page=True),
             Section(title="The flow through open nozzles", shows=("sections", "streamlines"), starts_page=True),
+            QUALITY,
             Section(title="How it was done", words=(METHOD,), shows=("conditions",)),
         ),
         seconds=math.fsum(run.seconds for run in runs),
@@ -117,8 +123,7 @@ def _angles(runs: Sequence[CentreRun]) -> Table:
         "torque_N_m": Column(np.array([run.torque for run in runs]), TORQUE, "torque"),
         "torque_law_N_m": Column(np.array(law), TORQUE, "torque, law of the system"),
         "cells": Column(np.array([float(run.solved.mesh.cells) for run in runs]), COUNT, "cells"),
-        "mass_imbalance": Column(np.array([run.solved.judgement.imbalance for run in runs]), EFFICIENCY, "imbalance"),
-        "has_settled": Column(np.array([float(run.solved.settled) for run in runs]), FLAG, "settled"),
+        **state_columns([run.solved for run in runs]),
     }
     return Table(title="Angles", columns=columns)
 
@@ -178,6 +183,4 @@ def _findings(numbers: dict[str, float], runs: Sequence[CentreRun]) -> Iterator[
     for name, words in (("jet_exponent", "exponent"), ("jet_asymmetry", "asymmetry")):
         found, error, given = (number(numbers[key], 3) for key in (name, f"{name}_error", f"{name}_law"))
         yield Finding(text=f"The {words} of the jets is {found} ± {error}; the system has {given}.")
-    if restless := [run for run in runs if not run.solved.settled]:
-        text = f"{len(restless)} of {len(runs)} runs still changed at their end."
-        yield Finding(title="Not settled", grade=Grade.WARNING, text=text, remedy="Take a finer grid.")
+    yield from restless_findings([run.solved for run in runs])

@@ -10,8 +10,6 @@ from vvdp.base.display import percent, with_unit
 from vvdp.base.kinds import (
     COUNT,
     DENSITY,
-    EFFICIENCY,
-    FLAG,
     FLOW,
     SIGNED_PRESSURE,
     SPEED,
@@ -23,6 +21,7 @@ from vvdp.cfd.parts_study import PartRun
 from vvdp.cfd.rail import RailOrder, rail_case, sleeve_case, turned_rail, turned_sleeve
 from vvdp.cfd.rail_result import METHOD, Told
 from vvdp.cfd.series import NamedCase
+from vvdp.cfd.state_table import QUALITY, approach, quality_listings, residual_findings, state_columns
 from vvdp.cfd.turbine import TurbineOrder, turbine_case, turned_turbine, turned_valve, valve_case
 from vvdp.geometry.shape import perpendicular_area
 from vvdp.results.chart import Bars, Chart, Colour
@@ -151,8 +150,7 @@ def _table(runs: Sequence[PartRun], drops: Sequence[float], laws: Sequence[PartL
         ),
         "law_torque_N_m": Column(np.array([law.torque for law in laws]), TORQUE, "torque, law of the system"),
         "cells": Column(np.array([float(run.solved.mesh.cells) for run in runs]), COUNT, "cells"),
-        "mass_imbalance": Column(np.array([run.solved.judgement.imbalance for run in runs]), EFFICIENCY, "imbalance"),
-        "has_settled": Column(np.array([float(run.solved.settled) for run in runs]), FLAG, "settled"),
+        **state_columns([run.solved for run in runs]),
     }
     return Table(title="The whole and its parts", columns=columns)
 
@@ -177,18 +175,22 @@ def _result(
             "flow": with_unit(order.flow, FLOW),
             "oil": told.oil,
             "grid": told.grid,
-            "turbulence": order.turbulence.model,
+            **approach(order),
         },
         left_out=LEFT_OUT,
         numbers=numbers_of(numbers, quantities),
-        listings={"found": Listing(title="", heads=("value",), rows=rows)},
+        listings={
+            "found": Listing(title="", heads=("value",), rows=rows),
+            **quality_listings([run.name for run in runs], [run.solved for run in runs]),
+        },
         tables={"parts": table},
         charts={"drops": _chart()},
-        findings=(*findings, *_restless(runs)),
+        findings=(*findings, *_restless(runs), *residual_findings([run.solved for run in runs])),
         sections=(
             Section(title="The whole beside its parts", words=(words,), shows=("found", "drops", "parts")),
             Section(title="The oil", shows=("geometry",), starts_page=True),
             Section(title="The flow", shows=("sections", "streamlines"), starts_page=True),
+            QUALITY,
             Section(title="How it was done", words=(METHOD,), shows=("conditions",)),
         ),
         seconds=math.fsum(run.seconds for run in runs),

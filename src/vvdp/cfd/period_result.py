@@ -22,8 +22,10 @@ from vvdp.base.kinds import (
     TORQUE,
 )
 from vvdp.cfd.centre_result import LENGTHS, centre_lengths
+from vvdp.cfd.numerics import PASSING
 from vvdp.cfd.period import STEPS, PeriodRun
 from vvdp.cfd.rail_result import METHOD, Told
+from vvdp.cfd.state_table import QUALITY, approach, quality_listings
 from vvdp.numerics.least_squares import Fit, fit
 from vvdp.results.chart import Chart, Colour, Line, Lines
 from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Section, Table, numbers_of
@@ -90,12 +92,15 @@ def period_result(run: PeriodRun, told: Told) -> Result:
             "total drop": with_unit(run.order.drop, PRESSURE_DIFFERENCE),
             "oil": told.oil,
             "grid": told.grid,
-            "turbulence": centre.turbulence.model,
+            **approach(centre._replace(phases=(PASSING,))),
         },
         left_out=("Rail and nozzles upstream, whose oil would take longer to get under way; leakage, cavitation.",
                   "The side of the tank, which is the mirror image half a pitch on."),
         numbers=numbers_of(numbers, QUANTITIES),
-        listings={"found": Listing(title="", heads=("value",), rows=rows), "lengths": centre_lengths(told)},
+        listings={
+            "found": Listing(title="", heads=("value",), rows=rows), "lengths": centre_lengths(told),
+            **quality_listings(("end of the period",), (run.solved,)),
+        },
         tables={"angles": table},
         charts={"period": _chart()},
         findings=tuple(_findings(numbers)),
@@ -103,6 +108,7 @@ def period_result(run: PeriodRun, told: Told) -> Result:
             Section(title="Openings and torque", words=(TURNING, FACTORS), shows=("found", "period")),
             Section(title="The flow as the spool turns", shows=("frames",), starts_page=True),
             Section(title="The section", words=(LENGTHS,), shows=("geometry", "lengths"), starts_page=True),
+            QUALITY,
             Section(title="How it was done", words=(METHOD,), shows=("conditions",)),
         ),
         seconds=run.solved.took,

@@ -25,7 +25,7 @@ from vvdp.base.tables import Sourced
 from vvdp.cfd.convergence import LARGEST_IMBALANCE
 from vvdp.cfd.rail import RailOrder, outlets
 from vvdp.cfd.rail_study import RailRun
-from vvdp.cfd.solve import Solved
+from vvdp.cfd.state_table import QUALITY, approach, quality_listings, residual_findings
 from vvdp.geometry.result import origin_rows
 from vvdp.results.chart import Bars, Chart, Colour, Level, Line, Lines
 from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Section, Table, numbers_of
@@ -34,7 +34,8 @@ from vvdp.valve.branch import turbulent_drops
 VERB = "cfd rail"
 METHOD = (
     "Steady flow of constant density and viscosity, computed by OpenFOAM (simpleFoam) on hexahedra: Reynolds-averaged "
-    "equations with a model of turbulence, upwind schemes to begin with, then limited schemes of second order. A run "
+    "equations with a model of turbulence, upwind schemes to begin with, then limited schemes of second order, or "
+    "upwind schemes to the end where first order is chosen. A run "
     "has settled where means of the drop over 50 iterations no longer change by 0.1 %, and what leaves is within 0.1 % "
     "of what enters."
 )
@@ -70,6 +71,10 @@ QUANTITIES = {
     "density_kg_m3": (DENSITY, "density"),
     "viscosity_Pa_s": (DYNAMIC_VISCOSITY, "dynamic viscosity"),
     "iterations": (COUNT, "iterations"),
+    "y_plus_least": (NUMBER, "y+ at the walls, least"),
+    "y_plus_mean": (NUMBER, "y+ at the walls, mean of the faces"),
+    "y_plus_largest": (NUMBER, "y+ at the walls, largest"),
+    "residual_share": (NUMBER, "largest residual over its criterion"),
     "has_settled": (FLAG, "whether it has settled"),
 }
 
@@ -96,12 +101,20 @@ def rail_result(order: RailOrder, run: RailRun, told: Told) -> Result:
             "flow": with_unit(order.flow, FLOW),
             "oil": told.oil,
             "grid": told.grid,
-            "turbulence": order.turbulence.model,
+            **approach(order),
         },
         left_out=LEFT_OUT,
         numbers=numbers_of(numbers, QUANTITIES),
-        listings={"found": _main_numbers(numbers), "lengths": rail_lengths(told)},
-        tables={"flow": _split(run), "history": _history(order, run), "steps": _steps(run)},
+        listings={
+            "found": _main_numbers(numbers),
+            "lengths": rail_lengths(told),
+            **quality_listings(("rail",), (run.solved,)),
+        },
+        tables={
+            "flow": _split(run),
+            "history": _history(order, run),
+            "steps": _steps(run),
+        },
         charts={"drop": _drop_chart(run), "split": _split_chart()},
         findings=tuple(_findings(numbers, order, run)),
         sections=(
@@ -109,6 +122,7 @@ def rail_result(order: RailOrder, run: RailRun, told: Told) -> Result:
             Section(title="The rail", words=(LENGTHS,), shows=("geometry", "lengths"), starts_page=True),
             Section(title="The flow", shows=("sections", "streamlines"), starts_page=True),
             Section(title="How it settled", shows=("drop", "steps"), starts_page=True),
+            QUALITY,
             Section(title="How it was done", words=(MANNER,), shows=("conditions",)),
         ),
         seconds=run.seconds,
@@ -135,6 +149,8 @@ def _numbers(order: RailOrder, run: RailRun) -> dict[str, float]:
         "density_kg_m3": density,
         "viscosity_Pa_s": order.fluid.viscosity,
         "iterations": float(solved.judgement.iteration),
+        **dict(zip(("y_plus_least", "y_plus_mean", "y_plus_largest"), solved.quality.over_all_walls, strict=True)),
+        "residual_share": solved.quality.residual_share,
         "has_settled": float(solved.settled),
     }
 
@@ -151,27 +167,6 @@ def drop_columns(runs: Sequence[RailRun]) -> dict[str, Column]:
             for place, share in enumerate(shares.T)
         },
     }
-
-
-def state_columns(runs: Sequence[Solved]) -> dict[str, Column]:
-    """Columns of the same table: balance of each run, how many iterations it took, and whether it has settled."""
-    return {
-        "mass_imbalance": Column(np.array([run.judgement.imbalance for run in runs]), EFFICIENCY, "imbalance"),
-        "iterations": Column(np.array([float(run.judgement.iteration) for run in runs]), COUNT, "iterations"),
-        "has_settled": Column(np.array([float(run.settled) for run in runs]), FLAG, "settled"),
-    }
-
-
-def restless_findings(runs: Sequence[Solved]) -> Iterator[Finding]:
-    """A warning where some of several runs have not settled."""
-    if restless := [run for run in runs if not run.settled]:
-        yield Finding(
-            title="Not settled",
-            grade=Grade.WARNING,
-            text=f"{len(restless)} of {len(runs)} runs still changed after all their iterations, by up to "
-            f"{percent(max(run.judgement.change for run in restless), 2)}.",
-            remedy="Take a finer grid.",
-        )
 
 
 def _main_numbers(numbers: dict[str, float]) -> Listing:
@@ -291,3 +286,4 @@ def _findings(numbers: dict[str, float], order: RailOrder, run: RailRun) -> Iter
             text=f"A mouth of the mesh is {percent(worst)} off its area, and the drop goes with its square.",
             remedy="Take a finer grid.",
         )
+    yield from residual_findings((run.solved,))

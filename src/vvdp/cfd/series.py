@@ -38,6 +38,21 @@ PROGRESS = "progress.json"
 ONE_BY_ONE = Batching(least=1, seconds=0.0)
 
 
+class SeriesStopped(KeyboardInterrupt):
+    """A series was stopped; `missing` are the names of its cases that are not finished, of `total` cases."""
+
+    def __init__(self, missing: Sequence[str], total: int) -> None:
+        super().__init__()
+        self.missing, self.total = tuple(missing), total
+
+    @property
+    def words(self) -> str:
+        """What is missing, in words."""
+        if self.total == 1:
+            return "the case is not finished"
+        return f"{len(self.missing)} of {self.total} cases are missing: {'; '.join(self.missing)}"
+
+
 class NamedCase(NamedTuple):
     """A case, and what it is called among others of a series."""
 
@@ -68,16 +83,21 @@ def solve_series(cases: Sequence[NamedCase], plane: Plane, directory: Path, engi
     """Computes cases on an engine whose workers see the directory, with the section `plane` cut, in their order.
 
     One that is meshed as another has its mesh, and waits for it; the others are computed as workers are free. See
-    `solve` for what is raised and kept.
+    `solve` for what is raised and kept; where it is stopped, SeriesStopped says which cases are missing.
     """
     find_openfoam()
     items = list(_items([case for _, case in cases], directory.resolve()))
     solved: dict[int, Solved] = {}
-    with engine, _listen(items, [name for name, _ in cases], solved, hear):
-        for has_mesh in (False, True):
-            ready = [item for item in items if (item.mesh_of is not None) == has_mesh]
-            for done in batches(partial(_solve_items, plane), ready, engine, threading.Event(), ONE_BY_ONE):
-                solved.update(done)
+    names = [name for name, _ in cases]
+    try:
+        with engine, _listen(items, names, solved, hear):
+            for has_mesh in (False, True):
+                ready = [item for item in items if (item.mesh_of is not None) == has_mesh]
+                for done in batches(partial(_solve_items, plane), ready, engine, threading.Event(), ONE_BY_ONE):
+                    solved.update(done)
+    except KeyboardInterrupt:
+        missing = [name for place, name in enumerate(names) if place not in solved]
+        raise SeriesStopped(missing, len(names)) from None
     return [solved[place] for place in range(len(cases))]
 
 

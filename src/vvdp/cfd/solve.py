@@ -25,6 +25,7 @@ from vvdp.cfd.engine import OpenFoam
 from vvdp.cfd.monitor import MeshCheck, forget_from, patch_faces, read_mesh_check, states, times
 from vvdp.cfd.numerics import INTERVAL, STEADY, STOP, Phase, parts_text, solver
 from vvdp.cfd.programs import PATIENCE, log_path, run_program
+from vvdp.cfd.quality import Quality, read_quality
 from vvdp.cfd.snapping import ORDERING
 
 STATE, LOCK = "state.json", "lock"
@@ -49,6 +50,7 @@ class Solved(NamedTuple):
     history: History
     judgement: Judgement
     mesh: MeshCheck
+    quality: Quality
     settled: bool
     since: int
     seconds: dict[str, float]
@@ -85,6 +87,7 @@ def solve(case: Case, folder: Path, openfoam: OpenFoam, cores: int, hear: Hear, 
             history=history,
             judgement=judgement,
             mesh=check,
+            quality=read_quality(folder, judgement.iteration * case.step, last.window),
             settled=judgement.has_settled(last.tolerance),
             since=since,
             seconds=state.seconds,

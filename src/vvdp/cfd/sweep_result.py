@@ -25,10 +25,9 @@ from vvdp.cfd.rail_result import (
     Told,
     drop_columns,
     rail_lengths,
-    restless_findings,
-    state_columns,
 )
 from vvdp.cfd.rail_study import RailRun
+from vvdp.cfd.state_table import QUALITY, approach, quality_listings, restless_findings, state_columns
 from vvdp.numerics.power_laws import DropLaws, drop_laws
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Finding, Listing, Result, Row, Section, Table, numbers_of
@@ -77,17 +76,25 @@ def sweep_result(order: RailOrder, runs: Sequence[RailRun], told: Told) -> Resul
         system=told.system,
         manner=MANNER,
         references=tuple(dict.fromkeys(("wang2017", *(row.source for row in told.rows if row.source)))),
-        conditions={"flow": span, "oil": told.oil, "grid": told.grid, "turbulence": order.turbulence.model},
+        conditions={"flow": span, "oil": told.oil, "grid": told.grid, **approach(order)},
         left_out=LEFT_OUT,
         numbers=numbers_of(numbers, QUANTITIES),
-        listings={"fits": _fits(numbers), "lengths": rail_lengths(told)},
-        tables={"sweep": table, "curve": _curve(order, table, laws)},
+        listings={
+            "fits": _fits(numbers),
+            "lengths": rail_lengths(told),
+            **quality_listings([with_unit(flow, FLOW) for flow in flows.tolist()], [run.solved for run in runs]),
+        },
+        tables={
+            "sweep": table,
+            "curve": _curve(order, table, laws),
+        },
         charts={"drop-over-flow": _chart()},
         findings=tuple(_findings(numbers, span, runs)),
         sections=(
             Section(title="Laws of the drop", words=(FITS,), shows=("fits", "drop-over-flow", "sweep")),
             Section(title="The rail", words=(LENGTHS,), shows=("geometry", "lengths"), starts_page=True),
             Section(title="The flow", shows=("sections", "streamlines"), starts_page=True),
+            QUALITY,
             Section(title="How it was done", words=(MANNER,), shows=("conditions",)),
         ),
         seconds=sum(run.seconds for run in runs),

@@ -12,7 +12,6 @@ from vvdp.base.kinds import (
     COUNT,
     DENSITY,
     EFFICIENCY,
-    FLAG,
     FLOW,
     NUMBER,
     PRESSURE_DIFFERENCE,
@@ -21,12 +20,13 @@ from vvdp.base.kinds import (
     Kind,
 )
 from vvdp.cfd.rail_result import METHOD, Told
+from vvdp.cfd.state_table import QUALITY, approach, quality_listings, restless_findings, state_columns
 from vvdp.cfd.turbine import TurbineOrder
 from vvdp.cfd.turbine_study import TurbineRun
 from vvdp.geometry.result import origin_rows
 from vvdp.numerics.least_squares import Fit, fit
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
-from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Section, Table, numbers_of
+from vvdp.results.result import Column, Finding, Listing, Result, Row, Section, Table, numbers_of
 from vvdp.valve.torque import outlet_torque
 
 VERB = "cfd turbine"
@@ -83,12 +83,15 @@ def turbine_result(runs: Sequence[TurbineRun], told: Told) -> Result:
             "flow": " to ".join(with_unit(each, FLOW) for each in sorted({flows.min(), flows.max()})),
             "oil": told.oil,
             "grid": told.grid,
-            "turbulence": order.turbulence.model,
+            **approach(order),
         },
         left_out=("Centre section and windows upstream: the oil enters the chamber along the axis, without swirl.",
                   "Leakage, cavitation, and the warming of the oil."),
         numbers=numbers_of(numbers, QUANTITIES),
-        listings={"fits": _fits(numbers), "lengths": turbine_lengths(told)},
+        listings={
+            "fits": _fits(numbers), "lengths": turbine_lengths(told),
+            **quality_listings(_names(runs), [run.solved for run in runs]),
+        },
         tables={"runs": table, "line": _line(order, speeds, line)},
         charts={"torque-over-speed": _chart()},
         findings=tuple(_findings(order, numbers, runs)),
@@ -96,6 +99,7 @@ def turbine_result(runs: Sequence[TurbineRun], told: Told) -> Result:
             Section(title="Torque and drop", words=(FRAME,), shows=("fits", "torque-over-speed", "runs")),
             Section(title="The turbine", words=(LENGTHS,), shows=("geometry", "lengths"), starts_page=True),
             Section(title="The flow", shows=("sections", "streamlines"), starts_page=True),
+            QUALITY,
             Section(title="How it was done", words=(METHOD,), shows=("conditions",)),
         ),
         seconds=sum(run.seconds for run in runs),
@@ -116,12 +120,14 @@ def _runs(runs: Sequence[TurbineRun]) -> Table:
         "torque_law_N_m": Column(np.array([_law(run.order) for run in runs]), TORQUE, "law of the system"),
         "turbine_drop_Pa": Column(total - behind, PRESSURE_DIFFERENCE, "drop of the turbine"),
         "collector_drop_Pa": Column(behind, PRESSURE_DIFFERENCE, "drop of the collector"),
-        "mass_imbalance": Column(np.array([run.solved.judgement.imbalance for run in runs]), EFFICIENCY, "imbalance"),
         "cells": Column(np.array([float(run.solved.mesh.cells) for run in runs]), COUNT, "cells"),
-        "iterations": Column(np.array([float(run.solved.judgement.iteration) for run in runs]), COUNT, "iterations"),
-        "has_settled": Column(np.array([float(run.solved.settled) for run in runs]), FLAG, "settled"),
+        **state_columns([run.solved for run in runs]),
     }
     return Table(title="Runs", columns=columns, axes=("flow_m3_s", "speed_rad_s"))
+
+
+def _names(runs: Sequence[TurbineRun]) -> list[str]:
+    return [f"{with_unit(run.order.flow, FLOW)}, {with_unit(run.order.speed, SPEED)}" for run in runs]
 
 
 def _law(order: TurbineOrder) -> float:
@@ -228,15 +234,7 @@ def _findings(order: TurbineOrder, numbers: dict[str, float], runs: Sequence[Tur
     )
     off = percent(numbers["momentum_imbalance"])
     yield Finding(text=f"By angular momentum the torque is up to {off} off that of pressure and friction on the spool.")
-    restless = [run for run in runs if not run.solved.settled]
-    if restless:
-        yield Finding(
-            title="Not settled",
-            grade=Grade.WARNING,
-            text=f"{len(restless)} of {len(runs)} runs still changed after all their iterations, by up to "
-            f"{percent(max(run.solved.judgement.change for run in restless), 2)}.",
-            remedy="Take a finer grid.",
-        )
+    yield from restless_findings([run.solved for run in runs])
 
 
 def fitted_settings(result: Result) -> tuple[str, ...]:

@@ -147,6 +147,39 @@ def grids(
     work.finish(place, loaded, result, "convergence", "grids")
 
 
+@app.command(cls=Verb)
+@flat("results/cfd-models-SYSTEM-PART-GRID")
+def models(
+    *,
+    valve: Valve,
+    part: Annotated[Part, typer.Option("--part", metavar="PART", help="One of rail, centre, turbine.")] = Part.RAIL,
+    flow: Flows = None,
+    method: Method,
+    work: Work,
+) -> None:
+    """Compute a part of the valve by several models of turbulence and schemes.
+
+    Standard k-epsilon of second and of first order, k-omega SST and laminar flow, all on one mesh at every flow; the
+    options --turbulence and --scheme are not used. Rerun the same command to resume; what is finished is not computed
+    again.
+    """
+    require_solids()
+    from vvdp.base.display import with_unit
+    from vvdp.base.kinds import FLOW
+    from vvdp.cfd.models_result import APPROACHES, VERB, models_result
+
+    loaded, order, about = rail_order(valve, method)
+    flows = stretch("--flow", flow, FLOW, LEAST_FLOW) if flow else tuple(share * order.flow for share in USUAL_SHARES)
+    orders = {
+        f"{name}, {with_unit(each, FLOW)}": order._replace(flow=each, **approach._asdict())
+        for name, approach in APPROACHES.items()
+        for each in flows
+    }
+    with work.place(VERB, f"models-{loaded.name}-{part}-{valve.grid}") as place:
+        found = _on_grids(part, orders, about, place)
+    work.finish(place, loaded, models_result(order, found, flows, about), "laws", "runs")
+
+
 def _on_grids(
     part: Part,
     orders: "Mapping[str, RailOrder]",

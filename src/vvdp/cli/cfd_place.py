@@ -39,6 +39,10 @@ Grid = Annotated[
 Model = Annotated[
     str, typer.Option("--turbulence", metavar="MODEL", help="One of k-epsilon, realizable, sst, laminar.")
 ]
+Scheme = Annotated[
+    str,
+    typer.Option("--scheme", metavar="ORDER", help="Convection: second-order, or first-order as in the source."),
+]
 Shape = Annotated[
     str | None,
     typer.Option(
@@ -67,6 +71,7 @@ class Method:
     """Options: how the flow is computed, through which shape."""
 
     model: Model = "k-epsilon"
+    scheme: Scheme = "second-order"
     shape: Shape = None
     settings: Settings = None
 
@@ -87,7 +92,7 @@ class Work:
     @contextmanager
     def place(self, verb: str, name: str) -> Iterator["Place"]:
         """The place of a study of `verb`, for as long as it is at work."""
-        from vvdp.cfd.series import make_place
+        from vvdp.cfd.series import SeriesStopped, make_place
         from vvdp.cli.screen import say
 
         directory = self.out if self.out is not None else Path("results", f"cfd-{name}")
@@ -96,8 +101,8 @@ class Work:
         try:
             with _progress() as hear:
                 yield Place(directory, engine, hear)
-        except KeyboardInterrupt:
-            say("interrupted; rerun the same command to resume")
+        except SeriesStopped as stopped:
+            say(f"interrupted: {stopped.words}; rerun the same command to resume")
             raise
 
     def finish(self, place: "Place", loaded: "System", result: "Result", *shown: str) -> None:
@@ -154,6 +159,7 @@ def rail_order(chosen: Valve, method: Method, flow: str = "") -> "tuple[System, 
     """A system, what is to be computed of it at a flow, that of its pump by default, and what is stated of it."""
     from vvdp.base.kinds import FLOW
     from vvdp.cfd.case import Fluid
+    from vvdp.cfd.numerics import SCHEMES
     from vvdp.cfd.rail import RailOrder
     from vvdp.cfd.rail_result import Told
     from vvdp.cfd.turbulence import MODELS
@@ -175,6 +181,7 @@ def rail_order(chosen: Valve, method: Method, flow: str = "") -> "tuple[System, 
         flow=parsed_option("--flow", flow, FLOW) if flow else held.pump_flow(held.set_point),
         grid=_cells(chosen.grid),
         turbulence=choice("--turbulence", method.model, MODELS),
+        phases=choice("--scheme", method.scheme, SCHEMES),
     )
     return loaded, order, Told(loaded.name, chosen.grid, fluid(held), rows)
 
@@ -250,6 +257,7 @@ def centre_order(rail: "RailOrder", angle: float, stub: str = "") -> "CentreOrde
         position=0.5 * rail.valve.helix_length,
         grid=rail.grid,
         turbulence=rail.turbulence,
+        phases=rail.phases,
     )
     return order._replace(stub=parsed_option("--stub", stub, LENGTH) / rail.valve.spool_radius) if stub else order
 
@@ -267,4 +275,5 @@ def turbine_order(rail: "RailOrder") -> "TurbineOrder":
         position=0.5 * rail.valve.helix_length,
         grid=rail.grid,
         turbulence=rail.turbulence,
+        phases=rail.phases,
     )

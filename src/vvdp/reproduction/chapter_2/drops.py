@@ -9,6 +9,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.display import with_unit
 from vvdp.base.kinds import DISCHARGE_COEFFICIENT, FLOW, LENGTH, NUMBER, PRESSURE_DIFFERENCE, SIGNED_PRESSURE
 from vvdp.cfd.kept import KeptStudy
+from vvdp.cfd.models_result import square_law
 from vvdp.numerics.least_squares import fit
 from vvdp.numerics.power_laws import drop_laws, power_columns
 from vvdp.reproduction.chapter_2 import valve as here
@@ -34,7 +35,7 @@ WHOLE_WIDTH = 11955.0
 RAIL_INDEX, CENTRE_INDEX, TURBINE_INDEX = 0.10634, 0.0329, 0.02392
 RAIL, CENTRE, TURBINE = (
     f"the grids' convergence index of the {section} (fig. {figure})"
-    for section, figure in (("rail", "2.7"), ("centre section", "2.8"), ("outlet turbine", "2.9"))
+    for section, figure in (("rail, R/5.66 to R/11.3", "2.7"), ("centre section", "2.8"), ("outlet turbine", "2.9"))
 )
 ARM, WINDOWS = "the nozzles' arm", "the shape of the windows"
 """What was chosen so that computed drops come out as printed: docs/models/cfd.md."""
@@ -113,6 +114,7 @@ def figure_2_12() -> Reproduction:
                 share=0.5 * RAIL_INDEX,
                 because=f"half of {RAIL}",
                 calibration=ARM,
+                note=_range_note(study, _by_approach("rail-models", float(coefficient))),
             ),
             bound_statement(
                 "exponent of the flow in the computed drops",
@@ -129,6 +131,29 @@ def figure_2_12() -> Reproduction:
     lines = (_law("nozzle", "eq. 2.3", Colour.INLET), *marks)
     chart = _curve_chart("2.12", "Drop of inlet rail and nozzles over the flow.", *lines)
     return Reproduction(statements=found, tables={**_law_tables(), **tables}, charts=(chart,))
+
+
+def _by_approach(study: str, coefficient: float) -> dict[str, float]:
+    """A discharge coefficient as each approach of a kept study of models has it; empty where there is none."""
+    models = kept_or_none(study)
+    if models is None:
+        return {}
+    names = dict.fromkeys(models["approach"].tolist())
+    rows = {name: models["approach"] == name for name in names}
+    drops = {
+        name: square_law(*(models[key][row] for key in ("flow_m3_s", "pressure_drop_Pa"))).coefficient
+        for name, row in rows.items()
+    }
+    first = next(iter(drops.values()))
+    return {name: coefficient * (first / drop) ** 0.5 for name, drop in drops.items()}
+
+
+def _range_note(study: KeptStudy, found: Mapping[str, float]) -> str:
+    """The range over models and schemes, and what the grids leave open."""
+    left = f"the grids leave {100.0 * study.grid_index:.1f} % of the drop open"
+    if not found:
+        return left
+    return f"{min(found.values()):.3f} to {max(found.values()):.3f} by models and schemes ({'; '.join(found)}); {left}"
 
 
 def scaled_table() -> Table:
@@ -240,8 +265,17 @@ def _turbine_statement(study: KeptStudy | None) -> Statement:
         laws = drop_laws(study["flow_m3_s"][at_rest], study["turbine_drop_Pa"][at_rest])
         found = float(np.sqrt(0.5 * DENSITY / laws.orifice.coefficients[0]) / area)
         what = "discharge coefficient of the computed drops"
+        approaches = _by_approach("turbine-models", found)
         return number_statement(
-            what, printed, found, DISCHARGE_COEFFICIENT, share=0.5 * TURBINE_INDEX, because=f"half of {TURBINE}"
+            what,
+            printed,
+            found,
+            DISCHARGE_COEFFICIENT,
+            share=0.5 * TURBINE_INDEX,
+            because=f"half of {TURBINE}",
+            other=approaches.get("k-epsilon, first order"),
+            assumption="convection of second order; in the second run of first order, as in the source",
+            note=_range_note(study, approaches),
         )
     grids = kept_or_none("turbine-grids")
     what = "discharge coefficient of the computed drop at 40 lpm"

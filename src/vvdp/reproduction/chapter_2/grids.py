@@ -2,7 +2,6 @@
 
 from vvdp.base.kinds import COUNT, NUMBER
 from vvdp.cfd.kept import KeptStudy
-from vvdp.cfd.refinement import grid_convergence
 from vvdp.reproduction.chapter_2.computed import kept_or_none, kept_table, live_rail
 from vvdp.reproduction.chapter_2.shapes import surface_drawing
 from vvdp.reproduction.drawings import solid_drawing
@@ -24,13 +23,9 @@ def _grid_statement(kept: KeptStudy | None) -> Statement:
     what, source = "what the grids leave open of the drop", "independent of the grid"
     if kept is None:
         return missing_statement(what, source, "a study of three grids")
-    finest = kept["cells"].argsort()[:-4:-1]
-    h1, h2, h3 = (float(cells) ** (-1.0 / 3.0) for cells in kept["cells"][finest])
-    f1, f2, f3 = (float(drop) for drop in kept[DROP][finest])
-    found = grid_convergence((h1, h2, h3), (f1, f2, f3))
     return bound_statement(
         what,
-        found.band if found.is_monotone else found.spread,
+        kept.grid_index,
         NUMBER,
         high=SETTLED,
         source=source,
