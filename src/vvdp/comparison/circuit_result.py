@@ -304,8 +304,10 @@ def _error_chart(name: str, duty: Duty, circuits: list[str]) -> Chart:
 
 def _findings(found: CircuitComparison) -> Iterator[Finding]:
     if not found.finished:
-        text = f"{found.runs} of {found.all_runs} runs were made."
-        yield Finding(text=text, grade=Grade.WARNING, title="Not all runs were made")
+        text = f"{found.runs} of {found.all_runs} runs were made"
+        if found.untuned:
+            text += f", {found.runs - len(found.untuned)} of them at the common error: powers are not yet at one error"
+        yield Finding(text=f"{text}.", grade=Grade.WARNING, title="Not all runs were made")
     for run in found.found:
         yield from _warnings(f"{run.circuit} on {run.duty}", run.score, run.failure)
         yield from _other_error(run, found.error)

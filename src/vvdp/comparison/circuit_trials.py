@@ -60,15 +60,21 @@ class CircuitRun(NamedTuple):
 class CircuitComparison:
     """What every circuit came to on every duty, in the order in which they were asked for.
 
-    `error` is the rms error to which all were brought [m]; None where none was.
+    `error` is the rms error to which all were brought [m]; None where not all were, and then `untuned` names those
+    that were run with the common reference only.
     """
 
     duties: Mapping[str, Duty]
     circuits: Mapping[str, RivalCircuit]
     found: tuple[CircuitRun, ...]
     error: float | None
+    untuned: tuple[Pair, ...]
     seconds: float
-    finished: bool
+
+    @property
+    def finished(self) -> bool:
+        """Whether all came to their end."""
+        return not self.missing
 
     @property
     def runs(self) -> int:
@@ -82,9 +88,10 @@ class CircuitComparison:
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """The pairs that were not run."""
+        """The pairs that were not run, and those that were not brought to the common error."""
         done = {(run.duty, run.circuit) for run in self.found}
-        return tuple(f"{c} on {d}" for d in self.duties for c in self.circuits if (d, c) not in done)
+        left = [f"{c} on {d}" for d in self.duties for c in self.circuits if (d, c) not in done]
+        return (*left, *(f"{pair.circuit} on {pair.duty} at the common error" for pair in self.untuned))
 
     def score(self, duty: str, circuit: str) -> CircuitScore | None:
         """The score of a pair; None where it was not run, or broke off."""
@@ -132,22 +139,22 @@ def compare_circuits(
         for each in (duty,) if circuit.shares else duty.alone:
             system_for(circuit, each)
     compiled_loop(say)
-    done, wanted, finished = _carried_out(replace(plan, say=quiet), pairs, error, engine, progress)
+    done, wanted, untuned = _carried_out(replace(plan, say=quiet), pairs, error, engine, progress)
     order = {pair: place for place, pair in enumerate(pairs)}
     return CircuitComparison(
         duties=plan.duties,
         circuits=plan.circuits,
         found=tuple(sorted(done, key=lambda run: order[Pair(run.duty, run.circuit)])),
-        error=wanted,
+        error=wanted if not untuned else None,
+        untuned=tuple(sorted(untuned, key=lambda pair: order[pair])),
         seconds=time.perf_counter() - began,
-        finished=finished,
     )
 
 
 def _carried_out(
     plan: _Plan, pairs: Sequence[Pair], error: float | None, engine: Engine, progress: Callable[[int, int], None]
-) -> tuple[list[CircuitRun], float | None, bool]:
-    """All pairs at the common reference, then at one error; the error, and whether all came to their end."""
+) -> tuple[list[CircuitRun], float | None, list[Pair]]:
+    """All pairs at the common reference, then at one error; the error, and the pairs that were not brought to it."""
     both, batching = 2 * len(pairs), Batching(least=1, seconds=2.0)
 
     def first(done: int, total: int) -> None:
@@ -159,17 +166,17 @@ def _carried_out(
     found = carry_out(partial(_runs, plan, VERSION), pairs, engine, first, batching)
     scores = [run.score for run in found if run.score is not None]
     if len(found) < len(pairs) or not scores:
-        return found, None, len(found) == len(pairs)
+        return found, None, []
     wanted = common_error([score.tracking_rms for score in scores]) if error is None else error
     tunable = [run for run in found if run.score is not None]
     failed = [run for run in found if run.score is None]
     try:
         tuned = carry_out(partial(_tune_pairs, plan, VERSION, wanted), tunable, engine, second, batching)
     except KeyboardInterrupt:
-        return found, None, False
+        tuned = []
     done = {(run.duty, run.circuit) for run in tuned}
     left = [run for run in tunable if (run.duty, run.circuit) not in done]
-    return failed + left + tuned, wanted if not left else None, not left
+    return failed + left + tuned, wanted, [Pair(run.duty, run.circuit) for run in left]
 
 
 def run_pair(
