@@ -1,12 +1,38 @@
-"""The assumed values of a system in words, by the table in which they stand."""
+"""The assumed values of a system that have an effect, and how many they are in words, by their table."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from vvdp.base.tables import Sourced
 
 MOST_NAMED = 3
 """So many tables are named; the others are added up."""
+IDLE: Mapping[str, tuple[str, ...]] = {
+    "ripple_count": ("ripple_amplitude",),
+    "precharge_pressure": ("gas_volume",),
+    "gas_exponent": ("gas_volume",),
+    "stribeck_velocity": ("coulomb_friction", "breakaway_friction"),
+    "coulomb_velocity": ("coulomb_friction", "breakaway_friction"),
+}
+"""Values that are multiplied by nothing where all of these of their table are 0."""
+
+
+def assumed_rows(rows: Sequence[Sourced]) -> tuple[Sourced, ...]:
+    """The values that are merely assumed and have an effect.
+
+    rows  all values of a system
+    """
+    values = {row.setting: row.nominal for row in rows}
+    return tuple(row for row in rows if row.status == "assumed" and not is_idle(row, values))
+
+
+def is_idle(row: Sourced, values: Mapping[str, float]) -> bool:
+    """Whether a value has no effect because others of its table are 0.
+
+    values  of all rows, by table and key [SI]
+    """
+    factors = IDLE.get(row.key, ())
+    return bool(factors) and all(values.get(f"{row.table}.{key}") == 0.0 for key in factors)
 
 
 def assumed_words(rows: Sequence[Sourced]) -> str:

@@ -38,6 +38,7 @@ from vvdp.network.network import Network
 from vvdp.network.sense import check_sense
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Method, Stepping
+from vvdp.systems.assumed import assumed_rows
 from vvdp.systems.circuits import (
     NetworkFunction,
     TableSlot,
@@ -160,8 +161,8 @@ class System:
 
     @property
     def assumptions(self) -> tuple[Sourced, ...]:
-        """The values that are merely assumed."""
-        return tuple(row for row in self.rows if row.status == "assumed")
+        """The values that are merely assumed and have an effect."""
+        return assumed_rows(self.rows)
 
     @property
     def uncertainties(self) -> tuple[Sourced, ...]:
