@@ -50,7 +50,7 @@ def cell(text: str) -> str:
 def item_lines(item: Item, rows: Rows, pictures: Sequence[str]) -> Iterator[str]:
     """An item: its verdicts, then its pictures."""
     yield f"## {item.name}: {item.title}\n"
-    yield "| | kind | source | vvdp | tolerance | verdict | remark |"
+    yield "| | kind | source | vvdp | tolerance | verdict | note |"
     yield "|---|---|---|---|---|---|---|"
     for row in rows:
         tolerance = ", ".join(filter(None, (row["tolerance"], row["tolerance_source"])))

@@ -82,7 +82,8 @@ def period(
     """Compute a PWM period of the turning spool.
 
     The mesh of the spool's oil slides along the nozzles, which its barriers open and closed: effective area and torque
-    over the angle. Rerun the same command to resume; what is finished is not computed again.
+    over the angle. Where meshes slide, convection is of first order; the option --scheme is not used. Rerun the same
+    command to resume; what is finished is not computed again.
     """
     require_solids()
     from vvdp.base.kinds import PRESSURE_DIFFERENCE, SPEED
