@@ -9,6 +9,7 @@ from vvdp.generator.library import C_LIBRARY
 from vvdp.simulation.prepare import prepare
 from vvdp.simulation.run import simulate
 from vvdp.systems.changeable import changeable_values
+from vvdp.systems.library_examples import FOLDER
 from vvdp.systems.system import load_system, shipped_systems
 from vvdp.web.link import TRIPLE, link
 from vvdp.web.module import EXACT, QUICK, WAYS, web_modules
@@ -33,6 +34,11 @@ def test_no_bit_differs(name, tmp_path):
         node = InNode(model, tmp_path, relaxed=relaxed)
         assert node.ask("imports") == [MEMORY_ONLY, relaxed]
         assert not differing(node.rows(), left)
+
+
+def test_programs_of_one_type_and_shape_are_linked_once(tmp_path):
+    """Two comparators of the press read a position, and have one text."""
+    test_no_bit_differs(str(FOLDER / "programs" / "stages.toml"), tmp_path)
 
 
 @pytest.mark.thorough

@@ -48,7 +48,8 @@ def web_modules(model: Model, case: Case) -> WebModules:
     found, shown = ModelAssemblies(model, case), _assembly_of_outputs(model, case)
     assemblies, reasons = [*found, shown], dict[int, str]()
     entries = _entry_texts(found, shown)
-    texts = {fused: list(_texts(assemblies, fused, reasons)) for fused in (True, False)}
+    # programs of one type and shape have one text
+    texts = {fused: list(dict.fromkeys(_texts(assemblies, fused, reasons))) for fused in (True, False)}
     codes = {}
     for name, way in WAYS.items():
         objects = [_object(text, way) for text in (*texts[way.fused], *entries.values())]
