@@ -99,7 +99,8 @@ class Stages(Params):
     def check(self) -> None:
         stages, limits, after = len(self.values), len(self.time_limits), self.after_time_limit
         if stages < 2 or limits not in (stages - 1, stages):
-            expected = "expected one for each of at least two stages, the last one may lack it"
+            few = max(stages, 2)
+            expected = f"expected {few - 1} (the last stage stays) or {few} (the first one follows it)"
             refuse_rows(self, "time_limits", f"{limits} for {stages} values; {expected}")
         if after and len(after) != limits:
             refuse_rows(self, "after_time_limit", f"{len(after)} for {limits} time_limits; expected one for each")
