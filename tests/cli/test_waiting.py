@@ -35,7 +35,7 @@ def test_missing_pairs_are_named():
     done = [SimpleNamespace(duty="heavy", circuit="throttle")]
     found = CircuitComparison(
         duties={"heavy": None, "digging": None}, circuits={"vvdp": None, "throttle": None}, found=tuple(done),
-        error=None, untuned=(), seconds=1.0,
+        error=None, untuned=(), seconds=1.0, finished=False,
     )  # fmt: skip
     assert found.missing == ("vvdp on heavy", "vvdp on digging", "throttle on digging")
     assert _few([str(n) for n in range(MOST_MISSING + 2)]) == "0, 1, 2, 3, 4 and 2 more"

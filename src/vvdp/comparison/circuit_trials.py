@@ -70,11 +70,7 @@ class CircuitComparison:
     error: float | None
     untuned: tuple[Pair, ...]
     seconds: float
-
-    @property
-    def finished(self) -> bool:
-        """Whether all came to their end."""
-        return not self.missing
+    finished: bool
 
     @property
     def runs(self) -> int:
@@ -148,6 +144,7 @@ def compare_circuits(
         error=wanted if not untuned else None,
         untuned=tuple(sorted(untuned, key=lambda pair: order[pair])),
         seconds=time.perf_counter() - began,
+        finished=len(done) == len(pairs) and not untuned,
     )
 
 
