@@ -10,10 +10,11 @@ from vvdp.base.kinds import PRESSURE_DIFFERENCE, TORQUE
 from vvdp.cfd.case import Fluid
 from vvdp.cfd.convergence import Judgement
 from vvdp.cfd.grids_result import OnGrids
-from vvdp.cfd.models_result import APPROACHES, models_result, square_law
+from vvdp.cfd.models_result import APPROACHES, models_result
 from vvdp.cfd.rail import RailOrder
 from vvdp.cfd.rail_result import Told
 from vvdp.geometry.shape_tables import given_shape
+from vvdp.numerics.square_law import square_law
 from vvdp.results.result import Column, Listing
 from vvdp.systems.system import load_system
 

@@ -10,7 +10,6 @@ from scipy.optimize import brentq
 
 import vvdp
 from vvdp.cfd.kept import KeptStudy, kept_studies, kept_study
-from vvdp.cfd.models_result import SquareLaw, square_law
 from vvdp.cfd.period_result import Ramps, fit_ramps
 from vvdp.cfd.refinement import grid_convergence
 from vvdp.fitting.drop import fit_centre, fit_nozzle
@@ -19,6 +18,7 @@ from vvdp.fitting.jet import jet_law
 from vvdp.fluid.oil import dynamic_viscosity
 from vvdp.numerics.least_squares import Fit, fit
 from vvdp.numerics.power_laws import drop_laws
+from vvdp.numerics.square_law import SquareLaw, square_law
 from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import load_system
 from vvdp.valve.condition import Condition

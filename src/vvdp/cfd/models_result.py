@@ -15,6 +15,7 @@ from vvdp.cfd.rail_result import Told
 from vvdp.cfd.solve import Solved
 from vvdp.cfd.state_table import QUALITY, quality_listings, restless_findings, state_columns
 from vvdp.cfd.turbulence import LAMINAR, SHEAR_STRESS, STANDARD, Turbulence
+from vvdp.numerics.square_law import square_law
 from vvdp.results.chart import Chart, Line, Lines, Stroke
 from vvdp.results.result import Column, Finding, Result, Section, Table, numbers_of
 
@@ -60,23 +61,6 @@ APPROACHES: Mapping[str, Approach] = {
     "laminar": Approach(LAMINAR, SCHEMES["second-order"]),
 }
 """What each part is solved by; the first is what all other studies use, the second is that of the source."""
-
-
-class SquareLaw(NamedTuple):
-    """A value over the flow: c of c Q^2, and the exponent m of k Q^m."""
-
-    coefficient: float
-    exponent: float
-
-
-def square_law(flows: Array, values: Array) -> SquareLaw:
-    """The laws c Q^2 and k Q^m of values above zero by least squares, the power of the logarithm.
-
-    Source  ours, docs/models/cfd.md
-    """
-    square = flows**2
-    exponent = np.polyfit(np.log(flows), np.log(values), 1)[0] if (values > 0.0).all() else np.nan
-    return SquareLaw(float(square @ values / (square @ square)), float(exponent))
 
 
 def models_result(order: RailOrder, part: OnGrids, flows: Sequence[float], about: Told) -> Result:

@@ -9,9 +9,9 @@ from vvdp.base.arrays import Array
 from vvdp.base.display import with_unit
 from vvdp.base.kinds import DISCHARGE_COEFFICIENT, FLOW, LENGTH, NUMBER, PRESSURE_DIFFERENCE, SIGNED_PRESSURE
 from vvdp.cfd.kept import KeptStudy
-from vvdp.cfd.models_result import square_law
 from vvdp.numerics.least_squares import fit
 from vvdp.numerics.power_laws import drop_laws, power_columns
+from vvdp.numerics.square_law import square_law
 from vvdp.reproduction.chapter_2 import valve as here
 from vvdp.reproduction.chapter_2.computed import kept_or_none, kept_table, turbine_over
 from vvdp.reproduction.chapter_2.valve import DENSITY, LPM
