@@ -88,6 +88,7 @@ def test_the_flow_and_the_opening_are_those_of_the_motion(rows):
 def test_the_cylinder_follows_as_the_page_says(rows):
     time = rows["time"].values
     error = 1e3 * (rows["commands.smooth.value"].values - rows["states.cylinder_rod.position"].values)[time > 0.0]
+    assert f"writes a file of {len(FILE.read_text().splitlines())} lines" in PAGE.read_text("utf-8")
     (largest, rms) = re.search(r"within ([\d.]+) mm, ([\d.]+) mm rms", PAGE.read_text("utf-8")).groups()
     assert f"{np.abs(error).max():.2f}" == largest and f"{np.sqrt(np.mean(error[time[1:] > 1.0] ** 2)):.3f}" == rms
 
