@@ -81,6 +81,36 @@ def test_it_runs_as_the_circuit_does():
     assert np.ptp(one.states[:, paths["inlet"]]) > 20e5
 
 
+LINE = """
+nodes.tank = { type = "tank" }
+nodes.motor = { type = "driven-shaft", speed = "1450 rpm" }
+nodes.line = { type = "vessel", oil_volume = "0.5 l", start = "60 bar" }
+parts.unit = { type = "pump-unit", load = "line", tank = "tank", shaft = "motor", axial_position = "12 mm" }
+components.throttle = { type = "orifice", a = "line", b = "tank", area = "2 mm^2", discharge_coefficient = "0.6" }
+run = { until = "0.2 s" }
+"""
+
+
+def test_a_line_and_its_orifice_go_with_the_unit():
+    """They have the pressures of the circuit; the throttle is that of the file, though no name says what it is."""
+    drawn = without_rotor(built_system(Table("line", tomllib.loads(LINE), {}), "line"))
+    rig = unit_on_rig(drawn, "rig ripple")
+    assert rig.tables["load"].discharge_coefficient == 0.6
+    one, other = (
+        simulate(each.model, each.case, dataclasses.replace(each.stepping, relative_tolerance=1e-10))
+        for each in (drawn, rig)
+    )
+    assert np.max(np.abs(one.state.line - other.state.load_line)) < 1.0
+    assert np.ptp(one.state.line) > 20e5
+
+
+def test_an_orifice_is_sized_where_the_circuit_has_none():
+    """Half of 22.8 cc/rev at 1800 rpm, 3.42e-4 m^3/s, at 50 bar: A = Q/(0.61 sqrt(2*50e5/876)) = 5.25 mm^2."""
+    rig = unit_on_rig(load_system("two-cylinders"), "map", "lift_unit")
+    assert rig.tables["load"].area.base == pytest.approx(5.247e-6, rel=1e-3)
+    assert rig.tables["load_line"].oil_volume == pytest.approx(0.4e-3)
+
+
 def test_its_text_is_a_system_with_origins_and_ranges():
     system = load_system("vvdp-duty-control")
     rig = unit_on_rig(system, "map")

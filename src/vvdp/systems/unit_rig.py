@@ -1,4 +1,5 @@
-"""The pump unit of a rotary valve taken out of a circuit and put on the test rig with a constant load pressure.
+"""The pump unit of a rotary valve taken out of a circuit and put on a test rig: against the pressure of a source, or
+with the line that it feeds and an orifice that holds its pressure.
 
 The rig is a system like any other: a text with the values that the file of the circuit gives, with origin and range.
 """
@@ -7,17 +8,19 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from vvdp.base.errors import ConfigError, Fault
-from vvdp.base.kinds import ANGLE, COUPLING, DUTY_RATIO, POWER, PRESSURE_LEVEL, SPEED, TEMPERATURE, VOLUME, Kind
+from vvdp.base.kinds import ANGLE, AREA, COUPLING, DUTY_RATIO, POWER, PRESSURE_LEVEL, SPEED, TEMPERATURE, VOLUME, Kind
 from vvdp.base.params import Params, default_values, field_kinds, field_names
 from vvdp.base.tables import Table
-from vvdp.fluid.oil import Oil
+from vvdp.fluid.oil import Oil, density
 from vvdp.geometry.shape_tables import NAME as SHAPE
 from vvdp.hydraulics.check_valve import CheckPoppet, CheckValve
+from vvdp.hydraulics.orifice import Orifice, orifice_area_for
 from vvdp.hydraulics.pump import Pump
 from vvdp.hydraulics.relief_valve import ReliefValve
 from vvdp.hydraulics.spool_drive import SpoolDrive
+from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Part
-from vvdp.network.nodes import DrivenShaft
+from vvdp.network.nodes import Chamber, DrivenShaft, Node, OilVolume
 from vvdp.systems.bench import RotaryBench
 from vvdp.systems.spool_travel import spool_source
 from vvdp.systems.system import System, built_system
@@ -27,12 +30,11 @@ from vvdp.systems.valve_unit import ValveUnit, at_start, chosen_valve, neighbour
 Entries = Mapping[str, Any]
 """What a file says in a table, by key."""
 
-RIG = "constant-load"
 STIFF_COUPLING = 1.0
 """Of a motor that holds the spool at its own speed [N m s]."""
 HALF = 0.5
-"""Duty ratio of a unit whose circuit starts with a port closed; share of the relief setting if it has no load then.
-Both assumed."""
+"""Duty ratio of a unit whose circuit starts with a port closed; share of the relief setting if it has no load then;
+share of the pump flow through the orifice if the circuit has none. All assumed."""
 
 
 def unit_on_rig(system: System, verb: str, part: str = "") -> System:
@@ -87,7 +89,7 @@ class _Rig:
     def __init__(self, system: System, placed: PlacedValve, unit: ValveUnit) -> None:
         self.system, self.placed, self.unit, self.file = system, placed, unit, _File(system)
         self.network, self.nodes = system.circuit.network, placed.part.nodes
-        self.start = start_numbers(system)
+        self.start, self.line = start_numbers(system), _line(self.network.nodes[self.nodes["load"]])
         inlet, spool = self.nodes["inlet"], self.nodes["spool"]
         poppet = next(each for each in placed.part.values if isinstance(each, CheckPoppet))
         bypass = neighbour(self.network, CheckValve, "a", inlet)
@@ -129,7 +131,7 @@ class _Rig:
         )
         return {
             "title": f"{self.system.title}: pump unit of {self.placed.name.replace('_', ' ')} on a test rig",
-            "circuit": RIG,
+            "circuit": "constant-load" if self.line is None else "orifice-load",
             "oil": _entries(unit.oil, self.file.oil(self.nodes["inlet"]), Oil),
             "spool_drive": {"coupling": _coupling(self)},
             **{
@@ -138,9 +140,8 @@ class _Rig:
             },
             "motor": {"rated_power": given.get("motor", {}).get("rated_power", usual)},
             "inlet": {"volume": inlet},
-            "load": {"pressure": _load_pressure(self)},
+            **_load(self),
             "operation": _operation(self),
-            "initial": _initial(self),
             "limits": given.get("limits", {"cavitation_pressure": _at_start(cavitation, PRESSURE_LEVEL)}),
             **({SHAPE: given[SHAPE]} if SHAPE in given else {}),
             "run": given["run"],
@@ -179,17 +180,46 @@ def _pump_speed(rig: _Rig) -> float:
     return at_start(motor.inputs["rated_speed"], rig.start) if motor and stands else rig.unit.pump_speed
 
 
-def _load_pressure(rig: _Rig) -> Entries:
-    """What the rig holds at the load: the pressure at the start if that is above the tank's."""
-    unit, setting = rig.unit, rig.unit.relief_valve.cracking_pressure
-    if unit.load_pressure > unit.tank_pressure:
-        return _at_start(unit.load_pressure, PRESSURE_LEVEL)
-    half = unit.tank_pressure + HALF * (setting - unit.tank_pressure)
-    return _value(half, PRESSURE_LEVEL, "half the setting of the relief valve: no load at the start", "assumed")
+def _load(rig: _Rig) -> Entries:
+    """The tables of the load, and of the start: that of the circuit, with a load pressure above that of the tank."""
+    unit, start = rig.unit, _start(rig)
+    pressure, held = unit.load_pressure, _at_start(unit.load_pressure, PRESSURE_LEVEL)
+    if not pressure > unit.tank_pressure:
+        pressure = unit.tank_pressure + HALF * (unit.relief_valve.cracking_pressure - unit.tank_pressure)
+        held = _value(pressure, PRESSURE_LEVEL, "half the setting of the relief valve: no load at the start", "assumed")
+    if rig.line is None:
+        return {"load": {"pressure": held}, "initial": start}
+    return {
+        "load_line": _entries(rig.line, rig.file.node(rig.nodes["load"]), Vessel),
+        "load": _orifice(rig, pressure),
+        "initial": {**start, "load_pressure": held},
+    }
 
 
-def _initial(rig: _Rig) -> Entries:
-    """Where the run of the rig starts: as that of the circuit."""
+def _line(node: Node) -> Vessel | None:
+    """The volume that a unit feeds; None if a source or the end of a pipe holds the pressure there."""
+    values = node.values if isinstance(node, OilVolume) else None
+    if isinstance(values, Chamber):
+        return Vessel(
+            oil_volume=values.volume, hose_compliance=0.0, gas_volume=0.0, precharge_pressure=0.0, gas_exponent=1.0
+        )
+    return values if isinstance(values, Vessel) else None
+
+
+def _orifice(rig: _Rig, pressure: float) -> Entries:
+    """The orifice from line to tank: that of the circuit, else one that passes what the unit delivers."""
+    unit, own = rig.unit, neighbour(rig.network, Orifice, "a", rig.nodes["load"])
+    if own is not None and own[0].nodes["b"] == rig.nodes["tank"] and "area" in (given := rig.file.component(*own)):
+        return {"area": given["area"], **_entries(own[1], given, Orifice)}
+    density_there = float(density(unit.temperature, unit.oil))
+    delivered = HALF * unit.pump.displacement * rig.pump_speed
+    area = orifice_area_for(delivered, pressure - unit.tank_pressure, density_there, Orifice())
+    note = "passes half the pump flow at the load pressure: the circuit has no orifice there"
+    return {"area": _value(area, AREA, note, "assumed")}
+
+
+def _start(rig: _Rig) -> Entries:
+    """Where the run of the rig starts, but for its load: as that of the circuit."""
     inlet, spool = rig.nodes["inlet"], rig.nodes["spool"]
     return {
         "inlet_pressure": _at_start(rig.start[inlet], PRESSURE_LEVEL),

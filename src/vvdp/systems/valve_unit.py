@@ -98,8 +98,8 @@ def chosen_valve(system: LoadedSystem, verb: str, part: str = "", option: str = 
     """
     found = {each.name: each for each in placed_valves(system.circuit.network)}
     name = part.replace(".", "_")
-    if name in found:
-        return found[name]
+    if chosen := next((each for each in found.values() if name in (each.name, each.part.name)), None):
+        return chosen
     names = ", ".join(found)
     if part and found:
         raise ConfigError([Fault(option, 0, part, f"no such rotary valve{nearest(name, list(found))}")])
