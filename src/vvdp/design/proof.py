@@ -60,7 +60,7 @@ class Proof:
 
     design: str
     point: int
-    found: Mapping[str, Any]
+    found: Mapping[str, float | bool]
     failure: str = ""
 
 
@@ -181,7 +181,7 @@ def _apart(label: str, kind: Kind, simulated: float, analytic: float) -> list[st
     ]
 
 
-def _not_settled(found: Mapping[str, Any]) -> list[str]:
+def _not_settled(found: Mapping[str, float | bool]) -> list[str]:
     told = []
     if not found["settled"]:
         told.append("the simulation has not settled: its means are still changing, a longer run.until may help")

@@ -37,7 +37,7 @@ class Results:
 
     directory: Path
     system: str
-    summary: Mapping[str, Any]
+    summary: Mapping[str, float | bool]
     meta: Mapping[str, Any]
     record: Record
 

@@ -170,7 +170,7 @@ def _sum(cases: Any) -> str:
     return hashlib.sha256(json.dumps(cases, sort_keys=True).encode()).hexdigest()
 
 
-def _numbers(summary: Mapping[str, Any]) -> dict[str, float | bool]:
+def _numbers(summary: Mapping[str, float | bool]) -> dict[str, float | bool]:
     if wrong := [key for key, value in summary.items() if not isinstance(value, int | float | None)]:
         raise ValueError(f"{wrong[0]} is no number")
     return {key: math.nan if value is None else value for key, value in summary.items()}
