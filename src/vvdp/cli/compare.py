@@ -307,7 +307,7 @@ class _Contest:
     note: str
     seconds_each: float = 0.0
     further: tuple[str, ...] = ()
-    more: "Callable[[Result], Mapping[str, Any]]" = lambda result: {}
+    more: "Callable[[Result], Mapping[str, object]]" = lambda result: {}
 
 
 def _carry_out(contest: _Contest, directory: Path, work: Trials) -> None:

@@ -43,7 +43,7 @@ class Scenario:
     """What a design meets: its weight, values around the valve as text, and draws of what spreads [SI] by setting."""
 
     weight: float
-    settings: Mapping[str, Any]
+    settings: Mapping[str, object]
     draws: Mapping[str, float]
 
 

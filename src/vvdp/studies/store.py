@@ -40,12 +40,12 @@ class Finished:
     """A case that has been run: the results of the simulation, or why it failed."""
 
     key: str
-    settings: Mapping[str, Any]
+    settings: Mapping[str, object]
     failure: str | None
     summary: Mapping[str, float | bool]
 
 
-def opened_store(directory: Path, description: Mapping[str, Any]) -> dict[str, Finished]:
+def opened_store(directory: Path, description: Mapping[str, object]) -> dict[str, Finished]:
     """Makes `directory` the place of a study and returns its finished cases by key.
 
     Raises ConfigError where it holds something else, cannot be written, or has a damaged file.
@@ -221,5 +221,5 @@ def is_store(directory: Path) -> bool:
     return (directory / DESCRIPTION).is_file() and not kind_fault(directory, DESCRIPTION)
 
 
-def _write(path: Path, content: Mapping[str, Any]) -> None:
+def _write(path: Path, content: Mapping[str, object]) -> None:
     write_whole(path, json.dumps(content, indent=1, allow_nan=False) + "\n")

@@ -64,7 +64,7 @@ class LoadedSystem(Protocol):
     def extras(self) -> "Extras | None":
         """What the system brings along beyond others; None where that is nothing."""
 
-    def with_tables(self, tables: Mapping[str, Any]) -> "LoadedSystem":
+    def with_tables(self, tables: Mapping[str, object]) -> "LoadedSystem":
         """The same system drawn from other tables."""
 
 

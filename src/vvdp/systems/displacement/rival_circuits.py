@@ -13,6 +13,7 @@ from vvdp.systems.displacement.cylinder_load import LOW_SIDE, InitialCylinder, s
 from vvdp.systems.displacement.duties import Duty
 from vvdp.systems.displacement.machine_loop import PROGRAM
 from vvdp.systems.displacement.rival_machine import (
+    Tables,
     control_begin,
     size_following_machine,
     size_machine,
@@ -44,8 +45,6 @@ PUMP_FRICTION = Sink("loss_pump_friction_W", "pump friction")
 CHARGE = Sink("loss_charge_W", "charge relief")
 SINKS = (RELIEF, METERING, COMPENSATORS, RETURN, SWITCHING, LEAKAGE, PUMP_FRICTION, CHARGE)
 """Where power is lost before the rod, in the order in which it is shown."""
-
-Tables = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
