@@ -226,7 +226,7 @@ def simulated_designs(
     """All `designs` simulated at every operating point, a batch for each point."""
     if not designs:
         return ()
-    by_point: list[list[Mapping[str, Any]]] = []
+    by_point: list[list[Mapping[str, object]]] = []
     for point in problem.points:
         systems = [optimum_system(problem, values, point.system) for values in designs]
         first = systems[0]

@@ -93,7 +93,7 @@ class Case:
     state: Any
     params: Any
     command: Any = NOTHING
-    memory: Mapping[str, Any] = field(default_factory=dict)
+    memory: Mapping[str, object] = field(default_factory=dict)
     settings: Mapping[str, Any] = field(default_factory=dict)
 
     def __eq__(self, other: object) -> bool:

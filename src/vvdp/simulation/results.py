@@ -38,7 +38,7 @@ class Results:
     directory: Path
     system: str
     summary: Mapping[str, float | bool]
-    meta: Mapping[str, Any]
+    meta: Mapping[str, object]
     record: Record
 
 
