@@ -112,9 +112,6 @@ FACADE = "one value with what it can be asked, each answer a few lines"
 CHOICE = "one branch for each case of a closed list"
 ALLOWED = {
     "base.units._to_si": CHOICE,
-    "comparison.circuit_trials.compare_circuits": ONE_CALL,
-    "comparison.loop_trials.compare_controllers": ONE_CALL,
-    "comparison.trials.compare": ONE_CALL,
     "components.rotary_valve.rotary_valve": RECORD,
     "components.switching_valves._three_way": LAW,
     "components.switching_valves._two_way": LAW,
@@ -143,10 +140,7 @@ ALLOWED = {
     "report.chains.Chain": FACADE,
     "report.placing.Placing": FACADE,
     "rigs.claims.claims": ONE_PASS,
-    "rigs.driving_claim.self_against_driven": ONE_CALL,
-    "rigs.maps.simulated_map": ONE_CALL,
     "rigs.pump.pump": ONE_CALL,
-    "rigs.ripple.ripple": ONE_CALL,
     "rigs.step.dynamics": ONE_PASS,
     "runs.run.RecordedRun": FACADE,
     "sensing.encoder._interpolate": LAW,

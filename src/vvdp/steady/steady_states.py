@@ -3,7 +3,6 @@ pressure."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -51,7 +50,6 @@ def steady_states(
     area: float | None = None,
     *,
     cores: int | None = None,
-    cache: Path | None = None,
     say: Callable[[str], None] = quiet,
 ) -> list[Steady]:
     """The periodic state at every operating point, each on its own stand; all stands are of one circuit.
@@ -63,7 +61,7 @@ def steady_states(
     """
     found: dict[int, Steady] = {}
     open_: dict[int, _Sizing] = {}
-    guesses = _guesses(points, cores, cache, say)
+    guesses = _guesses(points, cores, say)
     for number, (stand, point) in enumerate(points):
         first = _first_sizing(stand, point, guesses[number], area)
         if isinstance(first, str):
@@ -81,7 +79,6 @@ def steady_states(
             one.stepping,
             [open_[number].period for number in numbers],
             cores=cores,
-            cache=cache,
             say=say,
         )
         for number, run in zip(numbers, runs, strict=True):
@@ -100,7 +97,7 @@ def steady_states(
 
 
 def _guesses(
-    points: Sequence[tuple[Stand, SetPoint]], cores: int | None, cache: Path | None, say: Callable[[str], None]
+    points: Sequence[tuple[Stand, SetPoint]], cores: int | None, say: Callable[[str], None]
 ) -> list[CycleMeans]:
     """The quasi-steady averages of every point; points of one valve go together."""
     by_valve: dict[RotaryValve, list[int]] = {}
@@ -109,7 +106,7 @@ def _guesses(
     found: dict[int, CycleMeans] = {}
     for valve, numbers in by_valve.items():
         rows = np.array([points[number][0].cycle_point(points[number][1]) for number in numbers], float)
-        means = averages(rows, valve, cores=cores, cache=cache, say=say)
+        means = averages(rows, valve, cores=cores, say=say)
         found |= {number: means_at(means, row) for row, number in enumerate(numbers)}
     return [found[number] for number in range(len(points))]
 

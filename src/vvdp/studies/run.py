@@ -65,7 +65,6 @@ def run_study(
     engine: Engine = HERE,
     progress: Callable[[int, int], None] = silent,
     say: Callable[[str], None] = quiet,
-    cache: Path | None = None,
 ) -> StudyResults:
     """The results of all cases of `study`; those that `directory` already has are not run again.
 
@@ -80,7 +79,7 @@ def run_study(
     began = time.perf_counter()
     directory = Path(directory)
     base = _base(study)
-    planned = _plan(study, base, cache, say)
+    planned = _plan(study, base, say)
     _check_outputs(study, base)
     describing = {"vvdp": VERSION, "system": resolved_text(base), "cases": len(planned)}
     finished = opened_store(directory, describing)
@@ -92,7 +91,7 @@ def run_study(
     ran = 0
     if pending:
         compiled_loop(say)  # here, so that workers find it compiled
-    task = functools.partial(_finished_batch, base, cache, VERSION)
+    task = functools.partial(_finished_batch, base, VERSION)
     batching = Batching(group=attrgetter("group"))
     with hold_interrupts() as interrupted:
         for done in kept_batches(task, pending, directory, engine, interrupted, batching):
@@ -102,10 +101,10 @@ def run_study(
     return _results(study, base, directory, planned, finished, ran, time.perf_counter() - began)
 
 
-def read_study(study: Study, directory: Path | str, *, cache: Path | None = None) -> StudyResults:
+def read_study(study: Study, directory: Path | str) -> StudyResults:
     """What `directory` has of `study`, without running anything."""
     base = _base(study)
-    planned = _plan(study, base, cache, quiet)
+    planned = _plan(study, base, quiet)
     _check_outputs(study, base)
     return _results(study, base, Path(directory), planned, finished_cases(Path(directory)), 0, 0.0)
 
@@ -134,7 +133,7 @@ def _build_system(base: System, settings: Settings) -> System:
     return base.read_from(Table(varied.place, content, varied.lines))
 
 
-def _plan(study: Study, base: System, cache: Path | None, say: Callable[[str], None]) -> list[_Planned]:
+def _plan(study: Study, base: System, say: Callable[[str], None]) -> list[_Planned]:
     """Every case, checked. Raises ConfigError with the faults of all of them, each said once."""
     digests: dict[str, str] = {}
     shapes: dict[Hashable, str] = {}
@@ -157,7 +156,7 @@ def _plan(study: Study, base: System, cache: Path | None, say: Callable[[str], N
         shape = shapes[alike]
         if shape not in digests:
             try:
-                digests[shape] = link(system.model, system.case, cache, say).digest
+                digests[shape] = link(system.model, system.case, say=say).digest
             except RunError as problem:
                 refused.setdefault(("", str(problem)), []).append(number)
                 continue
@@ -239,14 +238,12 @@ def _check_outputs(study: Study, base: System) -> None:
         raise ConfigError([Fault("study", 0, name, f"no such output{nearest(name, known)}") for name in unknown])
 
 
-def _finished_batch(
-    base: System, cache: Path | None, version: str, batch: Sequence[_Planned], cores: int
-) -> list[Finished]:
+def _finished_batch(base: System, version: str, batch: Sequence[_Planned], cores: int) -> list[Finished]:
     """What comes of a batch, where it is run."""
     systems = [_build_system(base, case.settings) for case in batch]
     one = systems[0]
     cases = [system.case for system in systems]
-    run = simulate_batch(one.model, cases, one.stepping, cores=cores, cache=cache)
+    run = simulate_batch(one.model, cases, one.stepping, cores=cores)
     check_same((VERSION, run.digest), (version, batch[0].digest))
     done: list[Finished] = []
     for number, (planned, system) in enumerate(zip(batch, systems, strict=True)):
