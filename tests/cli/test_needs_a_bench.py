@@ -31,12 +31,11 @@ def test_a_verb_says_what_it_needs(vvdp, here, verb):
     assert [path.name for path in here.iterdir()] == ["drain.toml"]
 
 
-@pytest.mark.parametrize("verb", ["map", "rig step", "rig ripple"])
-@pytest.mark.parametrize("name", ["vvdp-duty-control", "vvdp-duty-control-gerotor"])
-def test_set_points_need_a_duty_ratio_that_is_prescribed(vvdp, here, verb, name):
-    refused = vvdp(*verb.split(), name)
+@pytest.mark.parametrize("verb", [*VERBS, "geometry"])
+def test_a_verb_asks_which_of_several_valves(vvdp, here, verb):
+    refused = vvdp(*verb.split(), "two-cylinders")
     assert refused.code == 2
-    assert wording.rig.held_by_control in " ".join(refused.err.split())
+    assert wording.rig.several.format(names="lift_unit, swing_unit") in " ".join(refused.err.split())
     assert list(here.iterdir()) == []
 
 

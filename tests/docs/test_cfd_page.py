@@ -335,7 +335,7 @@ def computed_laws() -> tuple[str, ...]:
     """What the kept studies make of the valve's laws, as settings of a system."""
     loaded = load_system("prototype-constant-load")
     bench = rotary_bench(loaded, "fit")
-    host = Host("prototype", bench.valve, bench.oil, 313.15, bench.load_pressure, bench.tank_pressure)
+    host = Host("prototype", "valve", bench.valve, bench.oil, 313.15, bench.load_pressure, bench.tank_pressure)
     rail, centre_section, turbine = (kept_study(name) for name in ("rail-flows", "centre-flows", "turbine-flows"))
     drops = {"flow": centre_section["flow_m3_s"], "diameter": centre_section["diameter_m"]}
     found = (

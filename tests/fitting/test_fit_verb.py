@@ -8,6 +8,7 @@ import pytest
 from tests.words import wording
 
 from vvdp.fluid.oil import density, film_viscosity
+from vvdp.systems.spool_travel import rotary_valves
 from vvdp.systems.system import load_system
 from vvdp.valve.branch import turbulent_drops
 from vvdp.valve.leakage import leakage_conductance
@@ -239,6 +240,17 @@ def test_options_that_mean_nothing_are_refused(vvdp, write, words, said):
     answer = vvdp("fit", str(write(drops_of(VALVE, 1))), *words)
     assert answer.code == 2
     assert said in answer.err
+
+
+def test_one_of_several_valves_takes_the_coefficient(vvdp, fit, write):
+    """Twice the drop is 1/sqrt(2) of the discharge coefficient; the other valve keeps its own."""
+    halved = replace(VALVE, nozzle_discharge_coefficient=0.61 / np.sqrt(2.0))
+    words = ("--law", "drop", "--part", "nozzle", "--on", "two-cylinders")
+    told = fit(write(drops_of(halved, 0)), *words, "--component", "lift_unit")
+    valves = rotary_valves(load_system(f"{told['out']}/fitted.toml").circuit.network, {})
+    assert [each.nozzle_discharge_coefficient for each in valves] == pytest.approx([0.61 / np.sqrt(2.0), 0.61])
+    answer = vvdp("fit", str(write(drops_of(VALVE, 0))), *words)
+    assert "several: give --component, one of lift_unit, swing_unit" in answer.err
 
 
 def test_temperatures_without_an_oil_are_refused(vvdp, write):

@@ -223,3 +223,12 @@ def test_solids_turn_when_dragged_and_come_back(made, browser):
     assert not [each for each in browser.named("Log.entryAdded") if each["entry"]["level"] == "error"]
     requests = [each["request"]["url"] for each in browser.named("Network.requestWillBeSent")]
     assert all(url.startswith(("file:", "data:", "blob:")) for url in requests)
+
+
+def test_one_of_several_valves_is_made(command, tmp_path):
+    """The valve of the second unit stands at 6 of the 20 mm of its helix; its page can be made anew."""
+    folder = tmp_path / "swing"
+    words = ["--part", "swing_unit", "--out", str(folder), "--fineness", "10", "--frames", "0", "--json"]
+    told = json.loads(command("two-cylinders", *words).out)
+    assert told["duty_ratio"] == pytest.approx(0.3)
+    assert write_geometry_report(folder).exists()

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from vvdp.cli.options import Bounds, Cycle, Limits, Settings
+from vvdp.cli.options import Bounds, Cycle, Limits
 
 if TYPE_CHECKING:
     from vvdp.design.problem import Problem
@@ -18,10 +18,9 @@ class Constraints:
     subject_to: Limits = None
     bound: Bounds = None
     cycle: Cycle = None
-    settings: Settings = None
 
     def problem(self, system: "System", minimise: str, beside: Sequence[str] = ()) -> "Problem":
-        """The design problem of a system whose settings are these. Raises ParameterError where it is none."""
+        """The design problem of a system with them. Raises ParameterError where it is none."""
         from vvdp.design.problem import problem
 
         return problem(system, minimise, self.subject_to or (), self.bound or (), self.cycle, beside=beside)

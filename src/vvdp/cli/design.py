@@ -11,9 +11,8 @@ from typer.core import TyperGroup
 from vvdp.cli.constraints import Constraints
 from vvdp.cli.options import (
     Output,
+    RigCase,
     Seed,
-    Settings,
-    SystemName,
     Verb,
     flat,
     parsed_option,
@@ -124,21 +123,11 @@ def design() -> None:
     """
 
 
-def _bench_system(verb: str, name: str, settings: list[str] | None) -> "System":
-    """A system with settings. Raises ConfigError, which names `verb`, where it is no bench of a rotary valve."""
-    from vvdp.systems.bench import rotary_bench
-    from vvdp.systems.system import load_system
-
-    loaded = load_system(name, settings or ())
-    rotary_bench(loaded, f"design {verb}")
-    return loaded
-
-
 @app.command(cls=Verb)
 @flat("results/design-SYSTEM-DATE-TIME")
 def optimum(
     *,
-    system: SystemName,
+    case: RigCase,
     minimise: Annotated[
         str, typer.Option("--minimise", metavar="QUANTITY", help="Quantity to minimise, for example loss_total.")
     ] = "loss_total",
@@ -155,7 +144,7 @@ def optimum(
     from vvdp.design.problem import with_usual_limits
     from vvdp.design.proof import optimum_text
 
-    loaded = _bench_system("optimum", system, limits.settings)
+    loaded = case.on_rig("design optimum")
     asked = limits.problem(loaded, minimise)
     if not search.no_usual_limits:
         asked = with_usual_limits(asked)
@@ -204,7 +193,7 @@ def _optimum(asked: "Problem", starts: int, seed: int, *, simulated: bool) -> "t
 @flat("results/pareto-SYSTEM-DATE-TIME")
 def pareto(
     *,
-    system: SystemName,
+    case: RigCase,
     objectives: Objectives,
     limits: Constraints,
     search: FrontSearch,
@@ -222,7 +211,7 @@ def pareto(
     from vvdp.design.proof import simulated_designs
 
     wanted = study.objectives(objectives.minimise or (), objectives.maximise or ())
-    loaded = _bench_system("pareto", system, limits.settings)
+    loaded = case.on_rig("design pareto")
     beside = [each.quantity for each in wanted]
     asked = limits.problem(loaded, wanted[0].quantity, beside)
     if not search.no_usual_limits:
@@ -255,7 +244,7 @@ def pareto(
 @flat("results/tolerance-SYSTEM-DATE-TIME")
 def tolerance(
     *,
-    system: SystemName,
+    case: RigCase,
     spread: Annotated[
         list[str] | None,
         typer.Option(
@@ -265,7 +254,6 @@ def tolerance(
         ),
     ] = None,
     draws: Draws,
-    settings: Settings = None,
     output: Output,
 ) -> None:
     """Show how results scatter with tolerances and assumed values.
@@ -280,7 +268,7 @@ def tolerance(
     from vvdp.design.tolerance_result import tolerance_result
     from vvdp.results.store import table_text
 
-    loaded = _bench_system("tolerance", system, settings)
+    loaded = case.on_rig("design tolerance")
     taken = spreads(loaded, spread or ())
 
     def work(folder: Path) -> "Result":
@@ -295,10 +283,9 @@ def tolerance(
 @flat("results/temperature-SYSTEM-DATE-TIME")
 def temperature(
     *,
-    system: SystemName,
+    case: RigCase,
     coldest: Annotated[str, typer.Option("--from", metavar="TEMP", help="Coldest oil temperature.")] = "10 degC",
     hottest: Annotated[str, typer.Option("--to", metavar="TEMP", help="Hottest oil temperature.")] = "80 degC",
-    settings: Settings = None,
     output: Output,
 ) -> None:
     """Show the valve from cold to hot oil."""
@@ -307,7 +294,7 @@ def temperature(
     from vvdp.design import temperature as study
     from vvdp.design.temperature_result import temperature_result
 
-    loaded = _bench_system("temperature", system, settings)
+    loaded = case.on_rig("design temperature")
     low, high = parsed_option("--from", coldest, TEMPERATURE), parsed_option("--to", hottest, TEMPERATURE)
 
     def work(_: Path) -> "Result":
@@ -321,8 +308,7 @@ def temperature(
 @flat("results/levers-SYSTEM-DATE-TIME")
 def levers(
     *,
-    system: SystemName,
-    settings: Settings = None,
+    case: RigCase,
     no_simulation: Annotated[bool, typer.Option("--no-simulation", help="Use closed forms alone.")] = False,
     output: Output,
 ) -> None:
@@ -336,7 +322,7 @@ def levers(
     from vvdp.design import levers as study
     from vvdp.design.levers_result import levers_result
 
-    loaded = _bench_system("levers", system, settings)
+    loaded = case.on_rig("design levers")
 
     def work(_: Path) -> "Result":
         with count_lines("levers") as progress:

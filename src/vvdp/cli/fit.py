@@ -42,7 +42,7 @@ class Law:
         str, typer.Option("--density", metavar="DENSITY", help="Of the oil that was measured; else the usual oil's.")
     ] = ""
     component: Annotated[
-        str, typer.Option("--component", metavar="NAME", help="Component of the system that takes K or C_d.")
+        str, typer.Option("--component", metavar="NAME", help="Component of the system that takes the values.")
     ] = ""
 
 
@@ -80,7 +80,7 @@ def fit(
 
     chosen = _law(fitted.law, fitted.part)
     loaded = _system(on, settings)
-    host = _restriction(fitted, loaded) if fitted.law == ORIFICE else _host(loaded)
+    host = _restriction(fitted, loaded) if fitted.law == ORIFICE else _host(loaded, fitted.component)
     found = chosen.fit(read_columns(table, chosen.columns), host)
     result = fit_result(found, readable(table.name), host)
     written = [*(settings or ()), *fitted_settings(found, table, host)] if host else []
@@ -146,22 +146,24 @@ def _system(on: str | None, settings: list[str] | None) -> "System | None":
     return None if on is None else load_system(on, settings or ())
 
 
-def _host(loaded: "System | None") -> "Host | None":
-    """The rotary valve of the system."""
-    from vvdp.base.signal import signal_value
+def _host(loaded: "System | None", name: str) -> "Host | None":
+    """The rotary valve of the system, of several the one with a `name`."""
     from vvdp.fitting.fitted import Host
-    from vvdp.systems.bench import rotary_bench
+    from vvdp.systems.valve_unit import chosen_valve, valve_unit
 
     if loaded is None:
         return None
-    bench = rotary_bench(loaded, "fit --on")
+    placed = chosen_valve(loaded, "fit --on", name, "--component")
+    unit = valve_unit(loaded, "fit --on", placed.name)
+    own = next((key for key, table in loaded.tables.items() if table is unit.valve), f"components.{placed.part.name}")
     return Host(
         name=loaded.name,
-        valve=bench.valve,
-        oil=bench.oil,
-        temperature=float(signal_value(0.0, bench.operation.oil_temperature)),
-        load_pressure=bench.load_pressure,
-        tank_pressure=bench.tank_pressure,
+        table=own,
+        valve=unit.valve,
+        oil=unit.oil,
+        temperature=unit.temperature,
+        load_pressure=unit.load_pressure,
+        tank_pressure=unit.tank_pressure,
     )
 
 

@@ -1,12 +1,12 @@
 """`vvdp geometry`."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vvdp.cli.options import Output, Settings, SystemName, default_directory, flat, out_option, parsed_option
+from vvdp.cli.options import Output, RigCase, default_directory, flat, out_option, parsed_option
 from vvdp.cli.printing import print_result
 from vvdp.cli.report import GEOMETRY, add_report
 
@@ -49,10 +49,9 @@ class Solids:
 @flat("results/geometry-SYSTEM-DATE-TIME")
 def geometry(
     *,
-    system: SystemName,
+    case: RigCase,
     out: Annotated[Path | None, out_option("results/geometry-SYSTEM-DATE-TIME")] = None,
     solids: Solids,
-    settings: Settings = None,
     output: Output,
 ) -> None:
     """Build spool, sleeve and oil volumes as solids.
@@ -66,10 +65,9 @@ def geometry(
     if solids.step:
         require("OCP", "cad", "a STEP file")
     from vvdp.cli.screen import print_json, say, tell
-    from vvdp.systems.system import load_system
 
-    own = [text for text in settings or () if text.strip().startswith("geometry.")]
-    loaded = load_system(system, [text for text in settings or () if text not in own])
+    own = [text for text in case.settings or () if text.strip().startswith("geometry.")]
+    loaded = _with_one_valve(replace(case, settings=[text for text in case.settings or () if text not in own]))
     order = _order(loaded, solids, own)
     directory = out if out is not None else default_directory(f"geometry-{loaded.name}")
     result = _make(directory, loaded, order, solids.frames, output)
@@ -81,6 +79,15 @@ def geometry(
     if not result.finished:
         say("interrupted; what was made is written")
         raise typer.Exit(INTERRUPTED)
+
+
+def _with_one_valve(case: RigCase) -> "System":
+    """The system; if it has several rotary valves, a test rig with the one that is asked for."""
+    from vvdp.systems.valve_numbers import placed_valves
+
+    loaded = case.load()
+    several = case.part or len([*placed_valves(loaded.circuit.network)]) > 1
+    return case.on_rig("geometry") if several else loaded
 
 
 def _order(loaded: "System", solids: Solids, settings: list[str]) -> "Order":

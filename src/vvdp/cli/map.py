@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vvdp.cli.engines import HERE, Resumable
-from vvdp.cli.options import Case, flat
+from vvdp.cli.options import RigCase, flat
 from vvdp.cli.printing import show_result, write_with_report
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ class Spans:
 @flat("results/map-SYSTEM")
 def map(  # noqa: A001 - the name of the verb
     *,
-    case: Case,
+    case: RigCase,
     analytic: Annotated[
         bool, typer.Option("--analytic", help="Compute quasi-steady averages at once instead of simulating.")
     ] = False,
@@ -76,7 +76,7 @@ def map(  # noqa: A001 - the name of the verb
     from vvdp.steady.test_stand import stand
     from vvdp.systems.resolved import resolved_text
 
-    loaded = case.load()
+    loaded = case.on_rig("map")
     held = stand(loaded, "map")
     axes = chosen_axes(held, spans)
     directory = work.directory(f"{'analytic-' if analytic else ''}map-{loaded.name}")

@@ -78,6 +78,9 @@ Settings = Annotated[
         autocompletion=setting_keys,
     ),
 ]
+ValveName = Annotated[
+    str, typer.Option("--part", metavar="NAME", help="Rotary valve, or part with one, if there are several.")
+]
 OwnCycles = Annotated[
     list[Path] | None,
     typer.Option(
@@ -133,6 +136,19 @@ class Case:
         from vvdp.systems.system import load_system
 
         return load_system(self.system, self.settings or ())
+
+
+@dataclass(frozen=True)
+class RigCase(Case):
+    """Options: a system with settings, whose pump unit is tested on a rig."""
+
+    part: ValveName = ""
+
+    def on_rig(self, verb: str) -> "System":
+        """The test rig with its pump unit. Raises ConfigError, which names `verb`, if it has none."""
+        from vvdp.systems.unit_rig import unit_on_rig
+
+        return unit_on_rig(self.load(), verb, self.part)
 
 
 @dataclass(frozen=True)

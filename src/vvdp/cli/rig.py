@@ -9,11 +9,11 @@ import typer
 
 from vvdp.cli.map import Span, Spans, Temperatures, chosen_axes
 from vvdp.cli.options import (
-    Case,
     Cores,
     Output,
     OwnCycles,
     Restart,
+    RigCase,
     Verb,
     flat,
 )
@@ -55,7 +55,7 @@ def rig() -> None:
 @flat("results/RIG-SYSTEM-DATE-TIME")
 def pressure_drop(
     *,
-    case: Case,
+    case: RigCase,
     temperature: Temperatures = None,
     work: Work,
 ) -> None:
@@ -76,7 +76,7 @@ def pressure_drop(
 @flat("results/RIG-SYSTEM-DATE-TIME")
 def derived_capacity(
     *,
-    case: Case,
+    case: RigCase,
     duty: Span = None,
     work: Work,
 ) -> None:
@@ -101,7 +101,7 @@ def derived_capacity(
 @flat("results/RIG-SYSTEM-DATE-TIME")
 def ripple(
     *,
-    case: Case,
+    case: RigCase,
     work: Work,
 ) -> None:
     """Measure pressure ripple, based on ISO 10767.
@@ -118,7 +118,7 @@ def ripple(
 @flat("results/RIG-SYSTEM-DATE-TIME")
 def step(
     *,
-    case: Case,
+    case: RigCase,
     between: Steps = (0.4, 0.6),
     work: Work,
 ) -> None:
@@ -139,7 +139,7 @@ def step(
 @flat("results/pump-SYSTEM")
 def pump(
     *,
-    case: Case,
+    case: RigCase,
     spans: Spans,
     between: Steps = (0.4, 0.6),
     work: Resumed,
@@ -157,7 +157,7 @@ def pump(
     from vvdp.steady.test_stand import stand
     from vvdp.systems.resolved import resolved_text
 
-    loaded = case.load()
+    loaded = case.on_rig("rig pump")
     held = stand(loaded, "rig pump")
     axes = chosen_axes(held, spans, pump_axes(held))
     directory = work.out if work.out is not None else Path("results", f"pump-{loaded.name}")
@@ -176,7 +176,7 @@ def pump(
 @flat("results/RIG-SYSTEM-DATE-TIME")
 def claims(
     *,
-    case: Case,
+    case: RigCase,
     own: OwnCycles = None,
     work: Work,
 ) -> None:
@@ -198,14 +198,14 @@ def claims(
     _run("claims", case, work, measure)
 
 
-def _run(name: str, case: Case, work: Work, measure: Callable[["Stand"], "Result"]) -> None:
+def _run(name: str, case: RigCase, work: Work, measure: Callable[["Stand"], "Result"]) -> None:
     """Puts a system on its stand, measures there, and writes and shows what comes of it."""
     from vvdp.base.files import result_directory
     from vvdp.cli.screen import say
     from vvdp.steady.test_stand import stand
     from vvdp.systems.resolved import resolved_text
 
-    loaded = case.load()
+    loaded = case.on_rig(f"rig {name}")
     held = stand(loaded, f"rig {name}")
     directory = work.directory(f"{name}-{loaded.name}")
     with result_directory(directory, force=work.force) as folder:

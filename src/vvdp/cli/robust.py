@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from vvdp.cli.constraints import Constraints
-from vvdp.cli.options import Seed, Settings, SystemName, flat, parsed_option
+from vvdp.cli.options import RigCase, Seed, flat, parsed_option
 from vvdp.cli.printing import show_result, write_with_report
 from vvdp.cli.rig import Resumed
 
@@ -39,11 +39,10 @@ class Search:
 @flat("results/robust-SYSTEM")
 def robust(
     *,
-    system: SystemName,
+    case: RigCase,
     limits: Constraints,
     scenarios: Scenarios,
     search: Search,
-    settings: Settings = None,
     work: Resumed,
 ) -> None:
     """Find valves that lose little over tolerances and duty.
@@ -58,9 +57,8 @@ def robust(
     from vvdp.rigs.maps import STORE, map_directory
     from vvdp.studies.engine import ThisProcess
     from vvdp.systems.resolved import resolved_text
-    from vvdp.systems.system import load_system
 
-    loaded = load_system(system, settings or ())
+    loaded = case.on_rig("design robust")
     asked = study.robust_problem(loaded, limits.subject_to or (), limits.bound or ())
     effort = study.Effort(
         draws=scenarios.draws, designs=search.designs, generations=search.generations, seed=search.seed

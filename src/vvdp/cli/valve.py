@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vvdp.cli.options import AsJson, Settings, SystemName
+from vvdp.cli.options import AsJson, Settings, SystemName, ValveName
 
 if TYPE_CHECKING:
     from vvdp.base.kinds import Kind
@@ -27,9 +27,7 @@ def valve(
         list[str] | None,
         typer.Option("--temperature", metavar="TEMP", help='Oil temperature, for example "40 degC" (repeatable).'),
     ] = None,
-    part: Annotated[
-        str, typer.Option("--part", metavar="NAME", help="Rotary valve, or part with one, if there are several.")
-    ] = "",
+    part: ValveName = "",
     settings: Settings = None,
     json: AsJson = False,
 ) -> None:

@@ -18,9 +18,10 @@ from vvdp.hydraulics.soft_switching import SwitchChamber
 from vvdp.simulation.link import quiet
 from vvdp.simulation.values import names
 from vvdp.steady.steady_states import Steady, steady_states
-from vvdp.steady.test_stand import STIFF_COUPLING, Stand, stand
+from vvdp.steady.test_stand import Stand, stand
 from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System
+from vvdp.systems.unit_rig import STIFF_COUPLING
 from vvdp.valve.losses import range_warnings
 from vvdp.valve.torque import pwm_frequency
 

@@ -34,9 +34,13 @@ class Taker(Protocol):
 
 
 class Host(NamedTuple):
-    """The valve whose law is fitted, with its oil, and where it works: temperature, load and tank [SI, absolute]."""
+    """The valve whose law is fitted, with its oil, and where it works: temperature, load and tank [SI, absolute].
+
+    `name` is that of its system, whose file has its values in `table`.
+    """
 
     name: str
+    table: str
     valve: RotaryValve
     oil: Oil
     temperature: float
@@ -57,7 +61,7 @@ class Host(NamedTuple):
 
     def place(self, key: str) -> str:
         """Where a system file has a value of the valve."""
-        return f"valve.{key}"
+        return f"{self.table}.{key}"
 
 
 class Interval(NamedTuple):

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeAlias, TypeGuard
 
-from vvdp.base.kinds import Inertia, Mass, Volume
+from vvdp.base.kinds import AddedInertia, Mass, Volume
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal
 from vvdp.fluid.dissolving import dissolves
@@ -23,7 +23,7 @@ class Chamber(Params):
 class Rotor(Params):
     """What turns with a shaft beside the components that it joins."""
 
-    inertia: Inertia
+    inertia: AddedInertia
 
 
 class Load(Params):

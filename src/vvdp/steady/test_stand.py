@@ -18,11 +18,10 @@ from vvdp.simulation.run import Stepping
 from vvdp.steady.cycle_means import SLOWEST, CycleMeans, CyclePoint, cycle_means
 from vvdp.systems.bench import RotaryBench, rotary_bench
 from vvdp.systems.system import System
+from vvdp.systems.unit_rig import STIFF_COUPLING, unit_on_rig
 from vvdp.valve.leakage import leakage_conductance
 from vvdp.valve.torque import friction_coefficient
 
-STIFF_COUPLING = 1.0
-"""Of a motor that holds the spool at its own speed [N m s]."""
 SMALLEST_SHARE = 2e-3
 """Of the pump flow: less is taken for nothing when the load is an orifice that has to hold a pressure."""
 
@@ -199,12 +198,11 @@ class Stand:
 
 
 def stand(system: System, verb: str = "rig") -> Stand:
-    """`system` on a test rig. What is prescribed over time is held at its first value.
+    """The pump unit of `system` on a test rig. What is prescribed over time is held at its first value.
 
-    Raises ConfigError, which names `verb`, where it is no bench of a rotary valve, ParameterError where the pump does
-    not turn.
+    Raises ConfigError, which names `verb`, if it has none or several, ParameterError if the pump does not turn.
     """
-    bench = rotary_bench(system, verb).hold()
+    bench = rotary_bench(unit_on_rig(system, verb), verb).hold()
     speed = bench.operation.pump_speed.base
     require_positive_value("operation.pump_speed", speed, SPEED)
     return Stand(bench)

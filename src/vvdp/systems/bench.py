@@ -30,7 +30,6 @@ from vvdp.systems.extras import Extras, Summary
 from vvdp.systems.port_cavitation import lowest_cavitation_number
 from vvdp.systems.program_reports import reported_programs
 from vvdp.systems.spool_estimate import estimate_lines, estimate_numbers, estimate_quantities
-from vvdp.systems.spool_travel import spool_source
 from vvdp.systems.system import System
 from vvdp.systems.valve_forms import unit_forms, unit_limits
 from vvdp.systems.valve_unit import ValveUnit
@@ -242,15 +241,7 @@ class RotaryBench(Extras):
         """The same bench with all that is prescribed held at its first value, the axial position as a duty ratio.
 
         The pump does not pulsate and nothing watches the spool: only what repeats itself with the valve is left.
-        Raises ConfigError where a control holds the duty ratio.
         """
-        if isinstance(spool_source(self.system.circuit.network), str):
-            message = (
-                "its duty ratio is held by a control and cannot be prescribed at operating points; take a "
-                "bench without one, "
-                "such as prototype"
-            )
-            raise ConfigError([Fault(self.system.name, 0, "", message)])
         tables = {name: _hold_table(table) for name, table in self.tables.items() if name not in WATCHING}
         operation = tables["operation"]
         tables["operation"] = DutyOperation(

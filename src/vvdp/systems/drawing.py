@@ -9,9 +9,9 @@ from typing import Annotated, Any, NamedTuple, get_type_hints
 
 from vvdp.base.errors import Fault, NetworkError, ParameterError
 from vvdp.base.kinds import (
+    AddedInertia,
     Angle,
     Compliance,
-    Inertia,
     Kind,
     Mass,
     Polytropic,
@@ -107,7 +107,7 @@ class SourceTable(Params):
 class ShaftTable(Params):
     """A shaft that turns freely, its own inertia beside that of what it joins, and how it starts."""
 
-    inertia: Inertia = 1e-9
+    inertia: AddedInertia = 0.0
     angle: Angle = 0.0
     speed: Speed = 0.0
 

@@ -91,40 +91,41 @@ class ValveUnit:
             yield "a check valve past the load port, or a chamber that takes the flow, is in no closed form"
 
 
-def chosen_valve(system: LoadedSystem, verb: str, part: str = "") -> PlacedValve:
+def chosen_valve(system: LoadedSystem, verb: str, part: str = "", option: str = "--part") -> PlacedValve:
     """The rotary valve of a system; of several the one that is called `part`, or is alone in the part of that name.
 
-    Raises ConfigError, which names `verb`, where there is none, or which one is not stated.
+    Raises ConfigError, which names `verb`, if there is none, or if `option` does not choose one of several.
     """
     found = {each.name: each for each in placed_valves(system.circuit.network)}
     name = part.replace(".", "_")
-    if name in found:
-        return found[name]
+    if chosen := next((each for each in found.values() if name in (each.name, each.part.name)), None):
+        return chosen
     names = ", ".join(found)
     if part and found:
-        raise ConfigError([Fault("--part", 0, part, f"no such rotary valve{nearest(name, list(found))}")])
+        raise ConfigError([Fault(option, 0, part, f"no such rotary valve{nearest(name, list(found))}")])
     if len(found) != 1:
-        several = f"has several: give --part, one of {names}" if found else "has none"
+        several = f"has several: give {option}, one of {names}" if found else "has none"
         message = f"`vvdp {verb}` needs a pump unit with a rotary valve; this circuit {several}"
         raise ConfigError([Fault(system.name, 0, "", message)])
     return next(iter(found.values()))
 
 
-def valve_unit(system: LoadedSystem, verb: str, part: str = "") -> ValveUnit:
+def valve_unit(system: LoadedSystem, verb: str, part: str = "", option: str = "--part") -> ValveUnit:
     """The rotary valve of a system with what feeds it, found in its network.
 
-    verb  that needs it, for messages
-    part  name of the valve where there are several, or of the part that it is alone in
+    verb    that needs it, for messages
+    part    name of the valve where there are several, or of the part that it is alone in
+    option  that gives `part`, for messages
 
     Raises ConfigError if there is none, or no pump of fixed displacement or no relief valve at its inlet.
     """
-    placed, network = chosen_valve(system, verb, part), system.circuit.network
+    placed, network = chosen_valve(system, verb, part, option), system.circuit.network
     inlet, load, tank = (placed.part.nodes[port] for port in ("inlet", "load", "tank"))
-    pump, pump_values = _neighbour(network, Pump, "outlet", inlet) or _lacking(system, verb, placed.name, "pump")
-    relief, relief_values = _neighbour(network, ReliefValve, "a", inlet) or _lacking(
+    pump, pump_values = neighbour(network, Pump, "outlet", inlet) or _lacking(system, verb, placed.name, "pump")
+    relief, relief_values = neighbour(network, ReliefValve, "a", inlet) or _lacking(
         system, verb, placed.name, "relief valve"
     )
-    known, volume = _start_numbers(system), network.nodes[inlet]
+    known, volume = start_numbers(system), network.nodes[inlet]
     assert isinstance(volume, OilVolume)
     beside = {each.name for each in network.parts.values() if inlet in each.nodes.values()}
     shaft = pump.nodes["shaft"]
@@ -137,17 +138,17 @@ def valve_unit(system: LoadedSystem, verb: str, part: str = "") -> ValveUnit:
         pump=pump_values,
         relief_valve=relief_values,
         inlet_volume=float(getattr(volume.values, "volume", 0.0)),
-        pump_speed=_at_start(speed, known),
+        pump_speed=at_start(speed, known),
         temperature=float(signal_value(0.0, network.temperature)),
         duty_ratio=_duty_ratio(system, placed, known),
-        load_pressure=_pressure(network, load, known),
-        tank_pressure=_pressure(network, tank, known),
+        load_pressure=pressure_at(network, load, known),
+        tank_pressure=pressure_at(network, tank, known),
         makes_pressure=isinstance(network.nodes[load], OilVolume),
         is_softened=bool(beside - {placed.part.name, pump.name, relief.name}),
     )
 
 
-def _neighbour(network: Network, kind: type[Values], port: str, node: str) -> tuple[Part, Values] | None:
+def neighbour(network: Network, kind: type[Values], port: str, node: str) -> tuple[Part, Values] | None:
     """The component with values of a `kind` whose port is joined to a node."""
     for part in network.parts.values():
         for value in part.values:
@@ -161,19 +162,19 @@ def _lacking(system: LoadedSystem, verb: str, name: str, what: str) -> Any:
     raise ConfigError([Fault(system.name, 0, "", message)])
 
 
-def _start_numbers(system: LoadedSystem) -> Mapping[str, float]:
+def start_numbers(system: LoadedSystem) -> Mapping[str, float]:
     """Numbers of states and commands before the run, by their paths."""
     case = system.case
     values = (case.state, case.command)
     return {path: number for each in values for (path, _, _), number in zip(leaves(each), flat(each), strict=True)}
 
 
-def _at_start(source: Source, known: Mapping[str, float]) -> float:
+def at_start(source: Source, known: Mapping[str, float]) -> float:
     """What a source gives at the start; 0 where that is the output of a component."""
     if isinstance(source, Signal):
         return float(signal_value(0.0, source))
     if isinstance(source, Connection):
-        values = (each if isinstance(each, Params) else _at_start(each, known) for each in source.sources)
+        values = (each if isinstance(each, Params) else at_start(each, known) for each in source.sources)
         return float(source.function(*values))
     return float(known.get(source, 0.0) if isinstance(source, str) else source)
 
@@ -183,10 +184,10 @@ def _duty_ratio(system: LoadedSystem, placed: PlacedValve, known: Mapping[str, f
     asked = getattr(system.tables.get("operation"), "duty_ratio", None)
     if isinstance(asked, Signal):
         return float(signal_value(0.0, asked))
-    return _at_start(placed.part.inputs["axial_position"], known) / placed.values.helix_length
+    return at_start(placed.part.inputs["axial_position"], known) / placed.values.helix_length
 
 
-def _pressure(network: Network, name: str, known: Mapping[str, float]) -> float:
+def pressure_at(network: Network, name: str, known: Mapping[str, float]) -> float:
     """The pressure of a node at the start [Pa, absolute]."""
     node: Any = network.nodes[name]
-    return float(known[name]) if isinstance(node, OilVolume) else _at_start(node.pressure, known)
+    return float(known[name]) if isinstance(node, OilVolume) else at_start(node.pressure, known)

@@ -1,0 +1,155 @@
+"""Pump units of drawn circuits and of machines on the test rig: with the values of their circuit, to the bit."""
+
+import copy
+import dataclasses
+import tomllib
+from importlib import resources
+
+import numpy as np
+import pytest
+from tests.systems.test_valve_numbers import driven, unit
+from tests.words import wording
+
+from vvdp.base.errors import ConfigError
+from vvdp.base.tables import Table
+from vvdp.fluid.oil import Oil
+from vvdp.simulation.run import simulate
+from vvdp.simulation.values import leaves
+from vvdp.steady.test_stand import stand
+from vvdp.systems.resolved import resolved_text
+from vvdp.systems.system import built_system, load_system
+from vvdp.systems.unit_rig import unit_on_rig
+from vvdp.systems.valve_unit import valve_unit
+
+CIRCUITS = {
+    ("two-cylinders", "lift_unit"): {},
+    ("two-cylinders", "swing_unit"): {},
+    ("shared-supply", ""): {},
+    ("transmission-speed-control", ""): {"duty_ratio": 0.5},
+    ("vvdp-duty-control", ""): {},
+    ("displacement-control", ""): {
+        "duty_ratio": 0.5,
+        "pump_speed": 60.0 * np.pi,
+        "load_pressure": 101325.0 + 30e5,
+    },
+}
+"""Circuits and parts with a pump unit, and what the rig has instead of the start of their run: a closed port as half, a
+motor at rest as its 1800 rpm, no load as half the relief setting of 60 bar."""
+HELD = ("pump_speed", "temperature", "duty_ratio", "load_pressure", "tank_pressure")
+
+
+@pytest.mark.parametrize(("name", "part"), CIRCUITS)
+def test_the_rig_has_the_values_of_the_circuit(name, part):
+    system = load_system(name)
+    own, there = valve_unit(system, "map", part), valve_unit(unit_on_rig(system, "map", part), "map")
+    instead = CIRCUITS[name, part]
+    oil = {field.name: getattr(own.oil, field.name) for field in dataclasses.fields(Oil)}
+    assert oil == {key: getattr(there.oil, key) for key in oil}
+    assert (there.valve, there.pump, there.relief_valve) == (own.valve, own.pump, own.relief_valve)
+    assert there.inlet_volume == own.inlet_volume
+    held = {key: instead.get(key, getattr(own, key)) for key in HELD}
+    assert {key: getattr(there, key) for key in HELD} == pytest.approx(held, rel=4e-16)
+
+
+def test_a_circuit_that_is_a_rig_already_is_the_same_system():
+    system = load_system("prototype")
+    assert unit_on_rig(system, "map") is system
+    assert unit_on_rig(system, "map", "valve") is system
+
+
+def without_rotor(system):
+    """The circuit with no inertia on its spool's shaft but that of the spool, as a rig has it."""
+    content = copy.deepcopy(dict(system.content))
+    content["nodes"]["unit_spool"]["inertia"] = "0 kg*m^2"
+    return system.read_from(Table(system.name, content, {}))
+
+
+def test_it_runs_as_the_circuit_does():
+    """A drawn unit against a pressure source has all that its rig has: the same equations, the same numbers."""
+    drawn = without_rotor(unit(axial_position="8 mm", relief_pressure="90 bar"))
+    rig = unit_on_rig(drawn, "map")
+    one, other = (
+        simulate(each.model, each.case, dataclasses.replace(each.stepping, relative_tolerance=1e-10))
+        for each in (drawn, rig)
+    )
+    paths = {path.removeprefix("unit_"): i for i, (path, _, _) in enumerate(leaves(one.case.state))}
+    there = {path: i for i, (path, _, _) in enumerate(leaves(other.case.state))}
+    assert one.times.tolist() == other.times.tolist()
+    for path, apart in (("inlet", 1.0), ("spool.speed", 1e-6), ("spool.angle", 1e-8)):
+        moved = one.states[:, paths[path]] - other.states[:, there[path]]
+        assert np.max(np.abs(moved)) < apart, path
+    assert np.ptp(one.states[:, paths["inlet"]]) > 20e5
+
+
+LINE = """
+nodes.tank = { type = "tank" }
+nodes.motor = { type = "driven-shaft", speed = "1450 rpm" }
+nodes.line = { type = "vessel", oil_volume = "0.5 l", start = "60 bar" }
+parts.unit = { type = "pump-unit", load = "line", tank = "tank", shaft = "motor", axial_position = "12 mm" }
+components.throttle = { type = "orifice", a = "line", b = "tank", area = "2 mm^2", discharge_coefficient = "0.6" }
+run = { until = "0.2 s" }
+"""
+
+
+def test_a_line_and_its_orifice_go_with_the_unit():
+    """They have the pressures of the circuit; the throttle is that of the file, though no name says what it is."""
+    drawn = without_rotor(built_system(Table("line", tomllib.loads(LINE), {}), "line"))
+    rig = unit_on_rig(drawn, "rig ripple")
+    assert rig.tables["load"].discharge_coefficient == 0.6
+    one, other = (
+        simulate(each.model, each.case, dataclasses.replace(each.stepping, relative_tolerance=1e-10))
+        for each in (drawn, rig)
+    )
+    assert np.max(np.abs(one.state.line - other.state.load_line)) < 1.0
+    assert np.ptp(one.state.line) > 20e5
+
+
+def test_an_orifice_is_sized_where_the_circuit_has_none():
+    """Half of 22.8 cc/rev at 1800 rpm, 3.42e-4 m^3/s, at 50 bar: A = Q/(0.61 sqrt(2*50e5/876)) = 5.25 mm^2."""
+    rig = unit_on_rig(load_system("two-cylinders"), "map", "lift_unit")
+    assert rig.tables["load"].area.base == pytest.approx(5.247e-6, rel=1e-3)
+    assert rig.tables["load_line"].oil_volume == pytest.approx(0.4e-3)
+
+
+def test_its_text_is_a_system_with_origins_and_ranges():
+    system = load_system("vvdp-duty-control")
+    rig = unit_on_rig(system, "map")
+    again = built_system(Table("rig", tomllib.loads(resolved_text(rig)), {}), "rig")
+    assert again.tables == rig.tables
+    ranges = {f"{row.table}.{row.key}" for row in system.uncertainties if row.table in rig.content}
+    assert {f"{row.table}.{row.key}" for row in again.uncertainties} == ranges
+    assert "valve.radial_clearance" in ranges
+
+
+def test_its_points_can_be_chosen():
+    """With the duty ratio prescribed, a unit whose spool a control moves has set points like any other."""
+    held = stand(load_system("vvdp-duty-control"), "map")
+    point = held.set_point._replace(duty_ratio=0.25)
+    assert held.at(point).duty_ratio.base == 0.25
+    assert not held.is_driven
+
+
+def test_a_spool_whose_speed_is_prescribed_keeps_it():
+    """A stiff motor holds 1500 rpm against the torque of the flow, up to torque over coupling."""
+    rig = unit_on_rig(driven("1500 rpm"), "map")
+    run = simulate(rig.model, rig.case, rig.stepping)
+    speed = run.states[-1, [path for path, _, _ in leaves(run.case.state)].index("spool.speed")]
+    assert speed == pytest.approx(50.0 * np.pi, abs=1.0)
+
+
+def leaky():
+    """A drawn unit with an orifice from its inlet to the tank, which no rig has."""
+    part = tomllib.loads(resources.files("vvdp.systems").joinpath("parts", "pump-unit.toml").read_text("utf-8"))
+    nodes = {
+        "tank": {"type": "tank"},
+        "load": {"type": "pressure-source", "pressure": "70 bar"},
+        "shaft": {"type": "driven-shaft", "speed": "1800 rpm"},
+    }
+    drain = {"drain": {"type": "orifice", "a": "inlet", "b": "tank", "area": "1 mm^2"}}
+    content = {"nodes": part["nodes"] | nodes, "components": part["components"] | drain, "run": {"until": "0.1 s"}}
+    return built_system(Table("leaky", content, {}), "leaky")
+
+
+def test_more_at_the_inlet_than_a_rig_has_is_refused_by_name():
+    with pytest.raises(ConfigError, match=wording.rig.no_place.format(others="drain")):
+        unit_on_rig(leaky(), "map")
