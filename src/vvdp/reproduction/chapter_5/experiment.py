@@ -40,7 +40,6 @@ PSI = 6894.757
 LOAD = 400.0 * PSI
 SETTLED = 1.5
 """From so long after the start on the spinning spool is looked at [s]."""
-AIRED = "gains, air and noise of the experiment are not all stated"
 
 
 def figure_5_1() -> Reproduction:
