@@ -2,7 +2,7 @@
 ripple."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 from vvdp.base.display import plain, with_unit
@@ -62,18 +62,8 @@ def claims(
     say("compared with other circuits")
     found.append(supply_claim(stand, duties, cores=cores, say=say))
     pending, left_out = _with_load_line(stand, cores, say)
-    finished = True
-    while pending and finished:
-        name = next(iter(pending))
-        say(name)
-        try:
-            found.append(pending[name]())
-        except ParameterError as problem:
-            left_out.append(f"{_title([name])}: {problem}.")
-        except KeyboardInterrupt:
-            finished = False
-            left_out.append(f"{_title(list(pending))}: interrupted before.")
-        pending.pop(name)
+    found += _checked_claims(pending, left_out, say)
+    finished = not pending
     found.append(actuation_claim(stand))
     if finished:
         say("linear valves")
@@ -96,6 +86,23 @@ def claims(
         seconds=time.perf_counter() - began,
         finished=finished,
     )
+
+
+def _checked_claims(
+    pending: dict[str, Callable[[], Claim]], left_out: list[str], say: Callable[[str], None]
+) -> Iterator[Claim]:
+    """Each `pending` claim, which is then no longer so; what cannot be calculated is added to what is `left_out`."""
+    while pending:
+        name = next(iter(pending))
+        say(name)
+        try:
+            yield pending[name]()
+        except ParameterError as problem:
+            left_out.append(f"{_title([name])}: {problem}.")
+        except KeyboardInterrupt:
+            left_out.append(f"{_title(list(pending))}: interrupted before.")
+            return
+        pending.pop(name)
 
 
 def _with_load_line(

@@ -95,16 +95,13 @@ def dynamics(
     """
     began = time.perf_counter()
     low, high = checked_steps(steps)
-    states = _states(stand, low, high, cores, say)
-    down, up, middle = states
+    down, up, middle = states = _states(stand, low, high, cores, say)
     periods = [state.periodic.period for state in states if state.periodic is not None]
     length = max(SHOWN, STEP_PERIODS * max(periods), LINE_TIMES * max(line_time(state) for state in states))
-    rising = step_response(down, high, length=length)
-    falling = step_response(up, low, length=length)
+    rising, falling = step_response(down, high, length=length), step_response(up, low, length=length)
     pwm, amplitude = 1.0 / periods[-1], min(AMPLITUDE, 0.5 * (high - low))
-    asked = _checked_frequencies(
-        response_frequencies(pwm, line_time(middle)) if frequencies is None else frequencies, pwm
-    )
+    chosen = response_frequencies(pwm, line_time(middle)) if frequencies is None else frequencies
+    asked = _checked_frequencies(chosen, pwm)
     delivered, load = frequency_response(middle, asked.tolist(), amplitude)
     static = (rising.after - rising.before) / (high - low)
     tables = {

@@ -71,17 +71,10 @@ def steady_states(
     for _ in range(MOST_SIZINGS):
         if not open_:
             break
-        numbers = list(open_)
-        one = points[numbers[0]][0]
-        runs = periodic_states(
-            one.model,
-            [open_[number].case for number in numbers],
-            one.stepping,
-            [open_[number].period for number in numbers],
-            cores=cores,
-            say=say,
-        )
-        for number, run in zip(numbers, runs, strict=True):
+        one = points[next(iter(open_))][0]
+        cases, periods = [each.case for each in open_.values()], [each.period for each in open_.values()]
+        runs = periodic_states(one.model, cases, one.stepping, periods, cores=cores, say=say)
+        for number, run in zip(list(open_), runs, strict=True):
             stand, point = points[number]
             sizing = open_.pop(number)
             if run.outcome is None:
