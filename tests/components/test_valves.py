@@ -42,11 +42,9 @@ from vvdp.components.switching_valves import (
     PulsedTwoWayValve,
     ThreeWayValve,
     TwoWayValve,
-    modulated_switching_stop,
+    modulated_stop,
     modulated_switching_valve,
-    pulsed_switching_stop,
     pulsed_switching_valve,
-    pulsed_two_way_stop,
     pulsed_two_way_valve,
     switching_valve,
     two_way_valve,
@@ -64,7 +62,7 @@ from vvdp.hydraulics.proportional_valve import ProportionalValve
 from vvdp.hydraulics.reducing_valve import ReducingValve
 from vvdp.hydraulics.relief_valve import ReliefValve, ShockValve
 from vvdp.hydraulics.seat_valve import SeatValve
-from vvdp.hydraulics.switching_valve import SpoolState
+from vvdp.hydraulics.switching_valve import SpoolState, pulse_stop
 from vvdp.programs.unloading import (
     UnloadingMemory,
     UnloadingReading,
@@ -324,11 +322,11 @@ def test_pulses_move_the_spool(at):
         expected = switching_valve(p, first, second, command, 0.0, 0.0, state, MEDIUM, plain)
         assert pulsed_switching_valve(t, p, first, second, 0.0, 0.0, state, MEDIUM, pulsed) == expected
         assert modulated_switching_valve(t, p, first, second, 0.3, 0.0, 0.0, state, MEDIUM, modulated) == expected
-        assert modulated_switching_stop(t, 0.3, modulated) == pulsed_switching_stop(t, pulsed)
-    assert pulsed_switching_stop(0.0, pulsed) == 0.03
-    assert modulated_switching_stop(0.0, 0.7, modulated) == 0.7 / 10.0
+        assert modulated_stop(t, 0.3, modulated) == pulse_stop(t, pulsed)
+    assert pulse_stop(0.0, pulsed) == 0.03
+    assert modulated_stop(0.0, 0.7, modulated) == 0.7 / 10.0
     two_way = PulsedTwoWayValve(**SPOOL, **PORT, **PULSES, duty_ratio=0.3, normally_open=1.0)
-    assert pulsed_two_way_stop(0.03, two_way) == 0.1
+    assert pulse_stop(0.03, two_way) == 0.1
     assert pulsed_two_way_valve(0.03, p, first, 0.0, 0.0, SpoolState(0.0, 0.0), MEDIUM, two_way).area == pytest.approx(
         2e-5
     )

@@ -10,7 +10,6 @@ POINTS_AND_SPANS = {
     "uniform.value": "along x, y and z",
     "grid_convergence.sizes": "one for each of three grids, from fine to coarse",
     "grid_convergence.values": "one for each of three grids, from fine to coarse",
-    "pi_of_poles.flows": "least and greatest",
     "scenarios.temperatures": "least and greatest",
     "_temperature.ends": "least and greatest",
     "_spread.ends": "least and greatest",

@@ -7,14 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vvdp.base.errors import ParameterError
 from vvdp.control.chamber import desired_rate_sensitivities
 from vvdp.control.tuning import (
     backstepping_certificate,
     held_sampling_limits,
     passivity_certificate,
-    passivity_gains_of_poles,
-    pi_of_poles,
     sampled_radius,
     sampling_limits,
     sampling_warning,
@@ -84,37 +81,6 @@ def test_sampling_warnings():
     assert sampling_warning(limits, 1e-3) == ""
     assert sampling_warning(limits, 2e-3).endswith("a sample period of 2 ms is above the 1.23 ms advised")
     assert "sampled every 4 ms it will limit-cycle: its limit is 2.47 ms" in sampling_warning(limits, 4e-3)
-
-
-@given(st.floats(1.0, 300.0), st.floats(0.1, 3.0))
-def test_poles_of_the_gerotor_drive(rate, damping):
-    gains = pi_of_poles(rate, damping, 5e-4, (-3e-5, 3e-5))
-    found = np.roots([1.0, gains.proportional_rate, gains.integral_rate])
-    wanted = np.roots([1.0, 2.0 * damping * rate, rate**2])
-    assert np.sort_complex(found) == pytest.approx(np.sort_complex(wanted), rel=1e-9)
-
-
-def test_poles_of_the_chamber(drive, passive):
-    """The published gains are those of w = 75.5 1/s and zeta = 0.384; the loop's eigenvalues are the poles."""
-    rate = np.sqrt(2849.0 / 0.5)
-    damping = 58.0 / (2.0 * rate)
-    assert (rate, damping) == (pytest.approx(75.485, abs=1e-3), pytest.approx(0.3842, abs=1e-4))
-    gains = passivity_gains_of_poles(rate, damping, 50.0, 800.0, drive)
-    assert (gains.position_gain, gains.velocity_gain) == (pytest.approx(55.0, rel=1e-9), pytest.approx(4.0, rel=1e-9))
-    # e' = e_v - l e, M e_v' = -(K + K_p) e - K_v e_v
-    A = np.array([[-50.0, 1.0], [-(2594.0 + 55.0) / 0.5, -4.0 / 0.5]])
-    assert np.poly(A) == pytest.approx([1.0, 2.0 * damping * rate, rate**2], rel=1e-9)
-
-
-def test_poles_that_the_gains_cannot_give_are_refused(drive):
-    with pytest.raises(
-        ParameterError, match=r"must be less than 2 zeta w = 60 1/s, or the velocity gain is -20 N\*s/m"
-    ):
-        passivity_gains_of_poles(60.0, 0.5, 100.0, 800.0, drive)
-    with pytest.raises(
-        ParameterError, match=r"must be at least .*, or the position gain acts against the spring, -1594 N/m"
-    ):
-        passivity_gains_of_poles(60.0, 0.5, 40.0, 800.0, replace(drive, stiffness=2994.0))
 
 
 def test_a_loop_that_is_sampled_often_has_the_poles_of_the_continuous_one(drive, passive):

@@ -57,8 +57,8 @@ def test_books_close_through_an_impact_on_the_end_stop(oil):
         return [
             v,
             force / RIG.moving_mass,
-            pressure_rate(in_a.flow - leak.flow, in_chambers[0].rate, P_a, a, vessel_a, REF, in_chambers[0].volume),
-            pressure_rate(in_b.flow + leak.flow, in_chambers[1].rate, P_b, b, vessel_b, REF, in_chambers[1].volume),
+            pressure_rate(in_a.flow - leak.flow, in_chambers[0].rate, a, vessel_a, REF, in_chambers[0].volume),
+            pressure_rate(in_b.flow + leak.flow, in_chambers[1].rate, b, vessel_b, REF, in_chambers[1].volume),
             in_a.flow * source_a.enthalpy + in_b.flow * source_b.enthalpy,
             in_a.loss + in_b.loss + leak.loss,
             friction * v,

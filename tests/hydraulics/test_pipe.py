@@ -117,7 +117,7 @@ def test_a_piece_is_a_vessel_without_gas(oil):
     )
     for pressure in (5e4, 1e6, 2.5e7):
         fluid = fluid_state(pressure, oil)
-        expected = pressure_rate(1e-4, 0.0, pressure, fluid, vessel, oil.reference_pressure)
+        expected = pressure_rate(1e-4, 0.0, fluid, vessel, oil.reference_pressure)
         assert piece_rate(1e-4, fluid, pipe, oil.reference_pressure) == pytest.approx(expected, rel=1e-14)
         assert piece_stored(fluid, oil, pipe) == pytest.approx(vessel_contents(fluid, oil, vessel), rel=1e-12)
 

@@ -11,7 +11,7 @@ from vvdp.hydraulics.check_valve import check_opening
 from vvdp.hydraulics.flow import rated_edge_flow
 from vvdp.hydraulics.flow_control_valve import FlowControlValve, controlled_flow
 from vvdp.hydraulics.flow_source import FlowSource, source_flow
-from vvdp.hydraulics.pilot_check_valve import PilotCheckValve, lifting_drop, pilot_check_opening
+from vvdp.hydraulics.pilot_check_valve import PilotCheckValve, lifting_drop
 from vvdp.hydraulics.reducing_valve import ReducingValve, reducing_opening, reducing_opening_rate
 from vvdp.hydraulics.seat_valve import SeatValve, seat_flow, seat_rate
 
@@ -37,6 +37,11 @@ def flow_control(**changed):
 
 
 SEAT = SeatValve(rated_flow=1e-3, rated_drop=5e5, lag=0.01)
+
+
+def pilot_check_opening(drop, pilot, valve):
+    """Static opening at a pilot less outlet [Pa]."""
+    return check_opening(lifting_drop(drop, pilot, valve), valve)
 
 
 def test_pilot_by_hand():

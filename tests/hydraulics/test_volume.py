@@ -94,7 +94,7 @@ def test_without_gas_and_hose_a_vessel_is_a_closed_volume(oil):
     for pressure in (1e3, REF, 3e7):
         fluid = fluid_state(pressure, oil)
         assert oil_held(pressure, plain, REF) == 4e-4
-        assert pressure_rate(1e-4, 2e-5, pressure, fluid, plain, REF) == pytest.approx(
+        assert pressure_rate(1e-4, 2e-5, fluid, plain, REF) == pytest.approx(
             closed_volume_rate(1e-4, 2e-5, 4e-4, fluid), rel=1e-14
         )
         fluid = fluid_state(pressure, oil)
@@ -130,7 +130,7 @@ def test_books_of_a_fill_and_empty_cycle_across_precharge_close(oil):
         fluid = fluid_state(y[0], oil)
         q = flow(t)
         return [
-            pressure_rate(q, rate, y[0], fluid, tank, REF, swept),
+            pressure_rate(q, rate, fluid, tank, REF, swept),
             q,
             q * fluid.enthalpy,
             (y[0] - REF) * rate,

@@ -97,7 +97,7 @@ def test_a_newer_version_or_other_equations_run_anew(tmp_path: Path, monkeypatch
     with monkeypatch.context() as patch:
         patch.setattr(running, "VERSION", "99")
         assert len(read_study(STUDY, tmp_path).missing) == 4
-    monkeypatch.setattr(running, "link", lambda *_: SimpleNamespace(digest="other equations"))
+    monkeypatch.setattr(running, "link", lambda *_, **_options: SimpleNamespace(digest="other equations"))
     assert len(read_study(STUDY, tmp_path).missing) == 4
 
 

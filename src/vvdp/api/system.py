@@ -21,7 +21,7 @@ from vvdp.systems.options import lasting, without_other_position
 if TYPE_CHECKING:
     from pint import Quantity
 
-Value = float | str | list[float] | Mapping[str, Any]
+Value = float | str | list[float] | Mapping[str, object]
 """A number [SI, pressures absolute], a text with its unit, a list of numbers, or a signal as in a file."""
 
 TYPED = "text"

@@ -40,6 +40,11 @@ def field_names(cls: type) -> list[str]:
     return [each.name for each in dataclasses.fields(cls)]
 
 
+def field_values(cls: type, record: Any) -> dict[str, Any]:
+    """The values that a record has of the fields of a parameter class."""
+    return {name: getattr(record, name) for name in field_names(cls)}
+
+
 def default_values(cls: type) -> dict[str, Any]:
     """The fields of a parameter class that need not be given, with their values."""
     return {f.name: f.default for f in dataclasses.fields(cls) if f.default is not dataclasses.MISSING}

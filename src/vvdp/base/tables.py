@@ -178,19 +178,23 @@ def with_settings(table: Table, settings: list[str]) -> Table:
     return Table(table.place, content, lines)
 
 
-def _full_keys(key: str, text: str, content: Mapping[str, Any]) -> str:
+def _full_keys(key: str, text: str, content: Mapping[str, object]) -> str:
     """The end of a message about a `key` that is given without its table: the settings that `content` has for it."""
     found = [f"'{name}.{key}={text}'" for name, part in content.items() if isinstance(part, Mapping) and key in part]
     return f"; did you mean {' or '.join(found)}?" if found else ""
 
 
-def copy_tables(content: Mapping[str, Any]) -> dict[str, Any]:
+def copy_tables(content: Mapping[str, object]) -> dict[str, Any]:
     """A copy of parsed tables whose inner tables may be changed."""
     return {key: copy_tables(value) if isinstance(value, Mapping) else value for key, value in content.items()}
 
 
 def read_values(
-    readers: Mapping[str, Callable[[Any], V]], table: Mapping[str, Any], name: str, origin: Table, faults: list[Fault]
+    readers: Mapping[str, Callable[[Any], V]],
+    table: Mapping[str, object],
+    name: str,
+    origin: Table,
+    faults: list[Fault],
 ) -> dict[str, V]:
     """The values of one TOML table called `name`, by key, each as its reader makes it of what stands there.
 
@@ -209,7 +213,7 @@ def read_values(
 
 
 def refuse_unknown(
-    table: Mapping[str, Any],
+    table: Mapping[str, object],
     known: Collection[str],
     name: str,
     origin: Table,
@@ -233,8 +237,8 @@ def refuse_unknown(
 
 
 def inner_table(
-    table: Mapping[str, Any], key: str, origin: Table, faults: list[Fault], name: str = ""
-) -> Mapping[str, Any]:
+    table: Mapping[str, object], key: str, origin: Table, faults: list[Fault], name: str = ""
+) -> Mapping[str, object]:
     """The table under a key of the table `name`, empty if it is not given; anything else there is a fault."""
     found = table.get(key, {})
     if isinstance(found, Mapping):
@@ -270,7 +274,7 @@ def read_whole(entry: Any, low: int, high: int) -> int:
 
 
 def build(
-    cls: type[T], table: Mapping[str, Any], name: str, origin: Table, faults: list[Fault]
+    cls: type[T], table: Mapping[str, object], name: str, origin: Table, faults: list[Fault]
 ) -> tuple[T | None, list[Sourced]]:
     """The parameters of `cls` from one TOML table called `name`, and the origin of each value.
 
@@ -362,7 +366,7 @@ def _range(ends: Any, of: Sourced) -> tuple[float, float]:
     return low, high
 
 
-def _list(fields: Mapping[str, Any], kind: Kind) -> tuple[float, ...]:
+def _list(fields: Mapping[str, object], kind: Kind) -> tuple[float, ...]:
     """The numbers of a TOML list."""
     match fields:
         case {"value": [*entries], **rest} if not rest:

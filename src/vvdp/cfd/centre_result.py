@@ -30,7 +30,7 @@ from vvdp.geometry.result import origin_rows
 from vvdp.geometry.shape import perpendicular_area
 from vvdp.numerics.least_squares import fit
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
-from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Section, Table, numbers_of
+from vvdp.results.result import Column, Finding, Grade, Listing, Result, Section, Table, listing_of, numbers_of
 from vvdp.valve.branch import turbulent_drops
 from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import inlet_torque
@@ -95,7 +95,7 @@ def centre_result(runs: Sequence[CentreRun], told: Told) -> Result:
                   "The turning of the spool, leakage, cavitation, and the warming of the oil."),
         numbers=numbers_of(numbers, QUANTITIES),
         listings={
-            "fits": _fits(numbers), "lengths": centre_lengths(told),
+            "fits": listing_of(numbers, QUANTITIES), "lengths": centre_lengths(told),
             **quality_listings(_names(runs), [run.solved for run in runs]),
         },
         tables={"runs": table},
@@ -212,11 +212,6 @@ def _numbers(runs: Sequence[CentreRun], table: Table) -> dict[str, float]:
         "axial_position_m": order.position,
         "density_kg_m3": order.fluid.density,
     }
-
-
-def _fits(numbers: dict[str, float]) -> Listing:
-    rows = (Row(label, kind, (numbers[key],)) for key, (kind, label) in QUANTITIES.items())
-    return Listing(title="", heads=("value",), rows=tuple(rows))
 
 
 def centre_lengths(told: Told) -> Listing:

@@ -41,7 +41,7 @@ from vvdp.cfd.turbine_result import turbine_lengths
 from vvdp.cfd.turbine_study import TurbineRun
 from vvdp.geometry.shape import perpendicular_area
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
-from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Section, Table, numbers_of
+from vvdp.results.result import Column, Finding, Grade, Listing, Result, Section, Table, listing_of, numbers_of
 
 VERB = "cfd grids"
 INDEX = (
@@ -153,7 +153,6 @@ def grids_result(order: RailOrder, part: OnGrids, told: Sequence[str], about: To
     quantities = DROPS
     if "torque_N_m" in table.columns:
         numbers, quantities = {**numbers, **_torque_numbers(table)}, {**DROPS, **TORQUES}
-    rows = tuple(Row(label, kind, (numbers[key],)) for key, (kind, label) in quantities.items())
     words, lengths = part.lengths
     return Result(
         verb=VERB,
@@ -165,7 +164,7 @@ def grids_result(order: RailOrder, part: OnGrids, told: Sequence[str], about: To
         left_out=("Cavitation, and the warming of the oil.",),
         numbers=numbers_of(numbers, quantities),
         listings={
-            "convergence": Listing(title="", heads=("value",), rows=rows),
+            "convergence": listing_of(numbers, quantities),
             "lengths": lengths,
             **quality_listings(told, part.solved),
         },

@@ -27,7 +27,7 @@ from vvdp.cfd.rail_result import METHOD, Told
 from vvdp.cfd.state_table import QUALITY, approach, quality_listings, restless_findings, state_columns
 from vvdp.numerics.least_squares import fit
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
-from vvdp.results.result import Column, Finding, Listing, Result, Row, Section, Table, numbers_of
+from vvdp.results.result import Column, Finding, Result, Section, Table, listing_of, numbers_of
 from vvdp.valve.geometry import jet_skews, port_openings, port_shape
 from vvdp.valve.torque import inlet_torque
 
@@ -70,7 +70,6 @@ def openings_result(runs: Sequence[CentreRun], told: Told) -> Result:
     order = runs[0].order
     table = _angles(runs)
     numbers = _numbers(order, table)
-    rows = tuple(Row(label, kind, (numbers[key],)) for key, (kind, label) in QUANTITIES.items())
     return Result(
         verb=VERB,
         title="Partly open nozzles",
@@ -87,7 +86,7 @@ def openings_result(runs: Sequence[CentreRun], told: Told) -> Result:
                   "Rail and nozzles upstream, leakage, cavitation."),
         numbers=numbers_of(numbers, QUANTITIES),
         listings={
-            "fits": Listing(title="", heads=("value",), rows=rows), "lengths": centre_lengths(told),
+            "fits": listing_of(numbers, QUANTITIES), "lengths": centre_lengths(told),
             **quality_listings([with_unit(run.order.angle, ANGLE) for run in runs], [run.solved for run in runs]),
         },
         tables={

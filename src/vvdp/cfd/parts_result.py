@@ -25,7 +25,7 @@ from vvdp.cfd.state_table import QUALITY, approach, quality_listings, residual_f
 from vvdp.cfd.turbine import TurbineOrder, turbine_case, turned_turbine, turned_valve, valve_case
 from vvdp.geometry.shape import perpendicular_area
 from vvdp.results.chart import Bars, Chart, Colour
-from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Section, Table, numbers_of
+from vvdp.results.result import Column, Finding, Grade, Result, Section, Table, listing_of, numbers_of
 from vvdp.valve.branch import turbulent_drops
 from vvdp.valve.torque import inlet_torque, outlet_torque
 
@@ -163,7 +163,6 @@ def _result(
     said: tuple[Told, Sequence[PartRun], Sequence[Finding]],
 ) -> Result:
     (numbers, quantities), (table, words), (told, runs, findings) = found, shown, said
-    rows = tuple(Row(label, kind, (numbers[key],)) for key, (kind, label) in quantities.items())
     whole = str(table.columns["part"].values[0])
     return Result(
         verb=verb,
@@ -180,7 +179,7 @@ def _result(
         left_out=LEFT_OUT,
         numbers=numbers_of(numbers, quantities),
         listings={
-            "found": Listing(title="", heads=("value",), rows=rows),
+            "found": listing_of(numbers, quantities),
             **quality_listings([run.name for run in runs], [run.solved for run in runs]),
         },
         tables={"parts": table},

@@ -28,7 +28,7 @@ from vvdp.cfd.rail_result import METHOD, Told
 from vvdp.cfd.state_table import QUALITY, approach, quality_listings
 from vvdp.numerics.least_squares import Fit, fit
 from vvdp.results.chart import Chart, Colour, Line, Lines
-from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Section, Table, numbers_of
+from vvdp.results.result import Column, Finding, Grade, Result, Section, Table, listing_of, numbers_of
 from vvdp.valve.geometry import jet_skews, port_shape
 from vvdp.valve.torque import inlet_torque
 
@@ -80,7 +80,6 @@ def period_result(run: PeriodRun, told: Told) -> Result:
     centre = run.order.centre
     table = _angles(run)
     numbers = _numbers(run, table)
-    rows = tuple(Row(label, kind, (numbers[key],)) for key, (kind, label) in QUANTITIES.items())
     return Result(
         verb=VERB,
         title="A PWM period of the turning spool",
@@ -98,7 +97,7 @@ def period_result(run: PeriodRun, told: Told) -> Result:
                   "The side of the tank, which is the mirror image half a pitch on."),
         numbers=numbers_of(numbers, QUANTITIES),
         listings={
-            "found": Listing(title="", heads=("value",), rows=rows), "lengths": centre_lengths(told),
+            "found": listing_of(numbers, QUANTITIES), "lengths": centre_lengths(told),
             **quality_listings(("end of the period",), (run.solved,)),
         },
         tables={"angles": table},

@@ -28,7 +28,7 @@ from vvdp.cfd.rail_study import RailRun
 from vvdp.cfd.state_table import QUALITY, approach, quality_listings, residual_findings
 from vvdp.geometry.result import origin_rows
 from vvdp.results.chart import Bars, Chart, Colour, Level, Line, Lines
-from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Section, Table, numbers_of
+from vvdp.results.result import Column, Finding, Grade, Listing, Result, Section, Table, listing_of, numbers_of
 from vvdp.valve.branch import turbulent_drops
 
 VERB = "cfd rail"
@@ -106,7 +106,7 @@ def rail_result(order: RailOrder, run: RailRun, told: Told) -> Result:
         left_out=LEFT_OUT,
         numbers=numbers_of(numbers, QUANTITIES),
         listings={
-            "found": _main_numbers(numbers),
+            "found": listing_of(numbers, QUANTITIES),
             "lengths": rail_lengths(told),
             **quality_listings(("rail",), (run.solved,)),
         },
@@ -167,11 +167,6 @@ def drop_columns(runs: Sequence[RailRun]) -> dict[str, Column]:
             for place, share in enumerate(shares.T)
         },
     }
-
-
-def _main_numbers(numbers: dict[str, float]) -> Listing:
-    rows = (Row(label, kind, (numbers[key],)) for key, (kind, label) in QUANTITIES.items())
-    return Listing(title="", heads=("value",), rows=tuple(rows))
 
 
 def rail_lengths(told: Told) -> Listing:

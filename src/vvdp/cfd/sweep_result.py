@@ -30,7 +30,7 @@ from vvdp.cfd.rail_study import RailRun
 from vvdp.cfd.state_table import QUALITY, approach, quality_listings, restless_findings, state_columns
 from vvdp.numerics.power_laws import DropLaws, drop_laws
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
-from vvdp.results.result import Column, Finding, Listing, Result, Row, Section, Table, numbers_of
+from vvdp.results.result import Column, Finding, Result, Section, Table, listing_of, numbers_of
 from vvdp.valve.branch import turbulent_drops
 
 VERB = "cfd sweep"
@@ -80,7 +80,7 @@ def sweep_result(order: RailOrder, runs: Sequence[RailRun], told: Told) -> Resul
         left_out=LEFT_OUT,
         numbers=numbers_of(numbers, QUANTITIES),
         listings={
-            "fits": _fits(numbers),
+            "fits": listing_of(numbers, QUANTITIES),
             "lengths": rail_lengths(told),
             **quality_listings([with_unit(flow, FLOW) for flow in flows.tolist()], [run.solved for run in runs]),
         },
@@ -146,11 +146,6 @@ def _numbers(order: RailOrder, runs: Sequence[RailRun], laws: DropLaws) -> dict[
         "cells": float(runs[0].solved.mesh.cells),
         "density_kg_m3": order.fluid.density,
     }
-
-
-def _fits(numbers: dict[str, float]) -> Listing:
-    rows = (Row(label, kind, (numbers[key],)) for key, (kind, label) in QUANTITIES.items())
-    return Listing(title="", heads=("value",), rows=tuple(rows))
 
 
 def _curve(order: RailOrder, sweep: Table, laws: DropLaws) -> Table:

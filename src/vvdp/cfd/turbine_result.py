@@ -26,7 +26,7 @@ from vvdp.cfd.turbine_study import TurbineRun
 from vvdp.geometry.result import origin_rows
 from vvdp.numerics.least_squares import Fit, fit
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
-from vvdp.results.result import Column, Finding, Listing, Result, Row, Section, Table, numbers_of
+from vvdp.results.result import Column, Finding, Listing, Result, Section, Table, listing_of, numbers_of
 from vvdp.valve.torque import outlet_torque
 
 VERB = "cfd turbine"
@@ -89,7 +89,7 @@ def turbine_result(runs: Sequence[TurbineRun], told: Told) -> Result:
                   "Leakage, cavitation, and the warming of the oil."),
         numbers=numbers_of(numbers, QUANTITIES),
         listings={
-            "fits": _fits(numbers), "lengths": turbine_lengths(told),
+            "fits": listing_of(numbers, QUANTITIES), "lengths": turbine_lengths(told),
             **quality_listings(_names(runs), [run.solved for run in runs]),
         },
         tables={"runs": table, "line": _line(order, speeds, line)},
@@ -166,11 +166,6 @@ def _over_square(table: Table, key: str) -> float:
     slowest = speeds == speeds.min()
     square = table["flow_m3_s"][slowest] ** 2
     return float(square @ table[key][slowest] / (square @ square))
-
-
-def _fits(numbers: dict[str, float]) -> Listing:
-    rows = (Row(label, kind, (numbers[key],)) for key, (kind, label) in QUANTITIES.items())
-    return Listing(title="", heads=("value",), rows=tuple(rows))
 
 
 def turbine_lengths(told: Told) -> Listing:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar
 
 import typer
 
-from vvdp.cli.engines import HERE, Cores, Engines, On, Sbatch, Workers
-from vvdp.cli.options import AsJson, NoReport, Restart, Settings, SystemName, parsed_option
+from vvdp.cli.engines import Resumable
+from vvdp.cli.options import Settings, SystemName, parsed_option
 from vvdp.cli.printing import show_result
 
 if TYPE_CHECKING:
@@ -77,17 +77,8 @@ class Method:
 
 
 @dataclass(frozen=True)
-class Work:
+class Work(Resumable):
     """Options: where a study is carried out, where it writes, and what is shown of it."""
-
-    cores: Cores = None
-    on: On = HERE
-    workers: Workers = None
-    sbatch: Sbatch = None
-    out: Path | None = None
-    force: Restart = False
-    json: AsJson = False
-    no_report: NoReport = False
 
     @contextmanager
     def place(self, verb: str, name: str) -> Iterator["Place"]:
@@ -95,8 +86,8 @@ class Work:
         from vvdp.cfd.series import SeriesStopped, make_place
         from vvdp.cli.screen import say
 
-        directory = self.out if self.out is not None else Path("results", f"cfd-{name}")
-        engine = Engines(self.on, self.workers, self.cores, self.sbatch).engine(directory)
+        directory = self.directory(f"cfd-{name}")
+        engine = self.engine(directory)
         make_place(directory, verb, force=self.force)
         try:
             with _progress() as hear:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
-from vvdp.cli.engines import HERE, Cores, Engines, On, Sbatch, Workers
+from vvdp.cli.engines import HERE, Spread
 from vvdp.cli.options import (
     AsJson,
     Force,
@@ -25,7 +25,6 @@ from vvdp.cli.printing import show_result, write_with_report
 if TYPE_CHECKING:
     from vvdp.comparison.contest import Titled
     from vvdp.results.result import Result, Table
-    from vvdp.studies.engine import Engine
     from vvdp.systems.displacement.duties import Duty
     from vvdp.systems.displacement.rival_circuits import RivalCircuit
 
@@ -44,25 +43,8 @@ Scenarios = Annotated[
 
 
 @dataclass(frozen=True)
-class Trials:
+class Trials(Spread):
     """Options of a comparison: where it writes, where its runs are carried out, what is shown."""
-
-    out: Path | None = None
-    force: Force = False
-    on: On = HERE
-    workers: Workers = None
-    cores: Cores = None
-    sbatch: Sbatch = None
-    json: AsJson = False
-    no_report: NoReport = False
-
-    def directory(self, name: str) -> Path:
-        """Where to write; without --out a new directory under `results` whose name begins with `name`."""
-        return self.out if self.out is not None else default_directory(name)
-
-    def engine(self, directory: Path) -> "Engine":
-        """The engine that the options name, see `Engines.engine`."""
-        return Engines(self.on, self.workers, self.cores, self.sbatch).engine(directory)
 
     def seconds(self, of_a_core: float) -> float:
         """Time after which one more run is done, each of so many seconds of a core [s]; 0, unknown, if not run here."""
@@ -307,7 +289,7 @@ class _Contest:
     note: str
     seconds_each: float = 0.0
     further: tuple[str, ...] = ()
-    more: "Callable[[Result], Mapping[str, Any]]" = lambda result: {}
+    more: "Callable[[Result], Mapping[str, object]]" = lambda result: {}
 
 
 def _carry_out(contest: _Contest, directory: Path, work: Trials) -> None:

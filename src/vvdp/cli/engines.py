@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vvdp.cli.options import AsJson, NoReport, Restart
+from vvdp.cli.options import Output, Restart
 
 if TYPE_CHECKING:
     from vvdp.studies.engine import Engine
@@ -88,17 +88,15 @@ class Engines:
 
 
 @dataclass(frozen=True)
-class Resumable:
+class Spread(Engines, Output):
     """Options of a command that runs many cases: where it writes, where they are run, what is shown."""
 
-    out: Path | None = None
-    on: On = HERE
-    workers: Workers = None
-    cores: Cores = None
-    sbatch: Sbatch = None
+
+@dataclass(frozen=True)
+class Resumable(Spread):
+    """The same for a command that keeps what an earlier call has finished."""
+
     force: Restart = False
-    json: AsJson = False
-    no_report: NoReport = False
 
     def directory(self, name: str) -> Path:
         """Where to write; without --out the directory under `results` that a call before has written to."""
@@ -110,7 +108,3 @@ class Resumable:
         from vvdp.simulation.crew import all_cores
 
         return (self.workers or 1) * (self.cores or (1 if self.workers else all_cores()))
-
-    def engine(self, directory: Path) -> "Engine":
-        """The engine that the options name, see `Engines.engine`."""
-        return Engines(self.on, self.workers, self.cores, self.sbatch).engine(directory)

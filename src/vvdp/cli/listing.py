@@ -145,7 +145,7 @@ def _shipped_systems(group: str) -> Iterator[tuple[str, str, str]]:
         yield name, _circuit(content), str(content.get("title", ""))
 
 
-def _circuit(content: Mapping[str, Any]) -> str:
+def _circuit(content: Mapping[str, object]) -> str:
     return str(content.get("circuit", "drawn"))
 
 

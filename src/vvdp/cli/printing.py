@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from vvdp.cli.screen import console, grid, print_json, tell, typed_command, warn
 
@@ -55,7 +55,7 @@ def show_result(
     json: bool,
     reported: bool,
     names: Sequence[str] | None = None,
-    more: Mapping[str, Any] = MappingProxyType({}),
+    more: Mapping[str, object] = MappingProxyType({}),
 ) -> None:
     """Prints a result that stands in `directory`: as one JSON object, or `names` and findings for a user.
 

@@ -9,15 +9,12 @@ import typer
 
 from vvdp.cli.map import Span, Spans, Temperatures, chosen_axes
 from vvdp.cli.options import (
-    AsJson,
     Cores,
-    Force,
-    NoReport,
+    Output,
     OwnCycles,
     Restart,
     RigCase,
     Verb,
-    default_directory,
     flat,
 )
 from vvdp.cli.printing import show_result, write_with_report
@@ -36,18 +33,10 @@ Steps = Annotated[
 
 
 @dataclass(frozen=True)
-class Work:
-    """Options: where a rig writes, how many cores it takes, what is shown."""
+class Work(Output):
+    """Options: where a rig writes, what is shown, how many cores it takes."""
 
-    out: Path | None = None
-    force: Force = False
     cores: Cores = None
-    json: AsJson = False
-    no_report: NoReport = False
-
-    def directory(self, name: str) -> Path:
-        """Where to write; without --out a new directory under `results` whose name begins with `name`."""
-        return self.out if self.out is not None else default_directory(name)
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,6 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from pathlib import Path
 from typing import NamedTuple
 
 from vvdp.base.errors import ParameterError, RunError
@@ -100,7 +99,6 @@ class _Plan:
 
     duties: Mapping[str, Duty]
     circuits: Mapping[str, RivalCircuit]
-    cache: Path | None
     say: Callable[[str], None] = field(compare=False)
 
 
@@ -112,7 +110,6 @@ def compare_circuits(
     engine: Engine = HERE,
     progress: Callable[[int, int], None] = silent,
     say: Callable[[str], None] = quiet,
-    cache: Path | None = None,
 ) -> CircuitComparison:
     """What every circuit comes to on every duty, all at one tracking error.
 
@@ -128,7 +125,7 @@ def compare_circuits(
     if error is not None and not error > 0.0:
         raise ParameterError(f"error: {1e3 * error:g} mm must be greater than 0")
     began = time.perf_counter()
-    plan = _Plan({each.name: each for each in duties}, {each.name: each for each in circuits}, cache, say)
+    plan = _Plan({each.name: each for each in duties}, {each.name: each for each in circuits}, say)
     pairs = [Pair(duty, circuit) for duty in plan.duties for circuit in plan.circuits]
     for pair in pairs:
         circuit, duty = plan.circuits[pair.circuit], plan.duties[pair.duty]
@@ -179,7 +176,6 @@ def _carried_out(
 def run_pair(
     circuit: RivalCircuit,
     duty: Duty,
-    cache: Path | None = None,
     rate: float = COMMON_RATE,
     begins: Sequence[float] = (),
 ) -> CircuitRun:
@@ -193,8 +189,8 @@ def run_pair(
     """
     parts = (duty,) if circuit.shares else duty.alone
     try:
-        starts = tuple(begins) or tuple(begin_of(circuit, each, cache) for each in parts)
-        runs = [_run_circuit(circuit, each, begin, rate, cache) for each, begin in zip(parts, starts, strict=True)]
+        starts = tuple(begins) or tuple(begin_of(circuit, each) for each in parts)
+        runs = [_run_circuit(circuit, each, begin, rate) for each, begin in zip(parts, starts, strict=True)]
     except RunError as problem:
         return CircuitRun(duty.name, circuit.name, None, None, str(problem))
     score = joint_score([score for score, _ in runs]) if len(runs) > 1 else runs[0][0]
@@ -202,22 +198,20 @@ def run_pair(
     return CircuitRun(duty.name, circuit.name, score, runs[0][1], tried=(attempt,), begins=starts)
 
 
-def _run_circuit(
-    circuit: RivalCircuit, duty: Duty, begin: float, rate: float, cache: Path | None
-) -> tuple[CircuitScore, CircuitTrace]:
+def _run_circuit(circuit: RivalCircuit, duty: Duty, begin: float, rate: float) -> tuple[CircuitScore, CircuitTrace]:
     """The score of a circuit on a duty that begins at `begin` [s], and its last round."""
     system = system_for(circuit, duty, begin, rate)
-    run = simulate(system.model, system.case, system.stepping, cache=cache)
+    run = simulate(system.model, system.case, system.stepping)
     refuse_unled(circuit, system, duty, run)
     return circuit_score(circuit, system, run, duty, begin), circuit_trace(system, run, duty, begin)
 
 
-def tuned_pair(circuit: RivalCircuit, duty: Duty, run: CircuitRun, wanted: float, cache: Path | None) -> CircuitRun:
+def tuned_pair(circuit: RivalCircuit, duty: Duty, run: CircuitRun, wanted: float) -> CircuitRun:
     """A run brought to the `wanted` rms error [m], or as close as its poles bring it."""
     runs = [run]
 
     def attempt(rate: float) -> Attempt | None:
-        found = run_pair(circuit, duty, cache, rate, run.begins)
+        found = run_pair(circuit, duty, rate, run.begins)
         if found.score is None:
             return None
         runs.append(found)
@@ -231,10 +225,10 @@ def tuned_pair(circuit: RivalCircuit, duty: Duty, run: CircuitRun, wanted: float
 def _runs(plan: _Plan, version: str, pairs: Sequence[Pair], cores: int) -> list[CircuitRun]:
     """What comes of some pairs, where they are run."""
     check_same(VERSION, version)
-    return [run_pair(plan.circuits[pair.circuit], plan.duties[pair.duty], plan.cache) for pair in pairs]
+    return [run_pair(plan.circuits[pair.circuit], plan.duties[pair.duty]) for pair in pairs]
 
 
 def _tune_pairs(plan: _Plan, version: str, wanted: float, runs: Sequence[CircuitRun], cores: int) -> list[CircuitRun]:
     """What comes of some runs at the wanted error, where they are run."""
     check_same(VERSION, version)
-    return [tuned_pair(plan.circuits[run.circuit], plan.duties[run.duty], run, wanted, plan.cache) for run in runs]
+    return [tuned_pair(plan.circuits[run.circuit], plan.duties[run.duty], run, wanted) for run in runs]

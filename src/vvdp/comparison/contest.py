@@ -39,7 +39,7 @@ class Ran(NamedTuple):
 
     scenario: str
     seed: int
-    scores: Mapping[str, Any]
+    scores: Mapping[str, object]
     traced: Any = None
 
 

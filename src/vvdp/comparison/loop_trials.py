@@ -5,7 +5,6 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
-from pathlib import Path
 
 import numpy as np
 
@@ -48,7 +47,6 @@ class _Plan:
     scenarios: Mapping[str, LoopScenario] = field(compare=False)
     controllers: Mapping[str, Controller] = field(compare=False)
     traced: str = field(compare=False)
-    cache: Path | None = field(compare=False)
     say: Callable[[str], None] = field(compare=False)
 
 
@@ -68,7 +66,6 @@ def compare_controllers(
     engine: Engine = HERE,
     progress: Callable[[int, int], None] = silent,
     say: Callable[[str], None] = quiet,
-    cache: Path | None = None,
 ) -> Contest:
     """What every controller scores in every scenario over `seeds` random runs.
 
@@ -85,7 +82,6 @@ def compare_controllers(
         scenarios=by_name,
         controllers={each.name: each for each in controllers},
         traced=SHOWN if SHOWN in by_name else scenarios[0].name,
-        cache=cache,
         say=say,
     )
     task = partial(_runs_done, replace(plan, say=quiet), _loops(plan).program)
@@ -108,7 +104,7 @@ def _loops(plan: _Plan) -> _Loops:
             control = controller.control(scenario)
             circuit = controlled_circuit(scenario.plant, control, scenario.known.loop(control))
             circuits[scenario.name, name] = circuit
-            ready = prepare(circuit.model, circuit.case, loop_stepping(scenario), plan.cache, _with_name(plan, name))
+            ready = prepare(circuit.model, circuit.case, loop_stepping(scenario), say=_with_name(plan, name))
             digests.append(ready.linked.digest)
     return _Loops(circuits, (VERSION, *digests))
 
@@ -149,7 +145,7 @@ def _scores(plan: _Plan, loops: _Loops, name: str, trials: Sequence[Trial], core
     cases = [seeded_case(loops.circuits[trial.scenario, name], trial.seed) for trial in trials]
     scenario = trials[0].scenario
     stepping = loop_stepping(plan.scenarios[scenario])
-    run = simulate_batch(loops.circuits[scenario, name].model, cases, stepping, cores=cores, cache=plan.cache)
+    run = simulate_batch(loops.circuits[scenario, name].model, cases, stepping, cores=cores)
     return [
         loop_score(tally_of(case, memories), reason is None)
         for case, memories, reason in zip(cases, run.final_memories, run.reasons, strict=True)
@@ -163,7 +159,7 @@ def _trace(plan: _Plan, loops: _Loops) -> TracedLoop:
     times = np.zeros(0)
     for name in plan.controllers:
         circuit = loops.circuits[plan.traced, name]
-        run = simulate(circuit.model, seeded_case(circuit, 0), loop_stepping(scenario), cache=plan.cache)
+        run = simulate(circuit.model, seeded_case(circuit, 0), loop_stepping(scenario))
         found = rows_under_control(run, scenario.period)
         times, errors[name] = found.times, found.true.position - found.reference.position
     return TracedLoop(plan.traced, times, errors)

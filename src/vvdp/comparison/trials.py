@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
-from pathlib import Path
 
 import numpy as np
 
@@ -54,7 +53,6 @@ class _Plan:
     scenarios: Mapping[str, Scenario] = field(compare=False)
     contenders: Sequence[Contender] = field(compare=False)
     traced: str = field(compare=False)
-    cache: Path | None = field(compare=False)
     say: Callable[[str], None] = field(compare=False)
 
 
@@ -117,7 +115,6 @@ def compare(
     engine: Engine = HERE,
     progress: Callable[[int, int], None] = silent,
     say: Callable[[str], None] = quiet,
-    cache: Path | None = None,
 ) -> Comparison:
     """What every contender scores in every scenario over `seeds` random runs.
 
@@ -130,9 +127,7 @@ def compare(
     began = time.perf_counter()
     traced = next((scenario for scenario in scenarios if scenario.motion.step), scenarios[0])
     by_name = {each.name: each for each in scenarios}
-    plan = _Plan(
-        name=secrets.token_hex(8), scenarios=by_name, contenders=contenders, traced=traced.name, cache=cache, say=say
-    )
+    plan = _Plan(name=secrets.token_hex(8), scenarios=by_name, contenders=contenders, traced=traced.name, say=say)
     compiled = _field(plan)
     costs = _costs(compiled, scenarios[0])  # before the runs: these would slow each other, and all is compiled then
     task = partial(_runs_done, replace(plan, say=quiet), compiled.program)
@@ -151,17 +146,14 @@ def compare(
 @lru_cache(maxsize=1)
 def _field(plan: _Plan) -> _Field:
     """A plan compiled, once in each process."""
-    cache, say, scenarios = plan.cache, plan.say, plan.scenarios
+    say, scenarios = plan.say, plan.scenarios
     loops = [each for each in plan.contenders if each.loop is not None]
     return _Field(
         contenders=plan.contenders,
-        encoders={
-            name: compiled_encoder(each, cache=cache, say=_with_name(say, "encoder"))
-            for name, each in scenarios.items()
-        },
-        steps={each.name: compiled_step(each, cache=cache, say=_with_name(say, each.name)) for each in plan.contenders},
+        encoders={name: compiled_encoder(each, say=_with_name(say, "encoder")) for name, each in scenarios.items()},
+        steps={each.name: compiled_step(each, say=_with_name(say, each.name)) for each in plan.contenders},
         loops={
-            (each.name, name): compiled_loop(each, scenario, cache=cache, say=_with_name(say, each.name))
+            (each.name, name): compiled_loop(each, scenario, say=_with_name(say, each.name))
             for each in loops
             for name, scenario in scenarios.items()
         },
@@ -178,26 +170,24 @@ def _with_name(say: Callable[[str], None], name: str) -> Callable[[str], None]:
     return say_name
 
 
-def compiled_encoder(scenario: Scenario, *, cache: Path | None = None, say: Callable[[str], None] = quiet) -> Replay:
+def compiled_encoder(scenario: Scenario, *, say: Callable[[str], None] = quiet) -> Replay:
     """The encoder of a scenario, compiled."""
     memory = encoder_start(scenario.encoder, 0.0, 0.0, 0.0)
-    return Replay(encoder_step, memory, Shaft(0.0, 0.0, 0.0), scenario.encoder, cache=cache, say=say)
+    return Replay(encoder_step, memory, Shaft(0.0, 0.0, 0.0), scenario.encoder, say=say)
 
 
-def compiled_step(contender: Contender, *, cache: Path | None = None, say: Callable[[str], None] = quiet) -> Replay:
+def compiled_step(contender: Contender, *, say: Callable[[str], None] = quiet) -> Replay:
     """The step of an estimator, compiled."""
-    return Replay(contender.step, contender.memory, contender.reading, contender.settings, cache=cache, say=say)
+    return Replay(contender.step, contender.memory, contender.reading, contender.settings, say=say)
 
 
-def compiled_loop(
-    contender: Contender, scenario: Scenario, *, cache: Path | None = None, say: Callable[[str], None] = quiet
-) -> Replay:
+def compiled_loop(contender: Contender, scenario: Scenario, *, say: Callable[[str], None] = quiet) -> Replay:
     """An estimator in a loop with the encoder of a scenario, compiled."""
     assert contender.loop is not None
     truth = Truth(np.zeros(1), np.zeros(1), np.zeros(1))
     memory = adapting_start(scenario, Record(0, truth, np.zeros((1, 5))), contender.settings)
     settings = AdaptingSettings(encoder=scenario.encoder, estimator=contender.settings)
-    return Replay(contender.loop, memory, Shaft(0.0, 0.0, 0.0), settings, cache=cache, say=say)
+    return Replay(contender.loop, memory, Shaft(0.0, 0.0, 0.0), settings, say=say)
 
 
 def _runs_done(plan: _Plan, program: tuple[str, ...], batch: Sequence[Trial], cores: int) -> list[Ran]:

@@ -89,19 +89,9 @@ def gas_accumulator(
     )
 
 
-def gas_accumulator_held(values: GasAccumulator) -> ChargeAmount:
-    """Amount of its gas."""
-    return charge_amount(values)
-
-
 def gas_accumulator_start(values: GasAccumulator) -> ChargeState:
     """Filled to its pressure at first, the gas as warm as the shell."""
     return charge_at_rest(values.start_pressure, values)
-
-
-def gas_accumulator_stored(state: ChargeState, oil: Oil, values: GasAccumulator) -> Stored:
-    """Gas and oil in it."""
-    return charge_stored(state, oil, values)
 
 
 def piston_accumulator(
@@ -126,11 +116,6 @@ def _behind(rod: RodState, state: PistonTemperature, values: PistonCharge) -> Ch
     """The gas behind the piston."""
     volume = values.gas_volume - values.piston_area * rod.position
     return ChargeState(values.gas_volume / volume, state.gas_temperature)
-
-
-def piston_accumulator_held(values: PistonCharge) -> ChargeAmount:
-    """Amount of its gas."""
-    return charge_amount(values)
 
 
 def piston_accumulator_start(values: PistonCharge) -> PistonTemperature:
@@ -178,14 +163,14 @@ def spring_accumulator_mass(values: SpringAccumulator) -> float:
 GAS_ACCUMULATOR = Component(
     gas_accumulator,
     symbol="accumulator",
-    held=gas_accumulator_held,
+    held=charge_amount,
     start=gas_accumulator_start,
-    stored=gas_accumulator_stored,
+    stored=charge_stored,
 )
 PISTON_ACCUMULATOR = Component(
     piston_accumulator,
     symbol="piston_accumulator",
-    held=piston_accumulator_held,
+    held=charge_amount,
     start=piston_accumulator_start,
     stored=piston_accumulator_stored,
     walls=piston_accumulator_walls,

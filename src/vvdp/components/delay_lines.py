@@ -6,7 +6,6 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.conservation import Stored
 from vvdp.base.kinds import NUMBER, Count, Energy, Flow, Fraction, Power, Time
 from vvdp.base.params import Params
 from vvdp.base.select import maximum
@@ -84,11 +83,6 @@ def delay_line_ends(
     return DelayFlows(-ends.a, -ends.b, ends.loss, ends.rates)
 
 
-def delay_line_stored(state: DelayState) -> Stored:
-    """Energy and oil on their way through the line."""
-    return delay_stored(state)
-
-
 def delay_start(settings: DelaySettings) -> DelayMemory:
     """The memory of a line before the first sample: the same wave everywhere, either way."""
     rows = int(settings.samples)
@@ -115,7 +109,7 @@ def delay_step(
     return DelayMemory(means=means, swings=swings, taken=float(taken), before=reading, begun=1.0), arriving
 
 
-DELAY_LINE_ENDS = Component(delay_line_ends, symbol="line", stored=delay_line_stored, offered=False)
+DELAY_LINE_ENDS = Component(delay_line_ends, symbol="line", stored=delay_stored, offered=False)
 WAVES = ProgramType(
     step=delay_step,
     reading=DelayReading,

@@ -84,11 +84,6 @@ def line(a: FluidState, b: FluidState, state: LineState, medium: Medium, values:
     return column_effect(a, b, state, medium, values)
 
 
-def line_stored(state: LineState, medium: Medium, values: Line) -> Stored:
-    """Kinetic energy of the line; what its oil stores is counted with the volumes at its ends."""
-    return column_stored(state, medium, values)
-
-
 def layered_effect(a: FluidState, b: FluidState, state: LayeredState, medium: Medium, line: RoundLine) -> LayeredEffect:
     """As `column_effect`, with wall friction that rises with frequency; see `layered_rate`."""
     return LayeredEffect(
@@ -109,5 +104,5 @@ def layered_column_stored(state: LayeredState, medium: Medium, values: Line) -> 
 
 
 COLUMN = Component(column, symbol="line", stored=column_stored)
-LINE = Component(line, symbol="line", stored=line_stored, walls=line_walls)
+LINE = Component(line, symbol="line", stored=column_stored, walls=line_walls)
 LAYERED_COLUMN = Component(layered_column, symbol="line", stored=layered_column_stored, offered=False)

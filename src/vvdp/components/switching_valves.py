@@ -198,44 +198,9 @@ def modulated_two_way_valve(
     return _two_way(a, b, pulse_value(t, duty_ratio, values.frequency), at_first, at_second, state, medium, values)
 
 
-def pulsed_switching_stop(t: float, values: PulsedThreeWayValve) -> float:
-    """The next edge [s] of the pulses of a three-way valve."""
-    return pulse_stop(t, values)
-
-
-def modulated_switching_stop(t: float, duty_ratio: Fraction, values: ModulatedThreeWayValve) -> float:
-    """The next edge [s] of the pulses of a three-way valve at the duty ratio that holds."""
+def modulated_stop(t: float, duty_ratio: Fraction, values: PulseClock) -> float:
+    """The next edge [s] of pulses at the duty ratio that holds."""
     return pulse_edge(t, duty_ratio, values.frequency)
-
-
-def pulsed_two_way_stop(t: float, values: PulsedTwoWayValve) -> float:
-    """The next edge [s] of the pulses of a two-way valve."""
-    return pulse_stop(t, values)
-
-
-def modulated_two_way_stop(t: float, duty_ratio: Fraction, values: ModulatedTwoWayValve) -> float:
-    """The next edge [s] of the pulses of a two-way valve at the duty ratio that holds."""
-    return pulse_edge(t, duty_ratio, values.frequency)
-
-
-def pulsed_switching_periods(t: float, values: PulsedThreeWayValve) -> float:
-    """Periods of the pulses of a three-way valve since t = 0 [1]."""
-    return pulse_periods(t, values)
-
-
-def modulated_switching_periods(t: float, values: ModulatedThreeWayValve) -> float:
-    """Periods of the pulses of a three-way valve since t = 0 [1]."""
-    return pulse_periods(t, values)
-
-
-def pulsed_two_way_periods(t: float, values: PulsedTwoWayValve) -> float:
-    """Periods of the pulses of a two-way valve since t = 0 [1]."""
-    return pulse_periods(t, values)
-
-
-def modulated_two_way_periods(t: float, values: ModulatedTwoWayValve) -> float:
-    """Periods of the pulses of a two-way valve since t = 0 [1]."""
-    return pulse_periods(t, values)
 
 
 def _three_way(
@@ -296,19 +261,19 @@ SWITCHING_VALVE = Component(switching_valve, symbol="switching_valve_3_2")
 PULSED_SWITCHING_VALVE = Component(
     pulsed_switching_valve,
     symbol="switching_valve_3_2",
-    stop=pulsed_switching_stop,
-    mark=pulsed_switching_periods,
+    stop=pulse_stop,
+    mark=pulse_periods,
 )
 MODULATED_SWITCHING_VALVE = Component(
     modulated_switching_valve,
     symbol="switching_valve_3_2",
-    stop=modulated_switching_stop,
-    mark=modulated_switching_periods,
+    stop=modulated_stop,
+    mark=pulse_periods,
 )
 TWO_WAY_VALVE = Component(two_way_valve, symbol="switching_valve_2_2")
 PULSED_TWO_WAY_VALVE = Component(
-    pulsed_two_way_valve, symbol="switching_valve_2_2", stop=pulsed_two_way_stop, mark=pulsed_two_way_periods
+    pulsed_two_way_valve, symbol="switching_valve_2_2", stop=pulse_stop, mark=pulse_periods
 )
 MODULATED_TWO_WAY_VALVE = Component(
-    modulated_two_way_valve, symbol="switching_valve_2_2", stop=modulated_two_way_stop, mark=modulated_two_way_periods
+    modulated_two_way_valve, symbol="switching_valve_2_2", stop=modulated_stop, mark=pulse_periods
 )

@@ -12,15 +12,17 @@ import numpy as np
 from vvdp.base.kinds import (
     Area,
     BulkModulus,
+    Compliance,
     FlowCoefficient,
     Kind,
     Mass,
+    Polytropic,
     Position,
     Pressure,
     ViscousFriction,
     Volume,
 )
-from vvdp.base.params import Params
+from vvdp.base.params import Params, field_values
 from vvdp.base.rules import POSITIVE, field_text, refuse, require_less, require_positive
 from vvdp.base.select import clip, maximum, select
 from vvdp.hydraulics.volume import Vessel, wall_capacity
@@ -41,25 +43,37 @@ class SupplyLine(Vessel):
             refuse(self, "precharge_pressure", f"must be greater than 0 bara with a gas_volume of {gas}")
 
 
-class CylinderModel(Params):
-    """What a controller believes of cylinder, load, line and return valve: m x'' = F_H - b x' + F_L.
+class CylinderBelief(Params):
+    """What a controller believes of the oil, the load and the return valve of a cylinder: m x'' = F_H - b x' + F_L.
 
     `oil_volume_a` and `oil_volume_b` are those of the chambers with their hoses at position 0; chamber a grows with
-    the position. `return_conductance` is K_v of the return valve, fully open. `reference_pressure` acts on the rod.
-    Raises `ParameterError` where an area, the mass, the return valve or a volume within `stroke` is not above 0.
+    the position. `return_conductance` is K_v of the return valve, fully open.
     """
 
-    area_a: Area
-    area_b: Area
     oil_volume_a: Volume
     oil_volume_b: Volume
-    lowest_position: Position
-    highest_position: Position
     moving_mass: Mass
     viscous_friction: ViscousFriction
     bulk_modulus: BulkModulus
-    line: SupplyLine
     return_conductance: FlowCoefficient
+
+
+class CylinderEnds(Params):
+    """Areas of a cylinder on its sides a and b, and the positions of its ends."""
+
+    area_a: Area
+    area_b: Area
+    lowest_position: Position
+    highest_position: Position
+
+
+class CylinderModel(CylinderBelief, CylinderEnds):
+    """A cylinder as its controller believes it, with the line to it. `reference_pressure` acts on the rod.
+
+    Raises `ParameterError` where an area, the mass, the return valve or a volume within `stroke` is not above 0.
+    """
+
+    line: SupplyLine
     tank_pressure: Pressure
     reference_pressure: Pressure = 101325.0
 
@@ -72,6 +86,29 @@ class CylinderModel(Params):
             if not volume > 0.0:
                 left = f"{1e6 * volume:g} cc"
                 refuse(self, name, f"is too little: the chamber has {left} at the end of the stroke, which {POSITIVE}")
+
+
+class LineBelief(Params):
+    """What a controller believes of the line from pump to directional valve, with its accumulator."""
+
+    line_volume: Volume
+    hose_compliance: Compliance
+    gas_volume: Volume
+    precharge_pressure: Pressure
+    gas_exponent: Polytropic
+
+
+def cylinder_model(belief: CylinderBelief, ends: CylinderEnds, line: LineBelief, tank_pressure: float) -> CylinderModel:
+    """The cylinder of a controller, from its tables.  tank_pressure: absolute [Pa]. Raises ParameterError."""
+    known = field_values(CylinderBelief, belief) | field_values(CylinderEnds, ends)
+    supply_line = SupplyLine(
+        oil_volume=line.line_volume,
+        hose_compliance=line.hose_compliance,
+        gas_volume=line.gas_volume,
+        precharge_pressure=line.precharge_pressure,
+        gas_exponent=line.gas_exponent,
+    )
+    return CylinderModel(line=supply_line, tank_pressure=tank_pressure, **known)
 
 
 class CircuitPressures(NamedTuple):

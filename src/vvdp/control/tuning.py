@@ -1,4 +1,4 @@
-"""Gains from poles, and what is certain of gains: certificates of both pressure laws, limits of the sample period.
+"""What is certain of gains: certificates of both pressure laws, limits of the sample period.
 
 Source  ours, docs/models/passivity-control.md, where a function names no other.
 """
@@ -8,10 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
 from vvdp.control.backstepping import BacksteppingGains
 from vvdp.control.chamber import ChamberDrive, PositionGains, desired_rate_sensitivities
-from vvdp.control.feedforward_pi import FeedforwardPI
 from vvdp.control.passivity import PassivityGains, held_gain
 
 
@@ -154,52 +152,4 @@ def sampling_warning(limits: SamplingLimits, period: float) -> str:
     return (
         f"{loop}; sampled every {1e3 * period:.3g} ms it will limit-cycle: "
         f"its limit is {1e3 * limits.limit:.3g} ms, {1e3 * limits.recommended:.3g} ms is advised"
-    )
-
-
-def pi_of_poles(natural_rate: float, damping_ratio: float, area: float, flows: tuple[float, float]) -> FeedforwardPI:
-    """The gerotor drive's gains for s^2 + 2 zeta w s + w^2.
-
-    natural_rate   w [1/s]
-    damping_ratio  zeta; above 1 for two real poles [1]
-    area           that the flow moves [m^2]
-    flows          the least and the greatest that the drive delivers [m^3/s]
-    """
-    return FeedforwardPI(
-        area=area,
-        proportional_rate=2.0 * damping_ratio * natural_rate,
-        integral_rate=natural_rate**2,
-        lowest_flow=flows[0],
-        highest_flow=flows[1],
-    )
-
-
-def passivity_gains_of_poles(
-    natural_rate: float, damping_ratio: float, error_rate: float, pressure_rate: float, drive: ChamberDrive
-) -> PassivityGains:
-    """Gains with which the position error fades as s^2 + 2 zeta w s + w^2, the pressure error with a rate of its own.
-
-    M s^2 + (M l + K_v) s + K + K_p + l K_v is to be M times that: K_v = M (2 zeta w - l), K_p = M w^2 - K - l K_v.
-    Raises `ParameterError` where K_v would not be above 0, or K + K_p, which the storage needs above 0, is not.
-
-    natural_rate   w [1/s]
-    damping_ratio  zeta [1]
-    error_rate     l = lambda_p [1/s]
-    pressure_rate  lambda_3 beta/V [1/s]
-    """
-    M, K, l = drive.moving_mass, drive.stiffness, error_rate
-    velocity_gain = M * (2.0 * damping_ratio * natural_rate - l)
-    position_gain = M * natural_rate**2 - K - l * velocity_gain
-    if not velocity_gain > 0.0:
-        raise ParameterError(
-            f"error_rate: {l:g} 1/s must be less than 2 zeta w = {2.0 * damping_ratio * natural_rate:.4g} 1/s, or the "
-            f"velocity gain is {velocity_gain:.3g} N*s/m"
-        )
-    if position_gain < 0.0:
-        raise ParameterError(
-            f"natural_rate: {natural_rate:g} 1/s must be at least {((K + l * velocity_gain) / M) ** 0.5:.4g} 1/s, or "
-            f"the position gain acts against the spring, {position_gain:.4g} N/m"
-        )
-    return PassivityGains(
-        error_rate=l, position_gain=position_gain, velocity_gain=velocity_gain, pressure_rate=pressure_rate
     )

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -87,7 +86,6 @@ def levers(
     *,
     simulated: bool = True,
     cores: int | None = None,
-    cache: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
     say: Callable[[str], None] = quiet,
 ) -> tuple[Pulled, ...]:
@@ -108,7 +106,7 @@ def levers(
         found.append(_best(system, lever, points))
         if progress:
             progress(len(found), len(LEVERS))
-    return _simulate(system, found, cores, cache, say) if simulated else tuple(found)
+    return _simulate(system, found, cores, say) if simulated else tuple(found)
 
 
 def valve_loss(q: Quantities) -> float:
@@ -212,7 +210,7 @@ def _solve(
 
 
 def _simulate(
-    system: System, found: Sequence[Pulled], cores: int | None, cache: Path | None, say: Callable[[str], None]
+    system: System, found: Sequence[Pulled], cores: int | None, say: Callable[[str], None]
 ) -> tuple[Pulled, ...]:
     """The same with the periodic states of every lever at every load, in stiff oil and in the oil as it is; those of
     one circuit together."""
@@ -226,7 +224,7 @@ def _simulate(
                 for at in each.points:
                     point = held.set_point._replace(load_pressure=at.load_pressure)
                     pairs.append((_changed_stand(held, each, at, oil), point))
-        states = steady_states(pairs, cores=cores, cache=cache, say=say)
+        states = steady_states(pairs, cores=cores, say=say)
         size = len(LOAD_SHARES)
         parts = [tuple(states[k : k + size]) for k in range(0, len(states), size)]
         for each, stiff, real in zip(alike, parts[::2], parts[1::2], strict=True):

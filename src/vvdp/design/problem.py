@@ -184,7 +184,7 @@ class Problem:
         """The same with two sides for each limit that is exact."""
         return replace(self, limits=tuple(side for limit in self.limits for side in limit.sides))
 
-    def evaluate(self, values: Mapping[str, Any]) -> list[Quantities]:
+    def evaluate(self, values: Mapping[str, object]) -> list[Quantities]:
         """The quantities at every point with the variables at `values` [SI]."""
         return [quantities(with_variables(point.setup, values)) for point in self.points]
 
@@ -460,7 +460,7 @@ def cycle_points(path: Path, system: System, faults: list[Fault]) -> list[tuple[
     return found
 
 
-def _dotted_key(row: Mapping[str, Any]) -> dict[str, Any]:
+def _dotted_key(row: Mapping[str, object]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for key, value in row.items():
         if isinstance(value, Mapping):

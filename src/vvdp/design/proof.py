@@ -60,7 +60,7 @@ class Proof:
 
     design: str
     point: int
-    found: Mapping[str, Any]
+    found: Mapping[str, float | bool]
     failure: str = ""
 
 
@@ -181,7 +181,7 @@ def _apart(label: str, kind: Kind, simulated: float, analytic: float) -> list[st
     ]
 
 
-def _not_settled(found: Mapping[str, Any]) -> list[str]:
+def _not_settled(found: Mapping[str, float | bool]) -> list[str]:
     told = []
     if not found["settled"]:
         told.append("the simulation has not settled: its means are still changing, a longer run.until may help")
@@ -226,7 +226,7 @@ def simulated_designs(
     """All `designs` simulated at every operating point, a batch for each point."""
     if not designs:
         return ()
-    by_point: list[list[Mapping[str, Any]]] = []
+    by_point: list[list[Mapping[str, object]]] = []
     for point in problem.points:
         systems = [optimum_system(problem, values, point.system) for values in designs]
         first = systems[0]

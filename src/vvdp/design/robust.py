@@ -43,7 +43,7 @@ class Scenario:
     """What a design meets: its weight, values around the valve as text, and draws of what spreads [SI] by setting."""
 
     weight: float
-    settings: Mapping[str, Any]
+    settings: Mapping[str, object]
     draws: Mapping[str, float]
 
 
@@ -172,7 +172,6 @@ class Runs(NamedTuple):
     engine: Engine = HERE
     progress: Callable[[int, int], None] = silent
     say: Callable[[str], None] = quiet
-    cache: Path | None = None
 
 
 def robust(asked: Problem, met: Sequence[Scenario], taken: Sequence[Spread], effort: Effort, runs: Runs) -> Robust:
@@ -222,14 +221,13 @@ class _Trials:
     def simulate(self, designs: Sequence[Mapping[str, float]]) -> list[Candidate]:
         """The designs as candidates, not yet judged; fewer where it was interrupted."""
         cases = [self.case(values, each) for values in designs for each in self.met]
-        directory, engine, progress, say, cache = self.kept
+        directory, engine, progress, say = self.kept
         results = run_study(
             Study(self.asked.system, cases, OUTPUTS),
             directory,
             engine=engine,
             progress=lambda done, _: progress(self.wanted + done, self.all),
             say=say,
-            cache=cache,
         )
         self.runs += results.ran
         self.wanted += len(cases)

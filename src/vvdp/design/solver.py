@@ -206,7 +206,7 @@ def row_of(matrix: Any) -> Array:
     return found
 
 
-def valve_of(problem: Problem, values: Mapping[str, Any]) -> Any:
+def valve_of(problem: Problem, values: Mapping[str, object]) -> Any:
     """The valve with the variables at `values` [SI], which may be arrays or symbols."""
     return with_variables(problem.points[0].setup, values).valve
 

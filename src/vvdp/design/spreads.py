@@ -173,7 +173,7 @@ def _ends(kind: Kind, match: re.Match[str]) -> tuple[float, float]:
     return low, high
 
 
-def with_inputs(at: Setup, values: Mapping[str, Any]) -> Setup:
+def with_inputs(at: Setup, values: Mapping[str, object]) -> Setup:
     """`at` with values [SI] by setting, which may be arrays; those that closed forms do not know are left out.
 
     A viscosity is that at 40 degC and carries the one at 100 degC along.

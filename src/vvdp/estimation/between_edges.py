@@ -121,15 +121,8 @@ def doubtful(heard: Heard, other: AngleSpeed, odds: float) -> Heard:
 
 def blur(heard: Heard, angle_variance: float, speed_variance: float) -> Heard:
     """What is believed where angle and speed have these variances more [rad^2, rad^2/s^2]."""
-    return Heard(
-        angle=heard.angle,
-        speed=heard.speed,
-        angle_variance=heard.angle_variance + angle_variance,
-        speed_variance=heard.speed_variance + speed_variance,
-        standstill=heard.standstill,
-        halt=heard.halt,
-        backward=heard.backward,
-        missing_odds=heard.missing_odds,
+    return heard._replace(
+        angle_variance=heard.angle_variance + angle_variance, speed_variance=heard.speed_variance + speed_variance
     )
 
 

@@ -20,7 +20,7 @@ from vvdp.estimation.association import sector
 from vvdp.estimation.between_edges import believed_at, heard_plainly, inflate
 from vvdp.estimation.estimator import Estimate, to_estimate
 from vvdp.estimation.event_filter import after_edge, after_expected_edge
-from vvdp.estimation.event_memory import EventFilterMemory, LastEdge, Manoeuvre, Tally, event_filter_start
+from vvdp.estimation.event_memory import EventFilterMemory, LastEdge, event_filter_start
 from vvdp.estimation.event_settings import EventFilter
 from vvdp.estimation.expected_edge import edge_angle_variance, expected_at
 from vvdp.estimation.silence import Heard
@@ -312,7 +312,7 @@ def _after_encoder(memory: FusionMemory, encoder: Reading, settings: Fusion) -> 
         after, innovation, deviation = after_edge(before, encoder, settings.filter)
     if not deviation > 0.0:
         m = memory
-        still = FusionMemory(filter=after, mean=m.mean, covariance=m.covariance, doubts=m.doubts)
+        still = m._replace(filter=after)
         return still, innovation, deviation
     S = deviation * deviation
     R = edge_angle_variance(before.belief.speed, encoder.edge_interval, settings.filter)
@@ -430,26 +430,11 @@ def _counted_on(memory: EventFilterMemory, settings: EventFilter) -> EventFilter
     m, wheel = memory, settings.wheel
     edge = maximum(edge_below(m.belief.angle - 0.5 * sector(wheel), wheel), m.last.number)
     ago = (m.belief.angle - edge_angle(edge, wheel)) / maximum(m.belief.speed, settings.lowest_speed)
-    tally = Tally(
-        started=m.tally.started,
-        associating=m.tally.associating,
-        ignored=0.0,
-        missed_edges=m.tally.missed_edges + maximum(edge - m.last.number - m.tally.ignored, 0.0),
-        irregular=m.tally.irregular,
-        watched=m.tally.watched,
+    tally = m.tally._replace(
+        ignored=0.0, missed_edges=m.tally.missed_edges + maximum(edge - m.last.number - m.tally.ignored, 0.0)
     )
     last = LastEdge(edge, maximum(m.time - ago, m.last.time))
-    return EventFilterMemory(
-        time=m.time,
-        belief=m.belief,
-        ripple=m.ripple,
-        last=last,
-        tally=tally,
-        manoeuvre=m.manoeuvre,
-        search=m.search,
-        doubt=m.doubt,
-        slip=m.slip,
-    )
+    return m._replace(last=last, tally=tally)
 
 
 def _belief(mean: Array, covariance: Array) -> AngleSpeed:
@@ -458,15 +443,5 @@ def _belief(mean: Array, covariance: Array) -> AngleSpeed:
 
 def _believing(memory: EventFilterMemory, time: float, belief: AngleSpeed, density: float) -> EventFilterMemory:
     m = memory
-    manoeuvre = Manoeuvre(density=density, unrest=m.manoeuvre.unrest, rise=m.manoeuvre.rise, fall=m.manoeuvre.fall)
-    return EventFilterMemory(
-        time=time,
-        belief=belief,
-        ripple=m.ripple,
-        last=m.last,
-        tally=m.tally,
-        manoeuvre=manoeuvre,
-        search=m.search,
-        doubt=m.doubt,
-        slip=m.slip,
-    )
+    manoeuvre = m.manoeuvre._replace(density=density)
+    return m._replace(time=time, belief=belief, manoeuvre=manoeuvre)

@@ -129,15 +129,7 @@ def index_after_edge(
     numbers[slot], times[slot] = number, time
     start = memory.turn_start if memory.turn_start > -np.inf else number
     if number - start < n or present < 4.0:
-        waiting = IndexMemory(
-            numbers=numbers,
-            times=times,
-            evidence=memory.evidence,
-            turn_start=start,
-            verdict=memory.verdict,
-            turns=memory.turns,
-            found=memory.found,
-        )
+        waiting = memory._replace(numbers=numbers, times=times, turn_start=start)
         return Shift(waiting, 0.0, 0.0)
 
     step = 1 if polarity == 0.0 else 2

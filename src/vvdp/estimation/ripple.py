@@ -56,33 +56,18 @@ def ripple_start(variance: float) -> Ripple:
 def predict_ripple(ripple: Ripple, duration: float, drift: float) -> Ripple:
     """The belief after `duration` [s]; the angle moves with the speed, and a and b drift with the density [1/s]."""
     r, h = ripple, duration
-    return Ripple(
-        cosine=r.cosine,
-        sine=r.sine,
+    return r._replace(
         cosine_variance=r.cosine_variance + drift * h,
-        cross=r.cross,
         sine_variance=r.sine_variance + drift * h,
         angle_cosine=r.angle_cosine + h * r.speed_cosine,
         angle_sine=r.angle_sine + h * r.speed_sine,
-        speed_cosine=r.speed_cosine,
-        speed_sine=r.speed_sine,
     )
 
 
 def without_covariance(ripple: Ripple) -> Ripple:
     """The ripple beside a belief about the course that begins again."""
     r = ripple
-    return Ripple(
-        cosine=r.cosine,
-        sine=r.sine,
-        cosine_variance=r.cosine_variance,
-        cross=r.cross,
-        sine_variance=r.sine_variance,
-        angle_cosine=0.0,
-        angle_sine=0.0,
-        speed_cosine=0.0,
-        speed_sine=0.0,
-    )
+    return r._replace(angle_cosine=0.0, angle_sine=0.0, speed_cosine=0.0, speed_sine=0.0)
 
 
 def place_of(angle: float, order: float) -> Place:

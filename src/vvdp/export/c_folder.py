@@ -45,7 +45,7 @@ class Exported(NamedTuple):
 
     name: str
     files: Mapping[str, str]
-    facts: Mapping[str, Any]
+    facts: Mapping[str, object]
 
 
 def exported_folder(system: System, part: str, samples: int, say: Callable[[str], None] = quiet) -> Exported:

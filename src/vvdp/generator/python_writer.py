@@ -27,7 +27,7 @@ def write_python(module: tree.Module) -> str:
     return "\n\n\n".join(["\n".join(lines), *(_function(each) for each in module.functions)]).lstrip() + "\n"
 
 
-def run_python(module: tree.Module, symbols: Mapping[str, Any] | None = None) -> dict[str, Callable[..., Any]]:
+def run_python(module: tree.Module, symbols: Mapping[str, object] | None = None) -> dict[str, Callable[..., Any]]:
     """The entries of a module, written as Python and run by CPython. They take NumPy's floats.
 
     symbols  functions of other modules by their names

@@ -49,7 +49,7 @@ class Source:
     name: str
     node: ast.FunctionDef
     file: str
-    names: Mapping[str, Any]
+    names: Mapping[str, object]
 
 
 def read_source(function: Any) -> Source:

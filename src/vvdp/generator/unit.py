@@ -75,7 +75,7 @@ class Unit:
         except TypeError:
             return function
 
-    def call(self, body: Body, function: Any, values: Sequence[Any], given: Mapping[str, Any]) -> Any:
+    def call(self, body: Body, function: Any, values: Sequence[Any], given: Mapping[str, object]) -> Any:
         """What a call of a plain function gives."""
         source = read_source(function)
         arguments = _in_order(source.function, values, given)
@@ -177,7 +177,7 @@ def _parameters(function: types.FunctionType) -> tuple[str, ...]:
     return code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
 
 
-def _in_order(function: types.FunctionType, values: Sequence[Any], given: Mapping[str, Any]) -> list[Any]:
+def _in_order(function: types.FunctionType, values: Sequence[Any], given: Mapping[str, object]) -> list[Any]:
     """The arguments of a call in the order of the parameters, defaults included."""
     names = _parameters(function)
     positional = function.__code__.co_argcount

@@ -40,7 +40,9 @@ def prototype_table() -> Table:
     return parsed_table(text, "prototype.toml")
 
 
-def read_shape(valve: RotaryValve, given: Mapping[str, Any], origin: Table, faults: list[Fault]) -> SourcedShape | None:
+def read_shape(
+    valve: RotaryValve, given: Mapping[str, object], origin: Table, faults: list[Fault]
+) -> SourcedShape | None:
     """The shape for a valve, makeable or not: values `given` as a table holds them, all others as shipped.
 
     Shipped lengths are in proportion to the spool radius. Faults are appended; the shape is None where there are any.
@@ -63,7 +65,7 @@ def _scale(row: Sourced, factor: float) -> Sourced:
 
 
 def valve_shape(
-    valve: RotaryValve, given: Mapping[str, Any] | None = None, origin: Table | None = None
+    valve: RotaryValve, given: Mapping[str, object] | None = None, origin: Table | None = None
 ) -> SourcedShape:
     """The shape for a valve as `read_shape` has it. Raises ConfigError with all faults, and where none can be made."""
     faults: list[Fault] = []
@@ -77,7 +79,7 @@ def valve_shape(
 
 
 def given_shape(
-    valve: RotaryValve, file: str | None, settings: Sequence[str], own: Mapping[str, Any] | None = None
+    valve: RotaryValve, file: str | None, settings: Sequence[str], own: Mapping[str, object] | None = None
 ) -> SourcedShape:
     """The shape for a valve: its `own` table, over it a shape by shipped name or path, over it `geometry.key=value`.
 

@@ -5,7 +5,7 @@ Source  ours, docs/models/components.md, where a function names no other.
 
 from vvdp.base.kinds import Ratio
 from vvdp.base.select import maximum
-from vvdp.hydraulics.check_valve import CheckValve, check_opening
+from vvdp.hydraulics.check_valve import CheckValve
 
 
 class PilotCheckValve(CheckValve):
@@ -36,12 +36,3 @@ def closing_drop(pressure_drop: float, pilot_difference: float, valve: PilotChec
     """
     push: float = maximum(pilot_difference, 0.0)
     return pressure_drop - valve.pilot_ratio * push
-
-
-def pilot_check_opening(pressure_drop: float, pilot_difference: float, valve: PilotCheckValve) -> float:
-    """Static opening of a pilot-operated check valve [1]; see `check_opening`.
-
-    pressure_drop     inlet less outlet [Pa]
-    pilot_difference  pilot less inlet [Pa]
-    """
-    return check_opening(lifting_drop(pressure_drop, pilot_difference, valve), valve)

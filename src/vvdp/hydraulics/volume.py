@@ -44,7 +44,6 @@ class Vessel(Params):
 def pressure_rate(
     net_flow: float,
     volume_rate: float,
-    pressure: float,
     fluid: FluidState,
     vessel: Vessel,
     reference_pressure: float,
@@ -56,7 +55,6 @@ def pressure_rate(
 
     net_flow            sum of the flows in [tank volumes, m^3/s]
     volume_rate         dV/dt of a moving wall, the rate of `swept_volume` [m^3/s]
-    pressure            absolute [Pa]
     reference_pressure  of the oil, absolute [Pa]
     swept_volume        what a moving wall adds to the vessel [m^3]
 
@@ -65,9 +63,10 @@ def pressure_rate(
     >>> vessel = Vessel(
     ...     oil_volume=1e-3, hose_compliance=0.0, gas_volume=0.0, precharge_pressure=0.0, gas_exponent=1.2
     ... )
-    >>> print(round(pressure_rate(1e-4, 0.0, 1e5, FluidState(1e5, 1.0, 1.4e9, 0.0), vessel, 1e5) / 1e5))  # bar/s
+    >>> print(round(pressure_rate(1e-4, 0.0, FluidState(1e5, 1.0, 1.4e9, 0.0), vessel, 1e5) / 1e5))  # bar/s
     1400
     """
+    pressure = fluid.pressure
     gas = gas_volume(pressure, vessel)
     V = oil_beside(gas, pressure, vessel, reference_pressure) + swept_volume
     capacity = V / fluid.bulk_modulus + capacity_beside(gas, pressure, vessel)

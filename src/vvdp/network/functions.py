@@ -122,7 +122,7 @@ class Functions:
                 reference = f"{self.places.path(node.oil)}.reference_pressure"
                 values = self.places.path(node.values)
                 ends = f"{values}, {reference}" + (f", {swept}" if swept else "")
-                return f"{self.text.use(pressure_rate)}({inflow}, {rate}, {name}.pressure, {name}, {ends})"
+                return f"{self.text.use(pressure_rate)}({inflow}, {rate}, {name}, {ends})"
             case DrivenShaft() if name in self.places.turning:
                 return f"{name}.speed"
             case Shaft():

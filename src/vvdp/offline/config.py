@@ -151,7 +151,7 @@ class _Given:
 
     table: Table
     names: Mapping[str, str]
-    entries: Mapping[str, Mapping[str, Any]]
+    entries: Mapping[str, Mapping[str, object]]
     values: Mapping[str, dict[str, Any]]
     faults: list[Fault]
 

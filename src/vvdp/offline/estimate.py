@@ -109,7 +109,7 @@ def estimate(
     *,
     progress: Callable[[float], None] = lambda done: None,
     say: Callable[[str], None] = quiet,
-    more: Mapping[str, Any] | None = None,
+    more: Mapping[str, object] | None = None,
 ) -> Result:
     """Runs an estimation over a log, writes all of it into `folder`, and gives the result.
 

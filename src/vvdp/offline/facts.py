@@ -87,7 +87,7 @@ def _samples_per_sector(sums: Sums) -> float:
     return TURN / tally.sectors / speed / tally.period if tally.period and speed > 0.0 else np.nan
 
 
-def wheel_facts(found: Mapping[str, Any], sums: Sums, wanted: Estimation) -> dict[str, Any]:
+def wheel_facts(found: Mapping[str, object], sums: Sums, wanted: Estimation) -> dict[str, Any]:
     """Which wheel it was, which way it turned, aliases."""
     verdict, tally, index_found = sums.tally.verdict, sums.tally, found["index_found"]
     if verdict is None:
@@ -159,7 +159,7 @@ def clock_facts(told: Explained | None, wanted: Estimation, log: Log) -> dict[st
     }
 
 
-def record_facts(found: Mapping[str, Any], sums: Sums, wanted: Estimation) -> dict[str, Any]:
+def record_facts(found: Mapping[str, object], sums: Sums, wanted: Estimation) -> dict[str, Any]:
     """The course of the record, its samples and edges, its pressure."""
     tally, rows, pace = sums.tally, sums.rows, sums.rows.pace.mean
     again = tally.pieces > 1 + tally.backward + len(tally.reversals)

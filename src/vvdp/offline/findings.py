@@ -1,7 +1,7 @@
 """Findings of a record: which fact of `facts` is reported, and the sentence in which."""
 
 from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from vvdp.logs.channel import Log
 from vvdp.offline.config import Estimation
@@ -225,7 +225,7 @@ NO_RESULT = (
 GRANTED = (Rule("remarks", "Taken for granted", "{it}.", "Nothing to do, if that is right."),)
 
 
-def tell(rules: tuple[Rule, ...], facts: Mapping[str, Any]) -> Iterator[Finding]:
+def tell(rules: tuple[Rule, ...], facts: Mapping[str, object]) -> Iterator[Finding]:
     """The findings of those `rules` whose fact holds."""
     for rule in rules:
         fact = facts.get(rule.fact)
@@ -240,7 +240,7 @@ def explain_no_result(tally: Tally, wanted: Estimation) -> str:
     return f"{told.text}; {told.remedy}" if told.remedy else told.text
 
 
-def findings(found: Mapping[str, Any], sums: Sums, wanted: Estimation, log: Log) -> tuple[Finding, ...]:
+def findings(found: Mapping[str, object], sums: Sums, wanted: Estimation, log: Log) -> tuple[Finding, ...]:
     """What is wrong with the record or in doubt, gravest first."""
     best = sums.explained
     clock = [*tell(CLOCK, clock_facts(best, wanted, log))]

@@ -174,7 +174,7 @@ def flow_deviation(found: Controlled, law: ExactLaw) -> Array:
     return np.hypot(by_position, by_velocity)
 
 
-def control_merits(found: Mapping[str, Any]) -> Iterator[str]:
+def control_merits(found: Mapping[str, float | bool]) -> Iterator[str]:
     """That the storage never rose, where that is so."""
     if found.get("storage_rises") == 0.0:
         yield (
@@ -183,7 +183,7 @@ def control_merits(found: Mapping[str, Any]) -> Iterator[str]:
         )
 
 
-def control_warnings(law: ExactLaw, position: float, period: float, found: Mapping[str, Any]) -> Iterator[str]:
+def control_warnings(law: ExactLaw, position: float, period: float, found: Mapping[str, float | bool]) -> Iterator[str]:
     """What limits the control, a sentence each: a pressure loop too fast for its samples where the oil is stiffest, at
     the highest `position` [m] that is asked for; and a storage that rose. `period` of the samples [s]."""
     gains, drive = law.gains, law.drive

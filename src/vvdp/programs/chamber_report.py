@@ -108,7 +108,7 @@ class ChamberLawReport(SpoolReport):
             numbers |= reach_numbers(self.law.drive, self.helix_length)
         return {key: value for key, value in numbers.items() if np.isfinite(value)}
 
-    def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
+    def warnings(self, found: Mapping[str, float | bool]) -> Iterator[str]:
         """What limits the control, and a storage that rose."""
         if self.law is None:
             return
@@ -116,7 +116,7 @@ class ChamberLawReport(SpoolReport):
         highest = found.get(f"position_max_{self.spool.rpartition('.')[0]}_m", reach)
         yield from control_warnings(self.law, highest, self.period, found)
 
-    def merits(self, found: Mapping[str, Any]) -> Iterator[str]:
+    def merits(self, found: Mapping[str, float | bool]) -> Iterator[str]:
         """A storage that never rose."""
         yield from control_merits(found)
 

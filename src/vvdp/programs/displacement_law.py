@@ -3,30 +3,31 @@
 Source  ours, docs/models/displacement-control.md
 """
 
-from typing import Any, NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar
 
 from vvdp.base.kinds import (
-    Area,
-    BulkModulus,
     Compliance,
     Flow,
-    FlowCoefficient,
     Force,
     Fraction,
-    Mass,
     Polytropic,
     Position,
     Pressure,
     SignedFraction,
     Time,
     Velocity,
-    ViscousFriction,
     Volume,
 )
-from vvdp.base.params import Params, field_types
+from vvdp.base.params import Params, field_values
 from vvdp.base.units import ATMOSPHERE
 from vvdp.control.adaptation import Adaptation
-from vvdp.control.capacities import CircuitPressures, CylinderModel, SupplyLine
+from vvdp.control.capacities import (
+    CircuitPressures,
+    CylinderBelief,
+    CylinderEnds,
+    LineBelief,
+    cylinder_model,
+)
 from vvdp.control.cylinder_force import ForceGains
 from vvdp.control.direction import DirectionSettings
 from vvdp.control.displacement import (
@@ -45,19 +46,9 @@ from vvdp.network.program import ProgramType
 from vvdp.programs.generic import GenericProgram
 
 
-class KnownCylinder(Params):
+class KnownCylinder(CylinderBelief, CylinderEnds, LineBelief):
     """Cylinder, load, line and return valve as the law believes them; oil volumes at position 0, hoses included."""
 
-    area_a: Area
-    area_b: Area
-    oil_volume_a: Volume
-    oil_volume_b: Volume
-    lowest_position: Position
-    highest_position: Position
-    moving_mass: Mass
-    viscous_friction: ViscousFriction
-    bulk_modulus: BulkModulus
-    return_conductance: FlowCoefficient
     tank_pressure: Pressure = ATMOSPHERE
     line_volume: Volume = 0.0
     hose_compliance: Compliance = 0.0
@@ -81,22 +72,10 @@ class DisplacementTable(
         displacement_settings(self)
 
 
-def known_cylinder(table: KnownCylinder) -> CylinderModel:
-    """The cylinder of a table. Raises ParameterError."""
-    line = SupplyLine(
-        oil_volume=table.line_volume,
-        hose_compliance=table.hose_compliance,
-        gas_volume=table.gas_volume,
-        precharge_pressure=table.precharge_pressure,
-        gas_exponent=table.gas_exponent,
-    )
-    return _part(CylinderModel, table, line=line)
-
-
 def displacement_settings(table: DisplacementTable) -> DisplacementSettings:
     """The settings of the law as its step takes them. Raises ParameterError."""
     return DisplacementSettings(
-        cylinder=known_cylinder(table),
+        cylinder=cylinder_model(table, table, table, table.tank_pressure),
         gains=_part(ForceGains, table),
         direction=_part(DirectionSettings, table),
         split=_part(FlowSplit, table),
@@ -110,9 +89,9 @@ def displacement_settings(table: DisplacementTable) -> DisplacementSettings:
 Part = TypeVar("Part", bound=Params)
 
 
-def _part(cls: type[Part], table: Params, **others: Any) -> Part:
-    """The values of a class that stand in a table, beside others."""
-    return cls(**others, **{name: getattr(table, name) for name in field_types(cls) if hasattr(table, name)})
+def _part(cls: type[Part], table: Params) -> Part:
+    """The values of a class that stand in a table."""
+    return cls(**field_values(cls, table))
 
 
 class CylinderTask(NamedTuple):

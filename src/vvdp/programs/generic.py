@@ -9,7 +9,7 @@ from vvdp.base.params import Params
 from vvdp.network.program import ProgramType
 from vvdp.programs.quantities import replacements, with_kinds
 
-Written = Mapping[str, Any]
+Written = Mapping[str, object]
 """The values of a program as a file gives them."""
 
 

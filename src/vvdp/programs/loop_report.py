@@ -105,11 +105,11 @@ class ChamberLoopReport(SpoolLoopReport):
         margin = float(np.min(found.shown.margin[late]))
         return {**numbers, "observability_margin_lowest": margin, **storage_numbers(found, self.loop, self.period)}
 
-    def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
+    def warnings(self, found: Mapping[str, float | bool]) -> Iterator[str]:
         """What limits the control, a sentence each."""
         yield from control_warnings(self.loop, self.loop.wanted.extremes[1], self.period, found)
 
-    def merits(self, found: Mapping[str, Any]) -> Iterator[str]:
+    def merits(self, found: Mapping[str, float | bool]) -> Iterator[str]:
         """A storage that never rose."""
         yield from control_merits(found)
 

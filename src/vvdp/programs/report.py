@@ -46,11 +46,11 @@ class ProgramReport:
         """Its numbers of a recorded run; those that a run does not show are left out."""
         return {}
 
-    def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:  # noqa: ARG002
+    def warnings(self, found: Mapping[str, float | bool]) -> Iterator[str]:  # noqa: ARG002
         """What a user has to know before the numbers in `found`, a sentence each."""
         yield from ()
 
-    def merits(self, found: Mapping[str, Any]) -> Iterator[str]:  # noqa: ARG002
+    def merits(self, found: Mapping[str, float | bool]) -> Iterator[str]:  # noqa: ARG002
         """What the numbers in `found` show to be right, a sentence each."""
         yield from ()
 

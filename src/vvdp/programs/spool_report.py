@@ -100,7 +100,7 @@ class SpoolReport(ProgramReport):
         reference = self.program.reads["reference"]
         if not self.spool or self.observer is None or not isinstance(reference, str):
             return None
-        reads: Mapping[str, Any] = self.observer.reads
+        reads: Mapping[str, object] = self.observer.reads
         return DrivePaths(
             spool=self.spool,
             reference=reference,

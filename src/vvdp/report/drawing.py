@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 INLET, LOAD, TANK, RELIEF, INK, FAINT = "#d9730d", "#0b3c6f", "#6aaed6", "#5a5a5a", "#1b1f24", "#c9ced4"
 """Colours that keep apart for the colour-blind; their lightness differs for print in grey."""
 
-STYLE: Mapping[str, Any] = {
+STYLE: Mapping[str, object] = {
     "font.family": "DejaVu Sans",
     "font.size": 8.0,
     "axes.labelsize": 8.0,

@@ -3,8 +3,9 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import Any
 
-from vvdp.results.chart import Chart, Picture
+from vvdp.results.chart import Chart, Line, Lines, Panel, Picture, Stroke
 from vvdp.results.result import Table
 from vvdp.results.verdict import Statement
 
@@ -28,6 +29,27 @@ class Reproduction:
     tables: Mapping[str, Table] = field(default_factory=dict)
     charts: tuple[Chart, ...] = ()
     pictures: tuple[Picture, ...] = ()
+
+
+def over(
+    x: str, *columns: str, label: str = "", stroke: Stroke = Stroke.SOLID, width: float = 1.3, **more: Any
+) -> Lines:
+    """A panel of lines over one column `x`, alike but for their colours. `more` are fields of the panel."""
+    lines = tuple(Line(x=x, y=column, stroke=stroke, width=width) for column in columns)
+    return Lines(lines=lines, label=label, **more)
+
+
+def figure_of(
+    name: str,
+    caption: str,
+    tables: Mapping[str, Table],
+    statements: tuple[Statement, ...],
+    *panels: Panel,
+    height: float = 2.6,
+) -> Reproduction:
+    """Statements with a figure of panels, one above the other, over the first of the `tables`."""
+    chart = Chart(name=name, caption=caption, table=next(iter(tables)), panels=panels, height=height)
+    return Reproduction(statements=statements, tables=tables, charts=(chart,))
 
 
 @dataclass(frozen=True)

@@ -213,6 +213,12 @@ def numbers_of(values: Mapping[str, float], quantities: Mapping[str, tuple[Kind,
     return {key: Number(float(value), *quantities[key]) for key, value in values.items()}
 
 
+def listing_of(values: Mapping[str, float], quantities: Mapping[str, tuple[Kind, str]]) -> Listing:
+    """Values as a listing without a title, in the order of `quantities`, which has kind and label of each."""
+    rows = tuple(Row(label, kind, (values[key],)) for key, (kind, label) in quantities.items())
+    return Listing(title="", heads=("value",), rows=rows)
+
+
 def sentences(texts: Sequence[str], grade: Grade = Grade.PLAIN) -> Iterator[Finding]:
     """Findings of one grade."""
     return (Finding(text=text, grade=grade) for text in texts)

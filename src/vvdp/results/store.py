@@ -42,7 +42,7 @@ def write_result(
     result: Result,
     system: str,
     command: Sequence[str] = (),
-    more: Mapping[str, Any] = MappingProxyType({}),
+    more: Mapping[str, object] = MappingProxyType({}),
 ) -> None:
     """Writes a result into `folder`, with the text of the resolved `system`; every file is complete or not there.
 
@@ -90,7 +90,7 @@ def _check_names(*groups: Iterable[str]) -> None:
             raise ValueError(f"{name!r} names a table or chart; expected letters, digits, '_', '-' and '.'")
 
 
-def read_meta(place: Path | Directory) -> Mapping[str, Any]:
+def read_meta(place: Path | Directory) -> Mapping[str, object]:
     """When, by what version and by which command a directory was written. Raises ConfigError where it does not say."""
     directory = open_directory(place)
     meta = directory.json(META)
@@ -126,7 +126,7 @@ def _cell(value: float | str) -> str:
     return "" if math.isnan(value) else repr(value)
 
 
-def write_json(path: Path, content: Mapping[str, Any]) -> None:
+def write_json(path: Path, content: Mapping[str, object]) -> None:
     """Writes JSON; a number that is not finite becomes null."""
     write_whole(path, json.dumps(finite(content), indent=1, allow_nan=False) + "\n")
 

@@ -151,6 +151,16 @@ def number_statement(
     return Statement(what=what, kind=kind, low=printed, high=printed, found=float(found), **chosen)
 
 
+def exact_statement(what: str, printed: float, found: float, kind: Kind = NUMBER, **more: Any) -> Statement:
+    """A printed number [SI] that what was found has to meet but for rounding. `more` are fields of the statement."""
+    return number_statement(what, printed, found, kind, share=1e-9, because="rounding", **more)
+
+
+def digit_statement(what: str, printed: float, found: float, kind: Kind = NUMBER, **more: Any) -> Statement:
+    """A printed number [SI] with a `tolerance` of half its last digit. `more` are fields of the statement."""
+    return number_statement(what, printed, found, kind, because="half of the last printed digit", **more)
+
+
 def bound_statement(
     what: str, found: float, kind: Kind = NUMBER, *, low: float = -math.inf, high: float = math.inf, **more: Any
 ) -> Statement:

@@ -4,7 +4,6 @@ Based on ISO 8426: several pressure differences at one speed, a straight line th
 """
 
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -65,7 +64,6 @@ def averaged_flows(
     points: Sequence[SetPoint],
     *,
     cores: int | None = None,
-    cache: Path | None = None,
     say: Callable[[str], None] = quiet,
 ) -> Array:
     """Delivered flow at each point as quasi-steady averages give it, leakage taken off [m^3/s].
@@ -75,5 +73,5 @@ def averaged_flows(
     each: Any = np.array(points, float).T
     columns: Any = SetPoint(*each)
     rows = np.column_stack(np.broadcast_arrays(*stand.cycle_point(columns)))
-    means = averages(rows, stand.bench.valve, cores=cores, cache=cache, say=say)
+    means = averages(rows, stand.bench.valve, cores=cores, say=say)
     return np.asarray(means.load_flow - stand.leakage(columns), float)

@@ -2,9 +2,8 @@
 ripple."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from pathlib import Path
 
 from vvdp.base.display import plain, with_unit
 from vvdp.base.errors import ParameterError
@@ -43,7 +42,6 @@ def claims(
     duties: Sequence[Duty] = (),
     *,
     cores: int | None = None,
-    cache: Path | None = None,
     say: Callable[[str], None] = quiet,
 ) -> Result:
     """All claims for one system, its rivals on `duties`, the shipped ones unless given.
@@ -60,26 +58,16 @@ def claims(
         raise ParameterError(f"{stand.name}: {stuck}")
     began = time.perf_counter()
     say("against throttling")
-    found = [throttling_claim(stand, cores=cores, cache=cache, say=say)]
+    found = [throttling_claim(stand, cores=cores, say=say)]
     say("compared with other circuits")
-    found.append(supply_claim(stand, duties, cores=cores, cache=cache, say=say))
-    pending, left_out = _with_load_line(stand, cores, cache, say)
-    finished = True
-    while pending and finished:
-        name = next(iter(pending))
-        say(name)
-        try:
-            found.append(pending[name]())
-        except ParameterError as problem:
-            left_out.append(f"{_title([name])}: {problem}.")
-        except KeyboardInterrupt:
-            finished = False
-            left_out.append(f"{_title(list(pending))}: interrupted before.")
-        pending.pop(name)
+    found.append(supply_claim(stand, duties, cores=cores, say=say))
+    pending, left_out = _with_load_line(stand, cores, say)
+    found += _checked_claims(pending, left_out, say)
+    finished = not pending
     found.append(actuation_claim(stand))
     if finished:
         say("linear valves")
-        found.append(linear_valve_claim(stand, cores=cores, cache=cache, say=say))
+        found.append(linear_valve_claim(stand, cores=cores, say=say))
     return Result(
         verb="rig claims",
         title="Published claims for the rotary PWM valve",
@@ -100,8 +88,25 @@ def claims(
     )
 
 
+def _checked_claims(
+    pending: dict[str, Callable[[], Claim]], left_out: list[str], say: Callable[[str], None]
+) -> Iterator[Claim]:
+    """Each `pending` claim, which is then no longer so; what cannot be calculated is added to what is `left_out`."""
+    while pending:
+        name = next(iter(pending))
+        say(name)
+        try:
+            yield pending[name]()
+        except ParameterError as problem:
+            left_out.append(f"{_title([name])}: {problem}.")
+        except KeyboardInterrupt:
+            left_out.append(f"{_title(list(pending))}: interrupted before.")
+            return
+        pending.pop(name)
+
+
 def _with_load_line(
-    stand: Stand, cores: int | None, cache: Path | None, say: Callable[[str], None]
+    stand: Stand, cores: int | None, say: Callable[[str], None]
 ) -> tuple[dict[str, Callable[[], Claim]], list[str]]:
     """The claims that need a load line, as far as this system can have them, and what is left out of all of them."""
     left_out = list(LEFT_OUT)
@@ -109,8 +114,8 @@ def _with_load_line(
         both = _title([DRIVING, RIPPLE])
         return {}, [*left_out, f"{both}: both need a load line, and here a source is the load."]
     pending: dict[str, Callable[[], Claim]] = {
-        DRIVING: partial(driving_claim, stand, cores=cores, cache=cache, say=say),
-        RIPPLE: partial(ripple_claim, stand, cores=cores, cache=cache),
+        DRIVING: partial(driving_claim, stand, cores=cores, say=say),
+        RIPPLE: partial(ripple_claim, stand, cores=cores),
     }
     alone, largest = self_spinning(stand), driving_point(stand, stand.pump_flow(stand.set_point))
     if stuck := alone.standstill(largest, alone.means(largest)):

@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -79,7 +78,6 @@ def derived_capacity(
     duty_ratios: Sequence[float] = DUTY_RATIOS,
     *,
     cores: int | None = None,
-    cache: Path | None = None,
     say: Callable[[str], None] = quiet,
 ) -> Result:
     """Derived capacity [m^3/rad] at each duty ratio and at that of the system, simulated and by averages.
@@ -89,7 +87,7 @@ def derived_capacity(
     began = time.perf_counter()
     own = stand.set_point.duty_ratio
     duty_ratios = tuple(sorted({*duty_ratios, own}))
-    flows = _measure(stand, duty_ratios, cores=cores, cache=cache, say=say)
+    flows = _measure(stand, duty_ratios, cores=cores, say=say)
     capacity = _capacity_table(stand, flows)
     numbers = {key: float(capacity[key][duty_ratios.index(own)]) for key in QUANTITIES}
     tables = {"capacity": capacity, "speeds": _speed_table(stand, flows), "flows": _flow_table(stand, flows)}
@@ -118,9 +116,7 @@ def derived_capacity(
     )
 
 
-def _measure(
-    stand: Stand, duty_ratios: tuple[float, ...], *, cores: int | None, cache: Path | None, say: Callable[[str], None]
-) -> Flows:
+def _measure(stand: Stand, duty_ratios: tuple[float, ...], *, cores: int | None, say: Callable[[str], None]) -> Flows:
     """The flows at all points of the capacities."""
     here = stand.set_point
     speeds = tuple(share * here.pump_speed for share in SPEED_SHARES)
@@ -130,9 +126,9 @@ def _measure(
         duty_ratios=duty_ratios,
         speeds=speeds,
         points=points,
-        states=steady_states([(stand, point) for point in points], cores=cores, cache=cache, say=say),
+        states=steady_states([(stand, point) for point in points], cores=cores, say=say),
         averaged_points=averaged_points,
-        averaged=averaged_flows(stand, averaged_points, cores=cores, cache=cache, say=say),
+        averaged=averaged_flows(stand, averaged_points, cores=cores, say=say),
     )
 
 

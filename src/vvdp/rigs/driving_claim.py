@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -79,7 +78,6 @@ def self_against_driven(
     ripple_limit: float | None = None,
     *,
     cores: int | None = None,
-    cache: Path | None = None,
     say: Callable[[str], None] = quiet,
 ) -> Driving:
     """Drive power and total loss over flow, and the PWM frequency that loses least within a limit of the ripple.
@@ -97,7 +95,7 @@ def self_against_driven(
     at = [driving_point(stand, q) for q in flows]
     stands: list[tuple[Stand, SetPoint]] = [(self_spinning(stand), point) for point in at]
     stands += [(stand.with_motor(float(f)), point) for point in at for f in frequencies]
-    states = steady_states(stands, cores=cores, cache=cache, say=say)
+    states = steady_states(stands, cores=cores, say=say)
     rows = [_driven_row(state) for state in states]
     alone, grid = np.array(rows[: len(at)]), np.array(rows[len(at) :]).reshape(len(at), len(frequencies), 5)
     limit = float(ripple_limit if ripple_limit is not None else alone[-1, 2])
@@ -196,11 +194,9 @@ def redesign(stand: Stand, d: Driving) -> tuple[float, Array, Array]:
     return scale, as_it_is, scaled
 
 
-def driving_claim(
-    stand: Stand, *, cores: int | None = None, cache: Path | None = None, say: Callable[[str], None] = quiet
-) -> Claim:
+def driving_claim(stand: Stand, *, cores: int | None = None, say: Callable[[str], None] = quiet) -> Claim:
     """A self-spinning spool beside a driven one over flow, and what a self-spinning valve would cost."""
-    found = self_against_driven(stand, cores=cores, cache=cache, say=say)
+    found = self_against_driven(stand, cores=cores, say=say)
     numbers = {"ripple_limit_Pa": found.limit, "self_frequency_exponent": power_of(found.flows, found.self_frequency)}
     scale, as_it_is, scaled = redesign(stand, found)
     if np.isfinite(found.self_frequency).any() and np.isfinite(found.best_frequency).any():

@@ -1,7 +1,6 @@
 """Claim: no linear on/off valve passes much flow at a small drop, switches fast and takes little power at once."""
 
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 
@@ -29,14 +28,12 @@ UNKNOWN = [0.0], [float("nan")]
 """The curve of a valve whose drop the source does not show."""
 
 
-def linear_valve_claim(
-    stand: Stand, *, cores: int | None = None, cache: Path | None = None, say: Callable[[str], None] = quiet
-) -> Claim:
+def linear_valve_claim(stand: Stand, *, cores: int | None = None, say: Callable[[str], None] = quiet) -> Claim:
     """Published linear valves instead of the rotary one, at the stand's load pressure and duty ratio 0.5."""
     point = stand.set_point._replace(duty_ratio=0.5)
     known = [valve for valve in VALVES if np.isfinite(valve.drop)]
-    sweeps = {valve.name: _sweep(stand, valve, cache) for valve in known}
-    (rotary,) = steady_states([(stand, point)], cores=cores, cache=cache, say=say)
+    sweeps = {valve.name: _sweep(stand, valve) for valve in known}
+    (rotary,) = steady_states([(stand, point)], cores=cores, say=say)
     loss = float(rotary.summary.get("loss_total_W", np.nan))
     frequency = float(rotary.summary.get("pwm_frequency_Hz", np.nan))
     curves = {valve.name: (sweeps[valve.name][0], sweeps[valve.name][1]) for valve in known}
@@ -60,9 +57,9 @@ Sweep = tuple[list[float], list[float], list[float]]
 """PWM frequencies [Hz], losses [W] and delivered flows [m^3/s]."""
 
 
-def _sweep(stand: Stand, valve: LinearValve, cache: Path | None) -> Sweep:
+def _sweep(stand: Stand, valve: LinearValve) -> Sweep:
     frequencies = [each for each in FREQUENCIES if each <= highest_frequency(valve)]
-    found = [switched_loss(stand, valve.switching_time, each, cache=cache) for each in frequencies]
+    found = [switched_loss(stand, valve.switching_time, each) for each in frequencies]
     return frequencies, [each.loss for each in found], [each.delivered for each in found]
 
 

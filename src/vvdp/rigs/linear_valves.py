@@ -3,7 +3,6 @@
 Source  wang2017, section 1.2.2
 """
 
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -131,9 +130,7 @@ def pulsed_valve(stand: Stand, switching_time: float, pwm_frequency: float, duty
     return net
 
 
-def switched_loss(
-    stand: Stand, switching_time: float, pwm_frequency: float, duty_ratio: float = 0.5, cache: Path | None = None
-) -> Switched:
+def switched_loss(stand: Stand, switching_time: float, pwm_frequency: float, duty_ratio: float = 0.5) -> Switched:
     """Simulated loss of linear valves instead of the rotary one, over whole periods after the first ones.
 
     switching_time, pwm_frequency  [s, Hz]
@@ -142,7 +139,7 @@ def switched_loss(
     period = 1.0 / pwm_frequency
     until = (SETTLING + AVERAGED) * period
     stepping = Stepping(until=until, record_interval=period, window=0.0)
-    run = simulate(circuit.model, circuit.case, stepping, cache=cache)
+    run = simulate(circuit.model, circuit.case, stepping)
     closed = balance(run)
     assert closed is not None and closed.is_trusted
     states, lasts = record_of(run).states, AVERAGED * period

@@ -125,7 +125,6 @@ def analytic_map(
     axes: Axes,
     *,
     cores: int | None = None,
-    cache: Path | None = None,
     say: Callable[[str], None] = quiet,
 ) -> PumpMap:
     """The map as the quasi-steady averages give it: constant load pressure, stiff oil, a relief valve without lag.
@@ -142,14 +141,14 @@ def analytic_map(
     ))  # fmt: skip
     points = SetPoint(d, p, n, t)
     rows = np.column_stack(np.broadcast_arrays(*stand.cycle_point(points)))
-    means = averages(rows, stand.bench.valve, cores=cores, cache=cache, say=say)
+    means = averages(rows, stand.bench.valve, cores=cores, say=say)
     stuck = _standstills(stand, axes.points, means)
     columns = averaged_columns(stand, points, means)
     if stand.makes_pressure:
         columns |= _ripple_columns(stand, points, columns)
     turns = np.array([reason is None for reason in stuck])
     settings = capacity_points(stand, axes.duty_ratios, axes.pump_speeds, axes.temperatures)
-    flows = averaged_flows(stand, settings, cores=cores, cache=cache, say=say)
+    flows = averaged_flows(stand, settings, cores=cores, say=say)
     columns = _judge(
         stand,
         axes,
@@ -270,7 +269,6 @@ def simulated_map(
     engine: Engine = HERE,
     progress: Callable[[int, int], None] = silent,
     say: Callable[[str], None] = quiet,
-    cache: Path | None = None,
 ) -> PumpMap:
     """The map as the PWM-resolved circuit gives it, every point in its periodic steady state.
 
@@ -283,11 +281,11 @@ def simulated_map(
     """
     began = time.perf_counter()
     rows = np.array([stand.cycle_point(point) for point in axes.points])
-    _standstills(stand, axes.points, averages(rows, stand.bench.valve, cache=cache, say=say))
+    _standstills(stand, axes.points, averages(rows, stand.bench.valve, say=say))
     store = directory / STORE
     finished = opened_store(store, {"vvdp": VERSION, "system": stand.name})
     settings = capacity_points(stand, axes.duty_ratios, axes.pump_speeds, axes.temperatures)
-    digest = link(stand.model, stand.bench.case, cache, say).digest
+    digest = link(stand.model, stand.bench.case, say=say).digest
     wanted = {point: _key(stand, point, digest) for point in (*settings, *axes.points)}
     pending = [_Wanted(key, point) for point, key in wanted.items() if key not in finished]
     count, mapped_points = len(wanted), len(axes.points)
@@ -303,7 +301,7 @@ def simulated_map(
         compiled_loop(say)  # here, so that workers find it compiled
     ran = 0
     with hold_interrupts() as interrupted:
-        for done in kept_batches(partial(_points_done, stand, cache), pending, store, engine, interrupted, BATCHING):
+        for done in kept_batches(partial(_points_done, stand), pending, store, engine, interrupted, BATCHING):
             finished |= {each.key: each for each in done}
             ran += len(done)
             progress(count - len(pending) + ran, count)
@@ -319,11 +317,11 @@ class _Wanted(NamedTuple):
     point: SetPoint
 
 
-def _points_done(stand: Stand, cache: Path | None, batch: Sequence[_Wanted], cores: int) -> list[Finished]:
+def _points_done(stand: Stand, batch: Sequence[_Wanted], cores: int) -> list[Finished]:
     """What comes of a batch, where it is run."""
-    digest = link(stand.model, stand.bench.case, cache).digest
+    digest = link(stand.model, stand.bench.case).digest
     check_same(_key(stand, batch[0].point, digest), batch[0].key)
-    states = steady_states([(stand, each.point) for each in batch], cores=cores, cache=cache)
+    states = steady_states([(stand, each.point) for each in batch], cores=cores)
     return [_finish_point(each.key, state) for each, state in zip(batch, states, strict=True)]
 
 

@@ -54,7 +54,6 @@ def pump(
     *,
     cores: int | None = None,
     progress: Callable[[int, int], None] = silent,
-    cache: Path | None = None,
     say: Callable[[str], None] = quiet,
 ) -> Result:
     """Steady maps over duty ratio and load pressure (pump speed, temperature), then step and frequency response.
@@ -67,7 +66,7 @@ def pump(
     began = time.perf_counter()
     low, high = checked_steps(steps)
     axes = axes or pump_axes(stand)
-    steady = simulated_map(stand, axes, directory, engine=ThisProcess(cores), progress=progress, say=say, cache=cache)
+    steady = simulated_map(stand, axes, directory, engine=ThisProcess(cores), progress=progress, say=say)
     found = map_result(steady, "steady")
     numbers = control_numbers(steady)
     result = replace(
@@ -79,7 +78,7 @@ def pump(
     )
     if not steady.is_finished:
         return replace(result, seconds=time.perf_counter() - began)
-    moving = dynamics(stand, (low, high), cores=cores, cache=cache, say=say)
+    moving = dynamics(stand, (low, high), cores=cores, say=say)
     return replace(
         result,
         manner=f"{found.manner} {moving.manner}",

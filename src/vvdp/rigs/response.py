@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -77,7 +76,7 @@ def _with_duty(state: Steady, signal: Signal) -> Case:
     return replace(bench.case, state=state.periodic.case.state)
 
 
-def step_response(state: Steady, after: float, *, length: float = SHOWN, cache: Path | None = None) -> Steps:
+def step_response(state: Steady, after: float, *, length: float = SHOWN) -> Steps:
     """Delivered flow when the duty ratio of a steady state steps to `after`, over phases of the step.
 
     Source  ours, docs/rigs.md, based on iso17559
@@ -95,7 +94,7 @@ def step_response(state: Steady, after: float, *, length: float = SHOWN, cache: 
             stand.stepping, until=until, average_from=None,
             record_interval=INTERVAL, window=until, window_interval=INTERVAL,
         )  # fmt: skip
-        run = whole_run(stand.model, case, stepping, cache)
+        run = whole_run(stand.model, case, stepping)
         series = stand.bench.run_series(run)
         flows.append(np.interp(times + begin, run.times, period_mean_flow(run.times, series, sections)))
         loads.append(np.interp(times + begin, run.times, series.through_load))
@@ -129,7 +128,7 @@ def settling_time(times: Array, flow: Array, before: float, after: float, band: 
 
 
 def frequency_response(
-    state: Steady, frequencies: Sequence[float], amplitude: float = AMPLITUDE, *, cache: Path | None = None
+    state: Steady, frequencies: Sequence[float], amplitude: float = AMPLITUDE
 ) -> tuple[Array, Array]:
     """Delivered flow, and flow through an orifice load, over a sinusoidal duty ratio: complex amplitudes [m^3/s].
 
@@ -149,7 +148,7 @@ def frequency_response(
             record_interval=interval, window=until, window_interval=interval,
         )  # fmt: skip
         case = _with_duty(state, sine(state.point.duty_ratio, amplitude, f))
-        run = whole_run(stand.model, case, stepping, cache)
+        run = whole_run(stand.model, case, stepping)
         series = stand.bench.run_series(run)
         delivered.append(_of_volume(run.times, series.delivered_volume, start, until, f) / amplitude)
         load.append(_of_value(run.times, series.through_load, start, until, f) / amplitude)

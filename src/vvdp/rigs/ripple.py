@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from pathlib import Path
 
 import numpy as np
 
@@ -111,7 +110,6 @@ def ripple(
     sizes: Sequence[float] = SIZES,
     *,
     cores: int | None = None,
-    cache: Path | None = None,
     say: Callable[[str], None] = quiet,
 ) -> Result:
     """Ripple over duty ratio, over PWM frequency [Hz] with a driven spool, and over the accumulator's gas volume.
@@ -124,8 +122,8 @@ def ripple(
     load_line(stand)
     points = _points(stand, duty_ratios, frequencies, sizes)
     asked = [*(item for group in points for item in group), (stand, stand.set_point)]
-    states = steady_states(asked, cores=cores, cache=cache, say=say)
-    waves = [waveform(state, cache=cache) if state.reason is None else None for state in states]
+    states = steady_states(asked, cores=cores, say=say)
+    waves = [waveform(state) if state.reason is None else None for state in states]
     centre, wave = states[-1], waves[-1]
     if wave is None:
         raise ParameterError(f"{stand.name}: no periodic state at the system's own operating point: {centre.reason}")

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 from vvdp.base.display import number, percent
 from vvdp.base.kinds import EFFICIENCY, NUMBER
@@ -22,11 +21,9 @@ QUANTITIES = {
 }
 
 
-def ripple_claim(
-    stand: Stand, *, cores: int | None = None, cache: Path | None = None, say: Callable[[str], None] = quiet
-) -> Claim:
+def ripple_claim(stand: Stand, *, cores: int | None = None, say: Callable[[str], None] = quiet) -> Claim:
     """Ripple over PWM frequency and gas volume. Raises ParameterError where the operating point has no steady state."""
-    waves = ripple(stand, [stand.set_point.duty_ratio], FREQUENCIES, SIZES, cores=cores, cache=cache, say=say)
+    waves = ripple(stand, [stand.set_point.duty_ratio], FREQUENCIES, SIZES, cores=cores, say=say)
     _, f, v, *_ = waves.tables.values()  # over duty ratio, PWM frequency, gas volume
     tables = {
         "ripple_frequency": replace(f, title="Ripple over PWM frequency"),

@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from pathlib import Path
 
 import numpy as np
 
@@ -85,7 +84,6 @@ def dynamics(
     frequencies: Sequence[float] | None = None,
     *,
     cores: int | None = None,
-    cache: Path | None = None,
     say: Callable[[str], None] = quiet,
 ) -> Result:
     """Response of the delivered flow to the duty ratio between two values: steps up and down, gain and phase.
@@ -97,17 +95,14 @@ def dynamics(
     """
     began = time.perf_counter()
     low, high = checked_steps(steps)
-    states = _states(stand, low, high, cores, cache, say)
-    down, up, middle = states
+    down, up, middle = states = _states(stand, low, high, cores, say)
     periods = [state.periodic.period for state in states if state.periodic is not None]
     length = max(SHOWN, STEP_PERIODS * max(periods), LINE_TIMES * max(line_time(state) for state in states))
-    rising = step_response(down, high, length=length, cache=cache)
-    falling = step_response(up, low, length=length, cache=cache)
+    rising, falling = step_response(down, high, length=length), step_response(up, low, length=length)
     pwm, amplitude = 1.0 / periods[-1], min(AMPLITUDE, 0.5 * (high - low))
-    asked = _checked_frequencies(
-        response_frequencies(pwm, line_time(middle)) if frequencies is None else frequencies, pwm
-    )
-    delivered, load = frequency_response(middle, asked.tolist(), amplitude, cache=cache)
+    chosen = response_frequencies(pwm, line_time(middle)) if frequencies is None else frequencies
+    asked = _checked_frequencies(chosen, pwm)
+    delivered, load = frequency_response(middle, asked.tolist(), amplitude)
     static = (rising.after - rising.before) / (high - low)
     tables = {
         "step_up": _step_table(f"Step from duty ratio {low:g} to {high:g}", rising),
@@ -151,9 +146,7 @@ def _conditions(stand: Stand, low: float, high: float, amplitude: float) -> dict
     }
 
 
-def _states(
-    stand: Stand, low: float, high: float, cores: int | None, cache: Path | None, say: Callable[[str], None]
-) -> list[Steady]:
+def _states(stand: Stand, low: float, high: float, cores: int | None, say: Callable[[str], None]) -> list[Steady]:
     """The steady states at both duty ratios and in the middle.
 
     An orifice load is sized at the one that delivers more and stays as it is, so that the pressure stays below the set
@@ -167,7 +160,7 @@ def _states(
         if stand.makes_pressure:  # flows through an orifice go with the root of the drop
             pressure = stand.tank_pressure + (pressure - stand.tank_pressure) * (max(duty, 0.1) / max(high, 0.1)) ** 2
         point = here._replace(duty_ratio=float(duty), load_pressure=float(pressure))
-        (state,) = steady_states([(stand, point)], area, cores=cores, cache=cache, say=say)
+        (state,) = steady_states([(stand, point)], area, cores=cores, say=say)
         if state.reason is not None or state.periodic is None:
             raise ParameterError(f"no steady state at duty ratio {duty:g}: {state.reason}")
         if stand.makes_pressure:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -50,14 +49,13 @@ def supply_claim(
     duties: Sequence[Duty] = (),
     *,
     cores: int | None = None,
-    cache: Path | None = None,
     say: Callable[[str], None] = quiet,
 ) -> Claim:
     """The map over flow and load, and the mean losses over `duties`, the shipped ones unless given."""
     rise, pump_flow = stand.relief_pressure - stand.tank_pressure, stand.pump_flow(stand.set_point)
     share, level = (np.ravel(each) for each in np.meshgrid(FLOW_SHARES, PRESSURE_SHARES))
-    found = spread_of(Demand(share * pump_flow, level * rise), stand, cores, cache, say)
-    cycles = cycle_losses(stand, tuple(duties) or shipped_duties(), cores, cache)
+    found = spread_of(Demand(share * pump_flow, level * rise), stand, cores, say)
+    cycles = cycle_losses(stand, tuple(duties) or shipped_duties(), cores)
     table = _map_table(stand, share, level * rise, found)
     numbers = dict(_numbers(table, found))
     return Claim(
@@ -82,7 +80,7 @@ def supply_claim(
     )
 
 
-def cycle_losses(stand: Stand, duties: Sequence[Duty], cores: int | None = None, cache: Path | None = None) -> Cycles:
+def cycle_losses(stand: Stand, duties: Sequence[Duty], cores: int | None = None) -> Cycles:
     """Mean losses over duty cycles of the cylinder that all circuits move, at this pump.
 
     The relief setting is that of each duty; a load that overruns counts as none, and at rest the pump sees none.
@@ -93,7 +91,7 @@ def cycle_losses(stand: Stand, duties: Sequence[Duty], cores: int | None = None,
     for duty in duties:
         demand = cycle_demand(duty.cycle, cylinder, friction)
         held = stand.with_tables(relief_valve={"cracking_pressure": stand.reference + duty.relief_pressure})
-        found = spread_of(Demand(demand.flow, demand.rise), held, cores, cache)
+        found = spread_of(Demand(demand.flow, demand.rise), held, cores)
         ways = {"switched": found.nominal.switched, **found.nominal.rivals}
         parts = {"means": ways, "lowest": found.lowest, "highest": found.highest}
         rows.append({part: {name: _mean(each, demand.time) for name, each in of.items()} for part, of in parts.items()})

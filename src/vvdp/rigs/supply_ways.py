@@ -7,7 +7,6 @@ Source  ours, docs/when-switching-pays.md
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -137,7 +136,6 @@ def averaged_valve(
     demand: Demand,
     stand: Stand,
     cores: int | None = None,
-    cache: Path | None = None,
     say: Callable[[str], None] = quiet,
 ) -> Averaged:
     """The PWM valve at a demand by its quasi-steady averages: nan where it does not reach it, or does not turn.
@@ -151,7 +149,7 @@ def averaged_valve(
     same: Any = np.ones(d.size)
     points: Any = SetPoint(d, p, here.pump_speed * same, here.oil_temperature * same)
     rows = np.column_stack(np.broadcast_arrays(*stand.cycle_point(points)))
-    means = averages(rows, stand.bench.valve, cores=cores, cache=cache, say=say)
+    means = averages(rows, stand.bench.valve, cores=cores, say=say)
     columns = averaged_columns(stand, points, means)
     drag_free = columns["input_power_W"] - stand.bench.pump.friction_torque * here.pump_speed
     compressing = columns["loss_compressibility_W"]
@@ -174,7 +172,6 @@ def spread_of(
     demand: Demand,
     stand: Stand,
     cores: int | None = None,
-    cache: Path | None = None,
     say: Callable[[str], None] = quiet,
 ) -> Spread:
     """Losses at a demand with the spread of what is assumed.
@@ -182,7 +179,7 @@ def spread_of(
     One value of the PWM valve and one of the rivals at a time stand at an end of their range, in every combination;
     the drag of the pumps is the same for all ways.
     """
-    valves = [averaged_valve(demand, each, cores, cache, say) for each in varied_stands(stand)]
+    valves = [averaged_valve(demand, each, cores, say) for each in varied_stands(stand)]
     nominal, *_ = found = [
         (_switching_losses(valve, stand, assumed), rival_losses(demand, stand, assumed))
         for assumed in varied_assumptions()

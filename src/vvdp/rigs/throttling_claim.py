@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -44,7 +43,6 @@ def against_throttling(
     pressure_shares: Sequence[float] = PRESSURE_SHARES,
     *,
     cores: int | None = None,
-    cache: Path | None = None,
     say: Callable[[str], None] = quiet,
 ) -> Throttling:
     """Loss of the PWM valve, simulated, beside two ways of throttling the same pump to the same flow.
@@ -60,7 +58,7 @@ def against_throttling(
         for share in pressure_shares
         for d in duty_ratios
     ]
-    states = _with_periodic_state(steady_states([(stand, p) for p in points], cores=cores, cache=cache, say=say))
+    states = _with_periodic_state(steady_states([(stand, p) for p in points], cores=cores, say=say))
     flow, friction = stand.pump_flow(here), pump_friction_power(here.pump_speed, stand.bench.pump)
     delivered = np.array([float(state.summary["mean_load_flow_m3_s"]) for state in states])
     load = np.array([state.point.load_pressure - stand.tank_pressure for state in states])
@@ -99,11 +97,9 @@ def break_even_share(share: Array, switched: Array, throttled: Array) -> float:
     return float(share[k] + (share[k + 1] - share[k]) * gain[k] / (gain[k] - gain[k + 1]))
 
 
-def throttling_claim(
-    stand: Stand, *, cores: int | None = None, cache: Path | None = None, say: Callable[[str], None] = quiet
-) -> Claim:
+def throttling_claim(stand: Stand, *, cores: int | None = None, say: Callable[[str], None] = quiet) -> Claim:
     """The comparison with throttling, and the share of the pump flow up to which the PWM valve loses less."""
-    found = against_throttling(stand, cores=cores, cache=cache, say=say)
+    found = against_throttling(stand, cores=cores, say=say)
     saving = 1.0 - found.switched / found.metered
     numbers = {"least_saving_over_metering": float(saving.min()), "largest_saving_over_metering": float(saving.max())}
     quantities: dict[str, tuple[Kind, str]] = {

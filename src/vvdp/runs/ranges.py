@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 from vvdp.base.errors import RunError
 from vvdp.runs.run import RecordedRun
@@ -89,7 +88,7 @@ def _outcomes(
     return found
 
 
-def _numbers(variant: System, done: Outcome | str) -> Mapping[str, Any] | str:
+def _numbers(variant: System, done: Outcome | str) -> Mapping[str, float | bool] | str:
     """The summary of a run at an end, or why there is none."""
     return done if isinstance(done, str) else simulated_summary(done, variant)
 

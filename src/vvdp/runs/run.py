@@ -47,7 +47,7 @@ class RecordedRun:
 
     system: System
     record: Record = field(repr=False)
-    summary: Mapping[str, Any] = field(repr=False)
+    summary: Mapping[str, float | bool] = field(repr=False)
     meta: Mapping[str, Any] = field(repr=False)
     directory: Path | None = None
     done: Run | None = field(default=None, repr=False)

@@ -197,23 +197,21 @@ def crossing_angle(number: float, direction: float, threshold: float, disturbanc
     return angle + s * ramp_width(encoder.spot) * swept_distance(share, encoder.spot.roundness)
 
 
-def crossing_time(
-    goal: float, time: float, angle: float, speed: float, next_time: float, next_angle: float, next_speed: float
-) -> float:
+def crossing_time(goal: float, before: Shaft, after: Shaft) -> float:
     """When the cubic through both ends of an interval passes the angle `goal` [s], by bisection."""
-    h = next_time - time
+    h = after.time - before.time
     low, high = 0.0, 1.0
-    rising = next_angle >= angle
+    rising = after.angle >= before.angle
     for _ in range(BISECTIONS):
         s = 0.5 * (low + high)
         r = 1.0 - s
-        a = angle * (1.0 + 2.0 * s) * r * r + next_angle * s * s * (3.0 - 2.0 * s)
-        a += h * s * r * (speed * r - next_speed * s)
+        a = before.angle * (1.0 + 2.0 * s) * r * r + after.angle * s * s * (3.0 - 2.0 * s)
+        a += h * s * r * (before.speed * r - after.speed * s)
         if (a < goal) == rising:
             low = s
         else:
             high = s
-    return time + 0.5 * (low + high) * h
+    return before.time + 0.5 * (low + high) * h
 
 
 def encoder_start(encoder: Encoder, time: float, angle: float, seed: float) -> EncoderMemory:
@@ -266,7 +264,8 @@ def encoder_reading(
     if faults.clock_jitter > 0.0:
         random, u = uniform(random)
         angle = angle - u * faults.clock_jitter * speed
-    earlier_speed = memory.speed if memory.started > 0.0 else speed
+    before = Shaft(memory.time, memory.angle, memory.speed if memory.started > 0.0 else speed)
+    now = Shaft(shaft.time, angle, speed)
     edge, disturbance, last, counter = memory.edge, memory.disturbance, memory.last_disturbance, memory.counter
     polarity, edge_time, passed, crossed = memory.polarity, shaft.time, 0.0, 0.0
     forward, half = angle >= memory.angle, 0.5 * ramp_width(encoder.spot)
@@ -316,7 +315,7 @@ def encoder_reading(
             passed += 1.0
             polarity = sign
             crossed = edge if forward else edge + 1.0
-            edge_time = crossing_time(goal, memory.time, memory.angle, earlier_speed, shaft.time, angle, speed)
+            edge_time = crossing_time(goal, before, now)
     counter = counter % 2.0**encoder.counter_bits
     edges = counter_difference(counter, memory.counter, encoder.counter_bits)
     interval = shaft.time - memory.time
@@ -327,7 +326,7 @@ def encoder_reading(
         if resolution > 0.0:
             told = (np.floor(edge_time / resolution) + 0.5) * resolution
     elif encoder.acquisition.interpolated > 0.0 and passed == 1.0:
-        told, spread = _interpolate(memory, angle, crossed, threshold, told, spread, encoder)
+        told, spread = _interpolate(memory, now, crossed, threshold, encoder)
     clock = 1.0 + faults.clock_drift
     reading = Reading(clock * shaft.time, edges, clock * told, clock * spread, polarity)
     after = EncoderMemory(
@@ -346,24 +345,20 @@ def encoder_reading(
 
 
 def _interpolate(
-    memory: EncoderMemory,
-    angle: float,
-    crossed: float,
-    threshold: float,
-    middle: float,
-    interval: float,
-    encoder: Encoder,
+    memory: EncoderMemory, now: Shaft, crossed: float, threshold: float, encoder: Encoder
 ) -> tuple[float, float]:
     """When edge `crossed` passed, by a line through both samples of the wave, and the width of what it leaves unknown.
 
     Where a sample lies off its ramp, that began or ended somewhere within the interval: nothing is gained then. On
     the ramp nothing is left unknown: the noise of the light moves the edge as a whole, as a wrong threshold does.
     """
+    interval = now.time - memory.time
+    middle = now.time - 0.5 * interval
     half, middle_angle = 0.5 * ramp_width(encoder.spot), edge_angle(crossed, encoder.wheel)
-    if maximum(abs(memory.angle - middle_angle), abs(angle - middle_angle)) >= half:
+    if maximum(abs(memory.angle - middle_angle), abs(now.angle - middle_angle)) >= half:
         return middle, interval
     before = photodiode_signal(memory.angle, encoder.wheel, encoder.spot)
-    after = photodiode_signal(angle, encoder.wheel, encoder.spot)
+    after = photodiode_signal(now.angle, encoder.wheel, encoder.spot)
     level = threshold - memory.disturbance
     if level <= minimum(before, after) or level >= maximum(before, after):
         return middle, interval

@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -109,7 +108,6 @@ def simulate_batch(
     lanes: bool = True,
     stop: Callable[[], bool] = never,
     say: Callable[[str], None] = quiet,
-    cache: Path | None = None,
 ) -> BatchRun:
     """All `cases` run to `stepping.until`; marks count from its `average_from` on.
 
@@ -124,15 +122,15 @@ def simulate_batch(
     _are_of_one_shape(cases)
     crew = Crew(_threads(cores), stop)
     began = time.perf_counter()
-    ready = prepare(model, cases[0], stepping, cache, say)
-    loop = compiled_loop(say, cache)
+    ready = prepare(model, cases[0], stepping, say)
+    loop = compiled_loop(say)
     code: SideBySide | str = "lanes were not asked for"
     if lanes and stepping.method is Method.STIFF:
         code = "the stiff method carries each case alone"
     elif lanes and model.partners:
         code = "a program exchanges values with a model outside"
     elif lanes:
-        code = side_by_side(model, cases[0], ready.linked.digest, cache, say)
+        code = side_by_side(model, cases[0], ready.linked.digest, say)
     rows = int(np.clip(_places(ready, len(cases)), 16, MOST_ROWS))
     part = _carry_out(loop, ready, code, cases, stepping, rows, crew)
     crowded = np.flatnonzero(part.clocks[:, places.STORED] >= rows)  # marks on the way have been written over

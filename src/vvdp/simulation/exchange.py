@@ -59,7 +59,7 @@ class Partner(NamedTuple):
     release: Callable[[Any], None]
 
 
-def refuse_begun(partners: Mapping[str, Partner], memory: Mapping[str, Any]) -> None:
+def refuse_begun(partners: Mapping[str, Partner], memory: Mapping[str, object]) -> None:
     """Raises RunError if a run would go on from a memory whose partner is not known any more."""
     for name, partner in partners.items():
         if partner.is_begun(memory[name]):
@@ -74,13 +74,13 @@ def refuse_partners(names: Iterable[str], what: str) -> None:
         )
 
 
-def troubles(partners: Mapping[str, Partner], memory: Mapping[str, Any]) -> str:
+def troubles(partners: Mapping[str, Partner], memory: Mapping[str, object]) -> str:
     """Why a partner has failed; empty if none has."""
     found = [partner.trouble(memory[name]) for name, partner in partners.items()]
     return next(filter(None, found), "")
 
 
-def release_all(partners: Mapping[str, Partner], memory: Mapping[str, Any]) -> None:
+def release_all(partners: Mapping[str, Partner], memory: Mapping[str, object]) -> None:
     """Ends the partners of a run."""
     for name, partner in partners.items():
         partner.release(memory[name])

@@ -1,7 +1,6 @@
 """Whether the cases of a model can run side by side in the lanes of a vector, and the arrays in which they do."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,13 +34,11 @@ class SideBySide(NamedTuple):
     reads: int  # how many of the parameters they may read
 
 
-def side_by_side(
-    model: Model, case: Case, digest: str, cache: Path | None = None, say: Callable[[str], None] = quiet
-) -> SideBySide | str:
+def side_by_side(model: Model, case: Case, digest: str, say: Callable[[str], None] = quiet) -> SideBySide | str:
     """The code of the model of this `digest`, or why it has none."""
     if digest not in _known:
         try:
-            _known[digest] = _compile(model, case, cache, say)
+            _known[digest] = _compile(model, case, say)
         except Untraceable as problem:
             _known[digest] = str(problem)
     return _known[digest]
@@ -50,7 +47,7 @@ def side_by_side(
 _known: dict[str, SideBySide | str] = {}
 
 
-def _compile(model: Model, case: Case, cache: Path | None, say: Callable[[str], None]) -> SideBySide:
+def _compile(model: Model, case: Case, say: Callable[[str], None]) -> SideBySide:
     from vvdp.simulation.lane_code import lane_rates
 
     rates, events = trace(model, case), trace(model, case, events_part)
@@ -64,10 +61,10 @@ def _compile(model: Model, case: Case, cache: Path | None, say: Callable[[str], 
         else:
             place += 1
     return SideBySide(
-        run=compiled_lane_loop(say, cache),
-        rates=lane_rates(rates, cache).address,
-        events=lane_rates(events, cache).address,
-        signals=Assembly([signals_part(case)]).load(cache or default_cache(), say)["signals"],
+        run=compiled_lane_loop(say),
+        rates=lane_rates(rates).address,
+        events=lane_rates(events).address,
+        signals=Assembly([signals_part(case)]).load(default_cache(), say)["signals"],
         places=tuple(found),
         commands=tuple(sorted({int(n.number) for g in (rates, events) for n in g.nodes if n.op is Op.COMMAND})),
         reads=blocks(case).tail,

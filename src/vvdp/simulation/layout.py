@@ -196,7 +196,7 @@ def _shape_slots(value: Any) -> int:
     return sum(np.ndim(array) for array in arrays(value))
 
 
-def _parts(values: Mapping[str, Any]) -> dict[str, slice]:
+def _parts(values: Mapping[str, object]) -> dict[str, slice]:
     parts, place = {}, 0
     for name, value in values.items():
         parts[name] = slice(place, place + flat(value).size)

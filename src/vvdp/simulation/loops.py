@@ -1,7 +1,6 @@
 """The stepping loops as compiled code: one of all circuits, compiled once and kept like the code of a circuit."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, NamedTuple
 
 from vvdp.generator.calls import Entry
@@ -35,19 +34,19 @@ class Loop(NamedTuple):
     batch: Entry
 
 
-def compiled_loop(say: Callable[[str], None] = quiet, cache: Path | None = None, *, checked: bool = False) -> Loop:
+def compiled_loop(say: Callable[[str], None] = quiet, *, checked: bool = False) -> Loop:
     """The loop, from the cache or compiled into it; `checked` as of `link`."""
     parts = (plain_part(loop.run, loop.RUN, INT), plain_part(loop.batch, loop.BATCH))
-    found = _assembly(parts, "the simulation loop", checked=checked).load(cache or default_cache(), say)
+    found = _assembly(parts, "the simulation loop", checked=checked).load(default_cache(), say)
     return Loop(found["run"], found["batch"])
 
 
-def compiled_lane_loop(say: Callable[[str], None] = quiet, cache: Path | None = None) -> Entry:
+def compiled_lane_loop(say: Callable[[str], None] = quiet) -> Entry:
     """The loop for many cases at once, from the cache or compiled into it."""
     from vvdp.simulation import lane_loop
 
     parts = (plain_part(lane_loop.run_lanes, lane_loop.RUN_LANES),)
-    return _assembly(parts, "the loop for many cases at once").load(cache or default_cache(), say)["run_lanes"]
+    return _assembly(parts, "the loop for many cases at once").load(default_cache(), say)["run_lanes"]
 
 
 _ASSEMBLIES: dict[tuple[str, bool], Assembly] = {}

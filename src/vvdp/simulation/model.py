@@ -93,7 +93,7 @@ class Case:
     state: Any
     params: Any
     command: Any = NOTHING
-    memory: Mapping[str, Any] = field(default_factory=dict)
+    memory: Mapping[str, object] = field(default_factory=dict)
     settings: Mapping[str, Any] = field(default_factory=dict)
 
     def __eq__(self, other: object) -> bool:
@@ -104,7 +104,7 @@ class Case:
     __hash__ = None  # type: ignore[assignment]
 
 
-def initial_case(model: Model, command: type, params: Any, settings: Mapping[str, Any] | None = None) -> Case:
+def initial_case(model: Model, command: type, params: Any, settings: Mapping[str, object] | None = None) -> Case:
     """The case that `params`, and the `settings` of each program, make of a model that knows how to start.
 
     command  class of the model's command

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -54,7 +53,6 @@ def prepare(
     model: Model,
     case: Case,
     stepping: Stepping,
-    cache: Path | None = None,
     say: Callable[[str], None] = quiet,
     *,
     checked: bool = False,
@@ -65,7 +63,7 @@ def prepare(
     """
     check_model(model, case)
     check_times(model, stepping.sample_period)
-    linked = link(model, case, cache, say, checked=checked)
+    linked = link(model, case, say=say, checked=checked)
     return Prepared(linked=linked, partners=model.partners, **vars(tables(model, case, stepping, linked.digest)))
 
 

@@ -6,7 +6,6 @@ memory, so a record may come in portions.
 """
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -47,7 +46,6 @@ class Replay:
         reading: Any,
         settings: Any,
         *,
-        cache: Path | None = None,
         say: Callable[[str], None] = quiet,
     ) -> None:
         shown = _trial_output(step, memory, reading, settings)
@@ -55,7 +53,7 @@ class Replay:
         self.width = flat(reading).size
         self._example, self._reading, self._settings = memory, reading, settings
         assembly = _assembly(step, memory, reading, settings, shown)
-        self._run, self.digest = assembly.load(cache or default_cache(), say)["replay"], assembly.digest
+        self._run, self.digest = assembly.load(default_cache(), say)["replay"], assembly.digest
 
     def __call__(self, memory: Any, rows: Array, settings: Any | None = None) -> Replayed:
         """The step taken over `rows`, shape (samples, numbers of a reading), starting from `memory`."""

@@ -37,8 +37,8 @@ class Results:
 
     directory: Path
     system: str
-    summary: Mapping[str, Any]
-    meta: Mapping[str, Any]
+    summary: Mapping[str, float | bool]
+    meta: Mapping[str, object]
     record: Record
 
 
@@ -102,7 +102,7 @@ def read_results(place: Path | Directory) -> Results:
     )
 
 
-def _check_meta(path: Path, meta: Mapping[str, Any]) -> None:
+def _check_meta(path: Path, meta: Mapping[str, object]) -> None:
     """Raises ConfigError where what every run says of itself has another type than it was written with."""
     for name in MEASURED:
         if not isinstance(meta.get(name), int | float) or isinstance(meta[name], bool):

@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -174,7 +173,6 @@ def simulate(
     progress: Callable[[float], None] | None = None,
     stop: Callable[[], bool] | None = None,
     say: Callable[[str], None] = quiet,
-    cache: Path | None = None,
     portion: float | None = None,
     checked: bool = False,
 ) -> Run:
@@ -193,8 +191,8 @@ def simulate(
     """
     if continue_from is not None:
         stepping = replace(stepping, begin=continue_from.end)
-    ready = prepare(model, case, stepping, cache, say, checked=checked)
-    loop = compiled_loop(say, cache, checked=checked)
+    ready = prepare(model, case, stepping, say, checked=checked)
+    loop = compiled_loop(say, checked=checked)
     before = carried_on(continue_from, ready, stepping) if continue_from else start_run(ready, stepping)
     refuse_begun(model.partners, as_memory(case, before.memory))
     reached, rows, began, finished, trouble = before.copy(), _Rows(before, stepping), time.perf_counter(), True, ""

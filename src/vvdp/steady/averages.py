@@ -3,7 +3,6 @@
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -37,7 +36,6 @@ def averages(
     valve: RotaryValve,
     *,
     cores: int | None = None,
-    cache: Path | None = None,
     say: Callable[[str], None] = quiet,
 ) -> CycleMeans:
     """`cycle_means` of every row; each field is an array over the rows.
@@ -50,7 +48,7 @@ def averages(
     """
 
     def make() -> Array:
-        replay = Replay(cycle_step, NOTHING, EXAMPLE, valve, cache=cache, say=say)
+        replay = Replay(cycle_step, NOTHING, EXAMPLE, valve, say=say)
         threads = min(cores or len(os.sched_getaffinity(0)), len(rows))
         # Neighbours take alike long: deal them out in turn.
         parts = [np.arange(first, len(rows), threads) for first in range(threads)]
@@ -62,7 +60,7 @@ def averages(
         return found
 
     digest = replay_digest(cycle_step, NOTHING, EXAMPLE, valve)
-    columns: Any = kept_table(table_key(digest, rows, flat(valve)), make, cache).T
+    columns: Any = kept_table(table_key(digest, rows, flat(valve)), make).T
     return CycleMeans(**dict(zip(CycleMeans._fields, columns, strict=True)))
 
 

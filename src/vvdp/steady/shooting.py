@@ -6,7 +6,6 @@ among them), the equation is that they come back at the next mark, and the time 
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -82,7 +81,6 @@ def periodic_states(
     *,
     cores: int | None = None,
     stop: Callable[[], bool] = never,
-    cache: Path | None = None,
     say: Callable[[str], None] = quiet,
 ) -> list[Periodic]:
     """The periodic steady state of each of `cases`, all at once on all cores; their states are the first guesses.
@@ -110,7 +108,6 @@ def periodic_states(
         scale=scale,
         cores=cores,
         stop=stop,
-        cache=cache,
         say=say,
     )
     trials = [_Trial(case, flat(case.state)[unknown], period) for case, period in zip(cases, periods, strict=True)]
@@ -219,7 +216,6 @@ class _Runner:
     scale: Array
     cores: int | None
     stop: Callable[[], bool]
-    cache: Path | None
     say: Callable[[str], None]
 
     def shots(
@@ -267,9 +263,7 @@ class _Runner:
                     shifted[self.unknown[column]] += delta[column]
                 rows.append(replace(case, state=as_value(case.state, shifted)))
         stepping = replace(self.stepping, until=until, average_from=None)
-        run = simulate_batch(
-            self.model, rows, stepping, cores=self.cores, stop=self.stop, cache=self.cache, say=self.say
-        )
+        run = simulate_batch(self.model, rows, stepping, cores=self.cores, stop=self.stop, say=self.say)
         if run.stopped:
             return None
         return [self._shoot(run, i * (n + 1), steps[i]) for i in range(len(cases))]

@@ -3,7 +3,6 @@ pressure."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -51,7 +50,6 @@ def steady_states(
     area: float | None = None,
     *,
     cores: int | None = None,
-    cache: Path | None = None,
     say: Callable[[str], None] = quiet,
 ) -> list[Steady]:
     """The periodic state at every operating point, each on its own stand; all stands are of one circuit.
@@ -63,7 +61,7 @@ def steady_states(
     """
     found: dict[int, Steady] = {}
     open_: dict[int, _Sizing] = {}
-    guesses = _guesses(points, cores, cache, say)
+    guesses = _guesses(points, cores, say)
     for number, (stand, point) in enumerate(points):
         first = _first_sizing(stand, point, guesses[number], area)
         if isinstance(first, str):
@@ -73,18 +71,10 @@ def steady_states(
     for _ in range(MOST_SIZINGS):
         if not open_:
             break
-        numbers = list(open_)
-        one = points[numbers[0]][0]
-        runs = periodic_states(
-            one.model,
-            [open_[number].case for number in numbers],
-            one.stepping,
-            [open_[number].period for number in numbers],
-            cores=cores,
-            cache=cache,
-            say=say,
-        )
-        for number, run in zip(numbers, runs, strict=True):
+        one = points[next(iter(open_))][0]
+        cases, periods = [each.case for each in open_.values()], [each.period for each in open_.values()]
+        runs = periodic_states(one.model, cases, one.stepping, periods, cores=cores, say=say)
+        for number, run in zip(list(open_), runs, strict=True):
             stand, point = points[number]
             sizing = open_.pop(number)
             if run.outcome is None:
@@ -100,7 +90,7 @@ def steady_states(
 
 
 def _guesses(
-    points: Sequence[tuple[Stand, SetPoint]], cores: int | None, cache: Path | None, say: Callable[[str], None]
+    points: Sequence[tuple[Stand, SetPoint]], cores: int | None, say: Callable[[str], None]
 ) -> list[CycleMeans]:
     """The quasi-steady averages of every point; points of one valve go together."""
     by_valve: dict[RotaryValve, list[int]] = {}
@@ -109,7 +99,7 @@ def _guesses(
     found: dict[int, CycleMeans] = {}
     for valve, numbers in by_valve.items():
         rows = np.array([points[number][0].cycle_point(points[number][1]) for number in numbers], float)
-        means = averages(rows, valve, cores=cores, cache=cache, say=say)
+        means = averages(rows, valve, cores=cores, say=say)
         found |= {number: means_at(means, row) for row, number in enumerate(numbers)}
     return [found[number] for number in range(len(points))]
 

@@ -4,7 +4,7 @@ one.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -98,7 +98,7 @@ class Stand:
         flow: float = self.bench.pump.displacement * point.pump_speed
         return flow
 
-    def with_tables(self, **tables: Mapping[str, Any]) -> "Stand":
+    def with_tables(self, **tables: Mapping[str, object]) -> "Stand":
         """The same stand with some values of its tables replaced. Raises ParameterError where they contradict."""
         return Stand(self.bench.with_tables(**tables))
 

@@ -1,7 +1,6 @@
 """What happens within one period of a periodic state, at equal intervals, and its harmonics."""
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -24,7 +23,7 @@ class Waveform:
     load_flow: Array
 
 
-def waveform(state: Steady, *, samples: int = SAMPLES, cache: Path | None = None) -> Waveform:
+def waveform(state: Steady, *, samples: int = SAMPLES) -> Waveform:
     """The waveform of a periodic state. Raises ValueError where the operating point has none."""
     if state.periodic is None or state.periodic.outcome is None:
         raise ValueError(f"no periodic state at {state.point}: {state.reason}")
@@ -34,7 +33,7 @@ def waveform(state: Steady, *, samples: int = SAMPLES, cache: Path | None = None
         state.stand.stepping, until=period, record_interval=step, window=period, window_interval=step,
         average_from=None, relative_tolerance=min(1e-8, state.stand.stepping.relative_tolerance),
     )  # fmt: skip
-    run = whole_run(state.stand.model, state.periodic.case, stepping, cache)
+    run = whole_run(state.stand.model, state.periodic.case, stepping)
     series = state.stand.bench.run_series(run)
     even = np.arange(samples) * step
     near = np.array([int(np.argmin(np.abs(run.times - t))) for t in even])
@@ -47,9 +46,9 @@ def waveform(state: Steady, *, samples: int = SAMPLES, cache: Path | None = None
     )
 
 
-def whole_run(model: Model, case: Case, stepping: Stepping, cache: Path | None = None) -> Run:
+def whole_run(model: Model, case: Case, stepping: Stepping) -> Run:
     """A run to its end; Ctrl-C is raised, since part of it gives no mean and no harmonic."""
-    run = simulate(model, case, stepping, cache=cache)
+    run = simulate(model, case, stepping)
     if not run.finished:
         raise KeyboardInterrupt
     return run

@@ -52,8 +52,8 @@ class StudyResults:
     outputs: Mapping[str, Column]
     failures: tuple[Failure, ...]
     missing: tuple[int, ...]
-    ran: int
-    seconds: float
+    ran: int = 0
+    seconds: float = 0.0
     doubts: tuple[Doubt, ...] = ()
 
     @property

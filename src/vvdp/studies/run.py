@@ -8,7 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from operator import attrgetter
 from pathlib import Path
 from types import FrameType
@@ -65,7 +65,6 @@ def run_study(
     engine: Engine = HERE,
     progress: Callable[[int, int], None] = silent,
     say: Callable[[str], None] = quiet,
-    cache: Path | None = None,
 ) -> StudyResults:
     """The results of all cases of `study`; those that `directory` already has are not run again.
 
@@ -80,7 +79,7 @@ def run_study(
     began = time.perf_counter()
     directory = Path(directory)
     base = _base(study)
-    planned = _plan(study, base, cache, say)
+    planned = _plan(study, base, say)
     _check_outputs(study, base)
     describing = {"vvdp": VERSION, "system": resolved_text(base), "cases": len(planned)}
     finished = opened_store(directory, describing)
@@ -92,22 +91,23 @@ def run_study(
     ran = 0
     if pending:
         compiled_loop(say)  # here, so that workers find it compiled
-    task = functools.partial(_finished_batch, base, cache, VERSION)
+    task = functools.partial(_finished_batch, base, VERSION)
     batching = Batching(group=attrgetter("group"))
     with hold_interrupts() as interrupted:
         for done in kept_batches(task, pending, directory, engine, interrupted, batching):
             finished |= {case.key: case for case in done}
             ran += len(done)
             progress(len(planned) - len(pending) + ran, len(planned))
-    return _results(study, base, directory, planned, finished, ran, time.perf_counter() - began)
+    results = _results(study, base, directory, planned, finished)
+    return replace(results, ran=ran, seconds=time.perf_counter() - began)
 
 
-def read_study(study: Study, directory: Path | str, *, cache: Path | None = None) -> StudyResults:
+def read_study(study: Study, directory: Path | str) -> StudyResults:
     """What `directory` has of `study`, without running anything."""
     base = _base(study)
-    planned = _plan(study, base, cache, quiet)
+    planned = _plan(study, base, quiet)
     _check_outputs(study, base)
-    return _results(study, base, Path(directory), planned, finished_cases(Path(directory)), 0, 0.0)
+    return _results(study, base, Path(directory), planned, finished_cases(Path(directory)))
 
 
 def _base(study: Study) -> System:
@@ -134,7 +134,7 @@ def _build_system(base: System, settings: Settings) -> System:
     return base.read_from(Table(varied.place, content, varied.lines))
 
 
-def _plan(study: Study, base: System, cache: Path | None, say: Callable[[str], None]) -> list[_Planned]:
+def _plan(study: Study, base: System, say: Callable[[str], None]) -> list[_Planned]:
     """Every case, checked. Raises ConfigError with the faults of all of them, each said once."""
     digests: dict[str, str] = {}
     shapes: dict[Hashable, str] = {}
@@ -157,25 +157,26 @@ def _plan(study: Study, base: System, cache: Path | None, say: Callable[[str], N
         shape = shapes[alike]
         if shape not in digests:
             try:
-                digests[shape] = link(system.model, system.case, cache, say).digest
+                digests[shape] = link(system.model, system.case, say=say).digest
             except RunError as problem:
                 refused.setdefault(("", str(problem)), []).append(number)
                 continue
-        stepping = repr(system.stepping)
-        group = f"{shape} {stepping}"
-        key = _key(system, digests[shape], stepping)
-        case = _Planned(
-            number=number,
-            settings=settings,
-            key=key,
-            group=group,
-            digest=digests[shape],
-            inputs=_inputs(system, settings),
-        )
-        planned.append(case)
+        planned.append(_planned_case(number, settings, system, shape, digests[shape]))
     if refused:
         raise ConfigError([Fault(_places(numbers), 0, *what) for what, numbers in refused.items()])
     return planned
+
+
+def _planned_case(number: int, settings: Settings, system: System, shape: str, digest: str) -> _Planned:
+    stepping = repr(system.stepping)
+    return _Planned(
+        number=number,
+        settings=settings,
+        key=_key(system, digest, stepping),
+        group=f"{shape} {stepping}",
+        digest=digest,
+        inputs=_inputs(system, settings),
+    )
 
 
 def _places(numbers: list[int]) -> str:
@@ -239,14 +240,12 @@ def _check_outputs(study: Study, base: System) -> None:
         raise ConfigError([Fault("study", 0, name, f"no such output{nearest(name, known)}") for name in unknown])
 
 
-def _finished_batch(
-    base: System, cache: Path | None, version: str, batch: Sequence[_Planned], cores: int
-) -> list[Finished]:
+def _finished_batch(base: System, version: str, batch: Sequence[_Planned], cores: int) -> list[Finished]:
     """What comes of a batch, where it is run."""
     systems = [_build_system(base, case.settings) for case in batch]
     one = systems[0]
     cases = [system.case for system in systems]
-    run = simulate_batch(one.model, cases, one.stepping, cores=cores, cache=cache)
+    run = simulate_batch(one.model, cases, one.stepping, cores=cores)
     check_same((VERSION, run.digest), (version, batch[0].digest))
     done: list[Finished] = []
     for number, (planned, system) in enumerate(zip(batch, systems, strict=True)):
@@ -257,30 +256,9 @@ def _finished_batch(
 
 
 def _results(
-    study: Study,
-    base: System,
-    directory: Path,
-    planned: Sequence[_Planned],
-    finished: Mapping[str, Finished],
-    ran: int,
-    seconds: float,
+    study: Study, base: System, directory: Path, planned: Sequence[_Planned], finished: Mapping[str, Finished]
 ) -> StudyResults:
-    closed_forms = base.extras is not None and not set(base.extras.CLOSED_FORMS).isdisjoint(study.outputs)
-    rows: list[Mapping[str, float | bool]] = []
-    failures: list[Failure] = []
-    doubted: dict[str, tuple[str, list[int]]] = {}
-    for case in planned:
-        done = finished.get(case.key)
-        if done and done.failure:
-            failures.append(Failure(case.number, case.settings, done.failure))
-        row = done.summary if done else {}
-        system = _build_system(base, case.settings) if row and (closed_forms or _is_doubtful(row)) else None
-        if system is not None and _is_doubtful(row):
-            for text in warnings(system, row):
-                doubted.setdefault(text.partition(":")[0], (text, []))[1].append(case.number)
-        if system is not None and system.extras is not None and closed_forms:
-            row = {**row, **system.extras.closed_forms(row)}
-        rows.append(row)
+    rows, doubts = _judged_rows(study, base, planned, finished)
     names = list(dict.fromkeys(key for case in planned for key in case.inputs))
     unset = _inputs(base, dict.fromkeys(names, ""))
     known = quantities(base)
@@ -296,12 +274,34 @@ def _results(
             )
             for name in study.outputs
         },
-        failures=tuple(failures),
-        doubts=tuple(Doubt(text, tuple(cases)) for text, cases in doubted.values()),
+        failures=tuple(
+            Failure(case.number, case.settings, done.failure)
+            for case in planned
+            if (done := finished.get(case.key)) and done.failure
+        ),
+        doubts=doubts,
         missing=tuple(case.number for case in planned if case.key not in finished),
-        ran=ran,
-        seconds=seconds,
     )
+
+
+def _judged_rows(
+    study: Study, base: System, planned: Sequence[_Planned], finished: Mapping[str, Finished]
+) -> tuple[list[Mapping[str, float | bool]], tuple[Doubt, ...]]:
+    """The numbers of each case, closed forms among them where the study asks for some, and what is to be known of
+    them."""
+    closed_forms = base.extras is not None and not set(base.extras.CLOSED_FORMS).isdisjoint(study.outputs)
+    rows: list[Mapping[str, float | bool]] = []
+    doubted: dict[str, tuple[str, list[int]]] = {}
+    for case in planned:
+        row = finished[case.key].summary if case.key in finished else {}
+        system = _build_system(base, case.settings) if row and (closed_forms or _is_doubtful(row)) else None
+        if system is not None and _is_doubtful(row):
+            for text in warnings(system, row):
+                doubted.setdefault(text.partition(":")[0], (text, []))[1].append(case.number)
+        if system is not None and system.extras is not None and closed_forms:
+            row = {**row, **system.extras.closed_forms(row)}
+        rows.append(row)
+    return rows, tuple(Doubt(text, tuple(cases)) for text, cases in doubted.values())
 
 
 def _is_doubtful(row: Mapping[str, float | bool]) -> bool:

@@ -40,12 +40,12 @@ class Finished:
     """A case that has been run: the results of the simulation, or why it failed."""
 
     key: str
-    settings: Mapping[str, Any]
+    settings: Mapping[str, object]
     failure: str | None
     summary: Mapping[str, float | bool]
 
 
-def opened_store(directory: Path, description: Mapping[str, Any]) -> dict[str, Finished]:
+def opened_store(directory: Path, description: Mapping[str, object]) -> dict[str, Finished]:
     """Makes `directory` the place of a study and returns its finished cases by key.
 
     Raises ConfigError where it holds something else, cannot be written, or has a damaged file.
@@ -170,7 +170,7 @@ def _sum(cases: Any) -> str:
     return hashlib.sha256(json.dumps(cases, sort_keys=True).encode()).hexdigest()
 
 
-def _numbers(summary: Mapping[str, Any]) -> dict[str, float | bool]:
+def _numbers(summary: Mapping[str, float | bool]) -> dict[str, float | bool]:
     if wrong := [key for key, value in summary.items() if not isinstance(value, int | float | None)]:
         raise ValueError(f"{wrong[0]} is no number")
     return {key: math.nan if value is None else value for key, value in summary.items()}
@@ -221,5 +221,5 @@ def is_store(directory: Path) -> bool:
     return (directory / DESCRIPTION).is_file() and not kind_fault(directory, DESCRIPTION)
 
 
-def _write(path: Path, content: Mapping[str, Any]) -> None:
+def _write(path: Path, content: Mapping[str, object]) -> None:
     write_whole(path, json.dumps(content, indent=1, allow_nan=False) + "\n")

@@ -39,7 +39,7 @@ from vvdp.base.tables import Table, fault_at, read_table, refuse_unknown
 from vvdp.base.units import number_and_unit, parse
 from vvdp.systems.system import System, named_systems
 
-Settings: TypeAlias = Mapping[str, Any]
+Settings: TypeAlias = Mapping[str, object]
 """Values by `table.key`, each as a system file has it: text with a unit, a number, or a signal's mapping."""
 
 MOST_CASES = 1_000_000
@@ -223,7 +223,7 @@ def _variations(table: Table, faults: list[Fault]) -> Variations:
     return random if random is not None else grid
 
 
-def _refuse_twice(settings: Mapping[str, Any], variations: Variations, table: Table, faults: list[Fault]) -> None:
+def _refuse_twice(settings: Mapping[str, object], variations: Variations, table: Table, faults: list[Fault]) -> None:
     """Append a fault for each value that is the same in all cases and varied as well."""
     varied: dict[str, str] = {}
     if isinstance(variations, Random):
@@ -237,7 +237,7 @@ def _refuse_twice(settings: Mapping[str, Any], variations: Variations, table: Ta
         faults.append(fault_at(table, f"settings.{key}", message))
 
 
-def _refuse_many(grid: Mapping[str, Any], table: Table, faults: list[Fault]) -> None:
+def _refuse_many(grid: Mapping[str, object], table: Table, faults: list[Fault]) -> None:
     """Append a fault for a grid with more points than can be made."""
     counts = [len(values) for values in grid.values() if isinstance(values, list)]
     if (points := math.prod(counts)) > MOST_CASES:
@@ -267,7 +267,7 @@ VALUES = frozenset(("value", "step", "ramp", "sine", "table", "from", "uniform",
 """Words of which a mapping has one where it is a value, and no table of values."""
 
 
-def _join_keys(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
+def _join_keys(table: Mapping[str, object], above: str = "") -> dict[str, Any]:
     """`table` with `operation.duty_ratio = ...`, which TOML nests, under the same name as when it is quoted."""
     found: dict[str, Any] = {}
     for key, value in table.items():
@@ -315,7 +315,7 @@ def _random(table: Table, grid: Mapping[str, Any], faults: list[Fault]) -> Rando
     return Random(_spreads(table, grid, faults), count, seed, grid)
 
 
-def _spreads(table: Table, grid: Mapping[str, Any], faults: list[Fault]) -> dict[str, Uniform | Normal]:
+def _spreads(table: Table, grid: Mapping[str, object], faults: list[Fault]) -> dict[str, Uniform | Normal]:
     spreads: dict[str, Uniform | Normal] = {}
     entries = _flatten(table, "spreads", faults, "random.spreads")
     for key, words in entries.items():

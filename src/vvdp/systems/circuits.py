@@ -32,7 +32,7 @@ class TableSlot:
     classes: tuple[type[Params], ...]
     optional: bool
 
-    def choice(self, keys: Mapping[str, Any]) -> type[Params]:
+    def choice(self, keys: Mapping[str, object]) -> type[Params]:
         """The class that has most of the keys, the first one at a tie."""
 
         def shared_base(cls: Any) -> int:
@@ -113,7 +113,7 @@ def tables_record(function: NetworkFunction) -> Any:
     return record if isinstance(record, type) and is_dataclass(record) and not issubclass(record, Params) else None
 
 
-def draw(function: NetworkFunction, tables: Mapping[str, Any]) -> Network:
+def draw(function: NetworkFunction, tables: Mapping[str, object]) -> Network:
     """The network that a circuit makes of tables by their names."""
     record = tables_record(function)
     return function(**tables) if record is None else function(record(**tables))

@@ -44,7 +44,7 @@ def waiting_numbers(run: Outcome, system: LoadedSystem) -> dict[str, float]:
     return found
 
 
-def waiting_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
+def waiting_bounds(system: LoadedSystem, found: Mapping[str, float | bool]) -> Iterator[Bound]:
     """The bounds of these times."""
     for name, sequence in sequences(system.circuit.network).items():
         if waited := found.get(f"uncontrolled_time_{name}_s"):

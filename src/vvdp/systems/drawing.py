@@ -191,7 +191,7 @@ class Drawing(NamedTuple):
 class Drawer(ProgramDrawer):
     """Draws one file: what it has found wrong so far, and where each value comes from."""
 
-    def __init__(self, content: Mapping[str, Any], origin: Table, faults: list[Fault], folder: Path) -> None:
+    def __init__(self, content: Mapping[str, object], origin: Table, faults: list[Fault], folder: Path) -> None:
         self.content, self.origin, self.faults, self.folder = content, origin, faults, folder
         self.rows: list[Sourced] = []
 
@@ -230,7 +230,7 @@ class Drawer(ProgramDrawer):
         given = self._inner(name)
         return self._table(cls, name, given) if name in self.content and len(self.faults) == faults else None
 
-    def _inner(self, table: str) -> Mapping[str, Any]:
+    def _inner(self, table: str) -> Mapping[str, object]:
         return inner_table(self.content, table, self.origin, self.faults)
 
     def _parts(self, table: str) -> list[tuple[str, Mapping[str, Any]]]:
@@ -240,7 +240,7 @@ class Drawer(ProgramDrawer):
                 self._fault(f"{table}.{name}", f"{part!r} is not a table; expected {{ type = ... }}")
         return [(name, part) for name, part in found.items() if isinstance(part, Mapping)]
 
-    def _validly_named_parts(self, net: Network, table: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    def _validly_named_parts(self, net: Network, table: str) -> Iterator[tuple[str, Mapping[str, object]]]:
         """The parts of a table whose name can be given; of another one nothing but its name is reported."""
         for name, part in self._parts(table):
             path = f"{table}.{name}"
@@ -256,7 +256,7 @@ class Drawer(ProgramDrawer):
         self.rows += rows
         return found
 
-    def _type(self, path: str, part: Mapping[str, Any], types: Mapping[str, Any]) -> Any:
+    def _type(self, path: str, part: Mapping[str, object], types: Mapping[str, object]) -> Any:
         word = part.get("type")
         if not isinstance(word, str) or word not in types:
             unknown = f"type {word!r} is unknown{nearest(str(word), list(types))}"
@@ -264,13 +264,13 @@ class Drawer(ProgramDrawer):
             return None
         return types[word]
 
-    def _type_hint(self, path: str, types: Mapping[str, Any]) -> str:
+    def _type_hint(self, path: str, types: Mapping[str, object]) -> str:
         """What is stated of a part without a type: perhaps the name of another one is meant."""
         table, _, name = path.partition(".")
         others = [other for other, part in self._parts(table) if "type" in part]
         return "has no type" + (suggestion(name, others) or nearest("", list(types)))
 
-    def _add_node(self, net: Network, name: str, part: Mapping[str, Any], oils: Mapping[str, Oil]) -> None:
+    def _add_node(self, net: Network, name: str, part: Mapping[str, object], oils: Mapping[str, Oil]) -> None:
         path = f"nodes.{name}"
         kind = self._type(path, part, NODES)
         if kind is None:
@@ -286,7 +286,7 @@ class Drawer(ProgramDrawer):
             self._try(path, lambda: kind.add(net, name, values, oil))
         self._place(net, name, path, part)
 
-    def _values(self, cls: type[Params], path: str, own: Mapping[str, Any]) -> Any:
+    def _values(self, cls: type[Params], path: str, own: Mapping[str, object]) -> Any:
         """The values of a node; what a source or a driven shaft prescribes may also be `{ from = "spool.speed" }`."""
         match own:
             case {"pressure": {"from": str() as source, **rest}} if cls is SourceTable and not rest:
@@ -295,7 +295,7 @@ class Drawer(ProgramDrawer):
                 return SimpleNamespace(speed=source)
         return self._table(cls, path, own)
 
-    def _place(self, net: Network, name: str, path: str, part: Mapping[str, Any]) -> None:
+    def _place(self, net: Network, name: str, path: str, part: Mapping[str, object]) -> None:
         match part.get("at"):
             case None:
                 return
@@ -332,7 +332,7 @@ class Drawer(ProgramDrawer):
             self._try(path, lambda: net.add(name, component, *values, start=start, **joints))
         self._place(net, name, path, part)
 
-    def _add_assembly(self, net: Network, name: str, part: Mapping[str, Any], assembly: Assembly) -> None:
+    def _add_assembly(self, net: Network, name: str, part: Mapping[str, object], assembly: Assembly) -> None:
         path = f"components.{name}"
         fields = field_names(assembly.params)
         if not self._has_own_keys(path, part, COMPONENTS):
@@ -345,7 +345,7 @@ class Drawer(ProgramDrawer):
                 self._try(path, lambda: assembly.add(net, name, values, nodes, start.start))
         self._place(net, name, path, part)
 
-    def _has_own_keys(self, path: str, part: Mapping[str, Any], types: Mapping[str, PartType]) -> bool:
+    def _has_own_keys(self, path: str, part: Mapping[str, object], types: Mapping[str, PartType]) -> bool:
         """Whether the keys of a part are not those of another type; unknown ones are reported."""
         word = str(part["type"])
         if meant := other_type(word, part, types):
@@ -358,7 +358,7 @@ class Drawer(ProgramDrawer):
     def _has_faults(self, path: str) -> bool:
         return any(fault.key == path or fault.key.startswith(f"{path}.") for fault in self.faults)
 
-    def _inputs(self, component: Component, path: str, given: Mapping[str, Any]) -> dict[str, Any]:
+    def _inputs(self, component: Component, path: str, given: Mapping[str, object]) -> dict[str, Any]:
         """Sources of inputs: `{ from = "spool.speed" }`, or a signal."""
         found: dict[str, Any] = {}
         signals = {}
@@ -392,7 +392,7 @@ def _signals_class(kinds: tuple[tuple[str, Kind], ...]) -> type[Params]:
     return type("Inputs", (Params,), {"__annotations__": {key: Annotated[Signal, kind] for key, kind in kinds}})
 
 
-def draw_network(content: Mapping[str, Any], table: Table, faults: list[Fault], folder: Path = Path()) -> Drawing:
+def draw_network(content: Mapping[str, object], table: Table, faults: list[Fault], folder: Path = Path()) -> Drawing:
     """What a file draws; modules that it names are looked for in `folder`. Faults are appended to `faults`."""
     drawer = Drawer(content, table, faults, folder)
     limits = drawer.limits()

@@ -118,7 +118,7 @@ class DrawnCircuit:
         return found
 
 
-def is_record(drawn: Any, tables: Mapping[str, Mapping[str, Any]]) -> bool:
+def is_record(drawn: Any, tables: Mapping[str, Mapping[str, object]]) -> bool:
     """Whether `drawn` is what a drawn circuit keeps of a part, and its nodes and entries are in `tables`."""
     match drawn:
         case {"source": str(), "ports": Mapping() as ports, "names": list(names), "values": Mapping() as values}:
@@ -127,14 +127,14 @@ def is_record(drawn: Any, tables: Mapping[str, Mapping[str, Any]]) -> bool:
     return False
 
 
-def _are_paths(values: Iterable[Any], tables: Mapping[str, Mapping[str, Any]]) -> bool:
+def _are_paths(values: Iterable[Any], tables: Mapping[str, Mapping[str, object]]) -> bool:
     """Whether each of the values is a list of paths TABLE.NAME.KEY of entries in `tables`."""
     paths = [path for value in values for path in (value if isinstance(value, list) else [None])]
     words = [path.split(".") if isinstance(path, str) else [] for path in paths]
     return all(len(each) > 2 and each[1] in tables.get(each[0], {}) for each in words)
 
 
-def _leaves(entry: Mapping[str, Any], before: Any, above: Keys = ()) -> Iterator[tuple[Keys, Any]]:
+def _leaves(entry: Mapping[str, object], before: Any, above: Keys = ()) -> Iterator[tuple[Keys, Any]]:
     """The values of a table and of those in it, by keys; `before` is what stands in its place now."""
     for key, value in entry.items():
         inner = as_table(before).get(key)
@@ -144,7 +144,7 @@ def _leaves(entry: Mapping[str, Any], before: Any, above: Keys = ()) -> Iterator
             yield (*above, key), value
 
 
-def _named_fault(entry: Any, parts: Mapping[str, Mapping[str, Any]]) -> Any:
+def _named_fault(entry: Any, parts: Mapping[str, Mapping[str, object]]) -> Any:
     """An entry of [faults] whose names are those of the drawn circuit."""
     found = dict(as_table(entry))
     for key in ("sensor", "actuator", "jams"):
@@ -156,7 +156,7 @@ def _named_fault(entry: Any, parts: Mapping[str, Mapping[str, Any]]) -> Any:
     return found if isinstance(entry, Mapping) else entry
 
 
-def part_settings(content: Mapping[str, Any]) -> dict[str, str]:
+def part_settings(content: Mapping[str, object]) -> dict[str, str]:
     """The values that the parts of a drawn circuit offer, as keys of `--set`, and the first entry that each sets."""
     return {
         f"{PARTS}.{name}.{value}": paths[0]
@@ -165,12 +165,12 @@ def part_settings(content: Mapping[str, Any]) -> dict[str, str]:
     }
 
 
-def setting_path(content: Mapping[str, Any], setting: str) -> str:
+def setting_path(content: Mapping[str, object], setting: str) -> str:
     """The entry of a drawn circuit that a key of `--set` reaches; the first one of a value that sets several."""
     return _entry_paths(setting, {name: as_table(use)[DRAWN] for name, use in as_table(content.get(PARTS)).items()})[0]
 
 
-def _entry_paths(path: str, parts: Mapping[str, Mapping[str, Any]]) -> tuple[str, ...]:
+def _entry_paths(path: str, parts: Mapping[str, Mapping[str, object]]) -> tuple[str, ...]:
     """The entries that a path with the names of parts leads to."""
     group, dot, rest = path.partition(".")
     part, _, value = rest.rpartition(".")
@@ -178,7 +178,7 @@ def _entry_paths(path: str, parts: Mapping[str, Mapping[str, Any]]) -> tuple[str
     return tuple(values.get(value, ())) or (group + dot + inner_name(rest, parts),)
 
 
-def other_keys(group: str, part: Mapping[str, Any], entry: Mapping[str, Any]) -> list[str]:
+def other_keys(group: str, part: Mapping[str, object], entry: Mapping[str, object]) -> list[str]:
     """The keys of a component or program that the other type which `entry` gives it does not take: they go with it."""
     found = TYPES.get(group, {}).get(str(entry.get("type")))
     return [] if found is None else [key for key in part if key not in part_keys(found).known]

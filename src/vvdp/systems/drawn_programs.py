@@ -42,7 +42,7 @@ class ProgramTimes(Params):
 class ProgramDrawer(ABC):
     """Draws the programs of a file."""
 
-    content: Mapping[str, Any]
+    content: Mapping[str, object]
     origin: Table
     faults: list[Fault]
     rows: list[Sourced]
@@ -55,10 +55,10 @@ class ProgramDrawer(ABC):
     def _table(self, cls: type[Any], path: str, part: Any) -> Any: ...
 
     @abstractmethod
-    def _type(self, path: str, part: Mapping[str, Any], types: Mapping[str, Any]) -> Any: ...
+    def _type(self, path: str, part: Mapping[str, object], types: Mapping[str, object]) -> Any: ...
 
     @abstractmethod
-    def _has_own_keys(self, path: str, part: Mapping[str, Any], types: Mapping[str, Any]) -> bool: ...
+    def _has_own_keys(self, path: str, part: Mapping[str, object], types: Mapping[str, Any]) -> bool: ...
 
     @abstractmethod
     def _has_faults(self, path: str) -> bool: ...
@@ -66,7 +66,7 @@ class ProgramDrawer(ABC):
     @abstractmethod
     def _try(self, path: str, add: Callable[[], None]) -> None: ...
 
-    def _add_programs(self, net: Network, parts: Mapping[str, Mapping[str, Any]]) -> None:
+    def _add_programs(self, net: Network, parts: Mapping[str, Mapping[str, object]]) -> None:
         """Add the programs of the file, each as the kinds of what it reads ask for."""
         written = {name: self._written_part(name, part) for name, part in parts.items()}
         kinds = Kinds(net, {name: each for name, each in written.items() if each})
@@ -75,7 +75,7 @@ class ProgramDrawer(ABC):
                 self._add_program(net, each, kinds)
         self.rows[:] = [row for row in self.rows if row.value not in (-LARGEST, LARGEST)]  # no limit is no value
 
-    def _written_part(self, name: str, part: Mapping[str, Any]) -> "WrittenPart | None":
+    def _written_part(self, name: str, part: Mapping[str, object]) -> "WrittenPart | None":
         """A program as it stands in the file, with its inputs by name; None where its type or keys are wrong."""
         path, types, word = f"programs.{name}", dict(PROGRAMS), part.get("type")
         try:
@@ -217,7 +217,7 @@ def read_inputs(
     return found
 
 
-def _foreign_type(name: str, part: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+def _foreign_type(name: str, part: Mapping[str, object], folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     """The type of program that an FMU is, by a word, and the keys of the program with this type. Raises FieldError."""
     file = part["fmu"]
     if not isinstance(file, str) or "type" in part:
@@ -230,7 +230,7 @@ def _own_type(kind: ProgramType | GenericProgram) -> ProgramType:
     return kind.type if isinstance(kind, GenericProgram) else kind
 
 
-def _with_inputs(part: Mapping[str, Any], kind: ProgramType) -> Mapping[str, Any]:
+def _with_inputs(part: Mapping[str, object], kind: ProgramType) -> Mapping[str, object]:
     """The keys of a program, where `reads` gives several inputs with these: a list in their order, by name, or all."""
     reads, inputs = part.get("reads"), kind.reading._fields  # type: ignore[attr-defined]
     rest = {key: value for key, value in part.items() if key != "reads"}
@@ -275,7 +275,7 @@ def _type_and_settings(
 
 
 def read_sensors(
-    kind: ProgramType, path: str, given: Mapping[str, Any], origin: Table, faults: list[Fault]
+    kind: ProgramType, path: str, given: Mapping[str, object], origin: Table, faults: list[Fault]
 ) -> dict[str, Instrument]:
     """The instruments through which a program reads; each value has the unit of what is read."""
     kinds, found = field_kinds(kind.reading), {}

@@ -188,6 +188,6 @@ def _has_no_type(entry: Any) -> bool:
     return isinstance(entry, Mapping) and "type" not in entry
 
 
-def _is_inside(name: str, parts: Mapping[str, Any]) -> bool:
+def _is_inside(name: str, parts: Mapping[str, object]) -> bool:
     """Whether a name is one inside of a part, written with an underscore."""
     return any(name.startswith(f"{part}_") for part in parts)

@@ -64,7 +64,7 @@ class LoadedSystem(Protocol):
     def extras(self) -> "Extras | None":
         """What the system brings along beyond others; None where that is nothing."""
 
-    def with_tables(self, tables: Mapping[str, Any]) -> "LoadedSystem":
+    def with_tables(self, tables: Mapping[str, object]) -> "LoadedSystem":
         """The same system drawn from other tables."""
 
 
@@ -115,15 +115,15 @@ class Extras:
         """Analytic results to stand beside the simulated ones in `found`."""
         return {}
 
-    def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:  # noqa: ARG002
+    def warnings(self, found: Mapping[str, float | bool]) -> Iterator[str]:  # noqa: ARG002
         """What a user has to know before the numbers of a summary, each in one line."""
         yield from ()
 
-    def merits(self, found: Mapping[str, Any]) -> Iterator[str]:  # noqa: ARG002
+    def merits(self, found: Mapping[str, float | bool]) -> Iterator[str]:  # noqa: ARG002
         """What the numbers of a summary show to be right, each in one line."""
         yield from ()
 
-    def bounds(self, found: Mapping[str, Any]) -> Iterator[Bound]:  # noqa: ARG002
+    def bounds(self, found: Mapping[str, float | bool]) -> Iterator[Bound]:  # noqa: ARG002
         """What must lie within its bounds for the laws of its components to hold, at what a run has `found`."""
         yield from ()
 

@@ -60,7 +60,9 @@ VALUES = ("oil", "oils", "operation", "nodes", "components")
 class FaultReader:
     """Reads the faults of a file: the network they befall, its tables where a function drew it, and what is wrong."""
 
-    def __init__(self, network: Network, tables: Mapping[str, Any] | None, origin: Table, wrong: list[Fault]) -> None:
+    def __init__(
+        self, network: Network, tables: Mapping[str, object] | None, origin: Table, wrong: list[Fault]
+    ) -> None:
         self.network, self.tables, self.origin, self.wrong = network, tables, origin, wrong
         self.rows: list[Sourced] = []
 
@@ -93,7 +95,7 @@ class FaultReader:
             self._tell(f"{path}.{problem.key}" if problem.key else path, str(problem))
         return None
 
-    def _window(self, path: str, part: Mapping[str, Any]) -> Window | None:
+    def _window(self, path: str, part: Mapping[str, object]) -> Window | None:
         before = len(self.wrong)
         readers = {key: partial(read_sourced, path, key, TIME, float) for key in ("begin", "end")}
         rows = read_values(readers, {key: part[key] for key in readers if key in part}, path, self.origin, self.wrong)
@@ -108,7 +110,7 @@ class FaultReader:
             return None
         return window
 
-    def _read(self, name: str, part: Mapping[str, Any], window: Window) -> AnyFault | None:
+    def _read(self, name: str, part: Mapping[str, object], window: Window) -> AnyFault | None:
         match part:
             case {"sensor": str(where), **rest}:
                 return _sensor(self.network, where, rest, window)
@@ -194,7 +196,7 @@ def _program(network: Network, key: str, where: str) -> tuple[str, str, ProgramT
     return name, rest, programs[name].type
 
 
-def _sensor(network: Network, where: str, rest: Mapping[str, Any], window: Window) -> Disturbed:
+def _sensor(network: Network, where: str, rest: Mapping[str, object], window: Window) -> Disturbed:
     name, path, kind = _program(network, "sensor", where)
     measured = field_kinds(kind.reading)
     if path in measured:
@@ -211,7 +213,7 @@ def _sensor(network: Network, where: str, rest: Mapping[str, Any], window: Windo
     return InstrumentFault(name, place, _disturbance(rest, unit, "frozen", has_range=True), window)
 
 
-def _actuator(network: Network, where: str, rest: Mapping[str, Any], window: Window) -> Disturbed:
+def _actuator(network: Network, where: str, rest: Mapping[str, object], window: Window) -> Disturbed:
     name, path, kind = _program(network, "actuator", where)
     commanded = field_kinds(type(kind.command))
     if path not in commanded:
@@ -219,7 +221,7 @@ def _actuator(network: Network, where: str, rest: Mapping[str, Any], window: Win
     return CommandFault(name, path, _disturbance(rest, commanded[path], "stuck"), window)
 
 
-def _jam(network: Network, name: str, node: str, rest: Mapping[str, Any], window: Window) -> Disturbed:
+def _jam(network: Network, name: str, node: str, rest: Mapping[str, object], window: Window) -> Disturbed:
     movers = [each for each, held in network.nodes.items() if isinstance(held, Shaft | Rod)]
     if node not in movers:
         raise _Unreadable("jams", f"{node!r}{_choice(node, movers, 'shaft or rod that moves freely')}")
@@ -268,7 +270,7 @@ def _refuse_wiring(where: str, origin: Table) -> None:
         )
 
 
-def _disturbance(given: Mapping[str, Any], kind: Kind | None, still: str, *, has_range: bool = False) -> Disturbance:
+def _disturbance(given: Mapping[str, object], kind: Kind | None, still: str, *, has_range: bool = False) -> Disturbance:
     """What is wrong with a signal of a kind; `still` is the word for one that does not change any more."""
     match given:
         case {"frozen": True, **rest} if still == "frozen" and not rest:
@@ -287,7 +289,7 @@ def _disturbance(given: Mapping[str, Any], kind: Kind | None, still: str, *, has
                       f'lost = {lost}, bias = "{example}"')  # fmt: skip
 
 
-def _missed_share(given: Mapping[str, Any]) -> float:
+def _missed_share(given: Mapping[str, object]) -> float:
     match given:
         case {"lost": True, **rest} if not rest:
             return 1.0

@@ -216,7 +216,7 @@ class OtherSignal:
     words: str
     window: Window
 
-    def apply(self, network: Network, tables: Mapping[str, Any]) -> None:
+    def apply(self, network: Network, tables: Mapping[str, object]) -> None:
         """Put it into a network that was drawn from tables. Raises NetworkError where nothing there follows it."""
         name, _, key = self.path.rpartition(".")
         before: Signal = getattr(tables[name], key)
@@ -253,7 +253,7 @@ class NamedFault:
 
 
 def faulty_network(
-    network: Network, tables: Mapping[str, Any], faults: Sequence[NamedFault], redraw: Redraw
+    network: Network, tables: Mapping[str, object], faults: Sequence[NamedFault], redraw: Redraw
 ) -> Network | None:
     """The network, drawn from tables, with its faults; None where it cannot be drawn with the values they give it.
 
@@ -316,7 +316,7 @@ def _sources(network: Network) -> Iterator[Any]:
         yield from (signal for value in part.values for _, signal in signals_of(value))
 
 
-def change_entries(content: Mapping[str, Any], others: Sequence[OtherValue]) -> dict[str, Any]:
+def change_entries(content: Mapping[str, object], others: Sequence[OtherValue]) -> dict[str, Any]:
     """The content of a file that draws its network, with the values that a fault gives it."""
     found = copy_tables(content)
     for other in others:
@@ -337,7 +337,7 @@ def devices(values: Any, path: str = "") -> Iterator[tuple[str, Instrument | Enc
             yield where, device, FRACTION if isinstance(values, AxialSensor) else kind
 
 
-def _replace_fields(values: Any, changes: Mapping[str, Any]) -> Any:
+def _replace_fields(values: Any, changes: Mapping[str, object]) -> Any:
     return replace(values, **changes)
 
 

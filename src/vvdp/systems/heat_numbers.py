@@ -1,7 +1,6 @@
 """The heat balance of a run and the temperatures of its volumes."""
 
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 import numpy as np
 
@@ -58,7 +57,7 @@ def heat_quantities(system: LoadedSystem) -> Iterator[tuple[str, tuple[Kind, str
         yield "heat_residual", (RATIO, "heat residual, of the throughput")
 
 
-def temperature_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
+def temperature_bounds(system: LoadedSystem, found: Mapping[str, float | bool]) -> Iterator[Bound]:
     """The bounds of the temperature of each volume of which a run shows it."""
     for name in warm_volumes(system.circuit.network):
         if f"temperature_max_{name}_K" in found:

@@ -81,7 +81,7 @@ def _program_files() -> Mapping[str, str]:
     return found
 
 
-def example_values(kind: str) -> Mapping[str, Any]:
+def example_values(kind: str) -> Mapping[str, object]:
     """Inputs and values of the example of a component or program, as a file gives them; empty where there is none."""
     if kind in COMPONENTS:
         return {
@@ -95,7 +95,7 @@ def example_values(kind: str) -> Mapping[str, Any]:
     return next(each for each in programs if each["type"] == kind)
 
 
-def example_text(kind: str, more: Mapping[str, Any] | None = None) -> str | None:
+def example_text(kind: str, more: Mapping[str, object] | None = None) -> str | None:
     """A system file that shows a component or program of the library and runs; None where there is none.
 
     `more` are further inputs and values of a component.
@@ -119,7 +119,7 @@ def _ports(component: Component | Assembly) -> dict[str, str]:
     return {port: usual.get(port) or USUAL_BY_ROLE[role] for port, role in component.ports.items()}
 
 
-def _lines(kind: str, joined: Mapping[str, str], values: Mapping[str, Any]) -> Iterator[str]:
+def _lines(kind: str, joined: Mapping[str, str], values: Mapping[str, object]) -> Iterator[str]:
     """The file: nodes, what surrounds the component, the component, the run."""
     names = {port: TANK if at == TANK else port for port, at in joined.items()}
     around = {names[port]: SURROUNDINGS[at] for port, at in joined.items()}

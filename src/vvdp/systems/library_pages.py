@@ -159,7 +159,7 @@ def description_of(function: Callable[..., Any]) -> str:
     return LAST_PARAGRAPHS.sub("", inspect.getdoc(function) or "").strip()
 
 
-def _values(classes: Sequence[type[Params]], given: Mapping[str, Any], of: str) -> Iterator[Described]:
+def _values(classes: Sequence[type[Params]], given: Mapping[str, object], of: str) -> Iterator[Described]:
     for cls in classes:
         usual, types = default_values(cls), field_types(cls)
         for name, kind in field_kinds(cls).items():
@@ -173,7 +173,7 @@ def value_lines(cls: type[Params]) -> list[str]:
     return [each.line for each in _values([cls], {}, "")]
 
 
-def _value(name: str, kind: Kind | None, given: Mapping[str, Any], usual: Any, of: str) -> Described:
+def _value(name: str, kind: Kind | None, given: Mapping[str, object], usual: Any, of: str) -> Described:
     """A value `of` a type: its example is that of the library's file, else its usual value, else that of its kind."""
     if kind is None:
         return Described(name, "", "", toml_text(given[name]) if name in given else "")

@@ -13,7 +13,7 @@ def vessel_capacity(pressure: float, line: Vessel, oil: Oil) -> float:
 
     pressure  absolute [Pa]
     """
-    return float(1.0 / pressure_rate(1.0, 0.0, pressure, fluid_state(pressure, oil), line, oil.reference_pressure))
+    return float(1.0 / pressure_rate(1.0, 0.0, fluid_state(pressure, oil), line, oil.reference_pressure))
 
 
 def estimated_ripple(delivered: float, pump_flow: float, pwm_frequency: float, capacity: float) -> float:

@@ -1,7 +1,7 @@
 """The numbers of a summary by node and by component, as people read them."""
 
 from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from vvdp.base.display import key_suffix, percent
 from vvdp.base.kinds import GAUGE_PRESSURE, POSITION, SPEED, VELOCITY, Kind
@@ -54,7 +54,7 @@ def inside(network: Network) -> frozenset[str]:
     return frozenset(name for group in groups for name in (*group.nodes, *group.parts, *group.programs))
 
 
-def node_lines(system: System, found: Mapping[str, Any]) -> Iterator[NodeLine]:
+def node_lines(system: System, found: Mapping[str, float | bool]) -> Iterator[NodeLine]:
     """Pressures of hydraulic nodes, speeds of shafts, velocities and positions of rods, positions of other drives."""
     network = system.circuit.network
     hidden = inside(network)
@@ -77,7 +77,7 @@ def node_lines(system: System, found: Mapping[str, Any]) -> Iterator[NodeLine]:
         yield NodeLine(name=name, quantity="position", kind=POSITION, mean=None, low=low, high=high)
 
 
-def flow_lines(system: System, found: Mapping[str, Any]) -> Iterator[FlowLine]:
+def flow_lines(system: System, found: Mapping[str, float | bool]) -> Iterator[FlowLine]:
     """Mean flows of the components: one through each, or one into each port of those with more than two."""
     network = system.circuit.network
     hidden = inside(network)
@@ -94,7 +94,7 @@ def flow_ports(part: Part) -> dict[str, str]:
     return {f"{part.name}_{name}": name.removesuffix("flow").strip("_") for name in flows_of(part)}
 
 
-def loss_lines(system: System, found: Mapping[str, Any]) -> Iterator[LossLine]:
+def loss_lines(system: System, found: Mapping[str, float | bool]) -> Iterator[LossLine]:
     """What the components dissipate."""
     network = system.circuit.network
     hidden = inside(network)
@@ -108,7 +108,7 @@ def loss_lines(system: System, found: Mapping[str, Any]) -> Iterator[LossLine]:
         yield LossLine(name, float(found[f"loss_{name}_W"]), ())
 
 
-def circuit_loss_lines(system: System, found: Mapping[str, Any]) -> Iterator[LossLine]:
+def circuit_loss_lines(system: System, found: Mapping[str, float | bool]) -> Iterator[LossLine]:
     """What each part that is a circuit of its own dissipates, whole and by what is in it."""
     lines = tuple(loss_lines(system, found))
     for name, circuit in system.circuit.network.circuits.items():
@@ -117,7 +117,7 @@ def circuit_loss_lines(system: System, found: Mapping[str, Any]) -> Iterator[Los
         yield LossLine(name, float(found[f"loss_{name}_W"]), parts)
 
 
-def circuit_power_lines(system: System, found: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
+def circuit_power_lines(system: System, found: Mapping[str, float | bool]) -> Iterator[tuple[str, float]]:
     """What nodes and components in each part that is a circuit of its own give from outside [W], where some do."""
     powers = dict(power_lines(system, found))
     for name, circuit in system.circuit.network.circuits.items():
@@ -125,7 +125,7 @@ def circuit_power_lines(system: System, found: Mapping[str, Any]) -> Iterator[tu
             yield name, sum(inner)
 
 
-def power_lines(system: System, found: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
+def power_lines(system: System, found: Mapping[str, float | bool]) -> Iterator[tuple[str, float]]:
     """What nodes and components give from outside [W]: positive into the circuit."""
     network = system.circuit.network
     for name in (*network.nodes, *network.parts):
@@ -133,7 +133,7 @@ def power_lines(system: System, found: Mapping[str, Any]) -> Iterator[tuple[str,
             yield name, float(found[f"power_{name}_W"])
 
 
-def warnings(system: System, found: Mapping[str, Any]) -> Iterator[str]:
+def warnings(system: System, found: Mapping[str, float | bool]) -> Iterator[str]:
     """What a user has to know before the numbers of a summary, each in one line; the gravest first."""
     if "second_law" in found:
         yield from _impossible(system, found)
@@ -159,7 +159,7 @@ def warnings(system: System, found: Mapping[str, Any]) -> Iterator[str]:
         yield from system.extras.warnings(found)
 
 
-def _impossible(system: System, found: Mapping[str, Any]) -> Iterator[str]:
+def _impossible(system: System, found: Mapping[str, float | bool]) -> Iterator[str]:
     """What in a run cannot be: balances that do not close, losses that give energy back."""
     if not is_closed(found):
         yield "the balances do not close: a residual is above the limit; try a tenth of run.relative_tolerance"
@@ -167,7 +167,7 @@ def _impossible(system: System, found: Mapping[str, Any]) -> Iterator[str]:
         yield f"the run cannot be: {impossible_part(system, found)}"
 
 
-def impossible_part(system: System, found: Mapping[str, Any]) -> str:
+def impossible_part(system: System, found: Mapping[str, float | bool]) -> str:
     """What breaks the second law in a run, in words: the losses that give energy back, as far as means show them."""
     names = [
         (f"loss_{part.name}_{loss}_W" if loss else f"loss_{part.name}_W", kind)
@@ -178,7 +178,7 @@ def impossible_part(system: System, found: Mapping[str, Any]) -> str:
     return f"a loss gives energy back ({given})" if given else "a loss gives energy back, or a state left its range"
 
 
-def expects_steady_state(system: System, found: Mapping[str, Any]) -> bool:
+def expects_steady_state(system: System, found: Mapping[str, float | bool]) -> bool:
     """Whether a run should be in a steady state where its means are taken: nothing prescribed changes meanwhile, by its
     values or by its purpose.
     """

@@ -13,12 +13,12 @@ from vvdp.systems.circuits import load_module
 from vvdp.systems.own_modules import module_name
 
 
-def own_code(content: Mapping[str, Any]) -> Any:
+def own_code(content: Mapping[str, object]) -> Any:
     """What a file names of a user's own: its circuit, else the type of its first program with a module."""
     return content["circuit"] if "circuit" in content else next(_own_types(content), None)
 
 
-def named_code(content: Mapping[str, Any]) -> dict[str, str]:
+def named_code(content: Mapping[str, object]) -> dict[str, str]:
     """All code that a run of a file executes, by what the file calls it: what kind of code it is."""
     own, programs = own_code(content), content.get("programs")
     parts = programs.values() if isinstance(programs, Mapping) else ()
@@ -27,7 +27,7 @@ def named_code(content: Mapping[str, Any]) -> dict[str, str]:
     return found | {str(Path(file)): "an FMU with machine code" for file in files if isinstance(file, str)}
 
 
-def _own_types(content: Mapping[str, Any]) -> Iterator[str]:
+def _own_types(content: Mapping[str, object]) -> Iterator[str]:
     programs = content.get("programs")
     for part in programs.values() if isinstance(programs, Mapping) else ():
         word = part.get("type") if isinstance(part, Mapping) else None
@@ -48,7 +48,7 @@ def absolute_fmus(table: Table, folder: Path) -> Table:
     return replace(table, content={**table.content, "programs": {**programs, **foreign}}) if foreign else table
 
 
-def own_program(word: str, content: Mapping[str, Any], folder: Path) -> ProgramType | GenericProgram:
+def own_program(word: str, content: Mapping[str, object], folder: Path) -> ProgramType | GenericProgram:
     """The program that `word`, "module:NAME", names; its module is looked for in `folder` first.
 
     All programs of a file are of one module: it is the one that a saved run may run again. Raises ParameterError.

@@ -49,7 +49,7 @@ class PartFile:
         return {name: targets_of(entry) for name, entry in given.items()} if isinstance(given, Mapping) else {}
 
 
-def ports_of(content: Mapping[str, Any]) -> tuple[str, ...]:
+def ports_of(content: Mapping[str, object]) -> tuple[str, ...]:
     """Names of the nodes of a file that are ports."""
     nodes = content.get("nodes", {})
     given = nodes.items() if isinstance(nodes, Mapping) else ()
@@ -78,7 +78,7 @@ def shipped_part(name: str) -> PartFile:
     return PartFile(name, parsed_table(texts[name], f"{name}.toml"))
 
 
-def find_part(entry: Mapping[str, Any], folder: Path) -> PartFile:
+def find_part(entry: Mapping[str, object], folder: Path) -> PartFile:
     """The file of a part that an entry of [parts] names, by type or by a path from `folder`.
 
     Raises ParameterError where it names none or there is none, ConfigError where the file cannot be read.
@@ -102,7 +102,7 @@ def _other_files(path: Path) -> str:
     return near or (f"; did you mean the shipped part, type = {shipped}" if shipped else "")
 
 
-def used_files(content: Mapping[str, Any], folder: Path) -> Iterator[tuple[Path, Path]]:
+def used_files(content: Mapping[str, object], folder: Path) -> Iterator[tuple[Path, Path]]:
     """The files of parts that a circuit in `folder` needs: each as it is named from there, and where it is.
 
     Raises ParameterError, ConfigError where one cannot be read.
@@ -116,7 +116,7 @@ def used_files(content: Mapping[str, Any], folder: Path) -> Iterator[tuple[Path,
             yield from ((named.parent / each, path) for each, path in used_files(file.table.content, file.folder))
 
 
-def read_used_part(entry: Mapping[str, Any], folder: Path) -> PartFile:
+def read_used_part(entry: Mapping[str, object], folder: Path) -> PartFile:
     """As `find_part`, with unreadable files as ParameterError too: the place of the use is then what counts."""
     try:
         return find_part(entry, folder)

@@ -45,7 +45,7 @@ class Scope:
     above: tuple[str, ...] = ()
 
     @property
-    def content(self) -> Mapping[str, Any]:
+    def content(self) -> Mapping[str, object]:
         """The tables of the file."""
         return self.file.table.content
 
@@ -60,7 +60,7 @@ class Scope:
         return {name: self.prefix + name for name in given} | dict(self.ports)
 
     @cached_property
-    def parts(self) -> Mapping[str, Any]:
+    def parts(self) -> Mapping[str, object]:
         """The uses of parts in the file."""
         return as_table(self.content.get(PARTS))
 

@@ -1,7 +1,6 @@
 """Whether the pieces of a pipe are short enough for its waves: how smooth the pressure along it is."""
 
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 import numpy as np
 
@@ -100,7 +99,7 @@ def wave_numbers(system: LoadedSystem, run: Run) -> dict[str, float]:
     return found
 
 
-def wave_bounds(found: Mapping[str, Any]) -> Iterator[Bound]:
+def wave_bounds(found: Mapping[str, float | bool]) -> Iterator[Bound]:
     """The bounds of the roughness of the pipes of which a run shows it."""
     for key in found:
         if key.startswith("wave_roughness_"):

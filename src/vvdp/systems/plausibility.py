@@ -3,7 +3,6 @@ throttles that are laminar at any drop; and orifices that throttle nothing, whic
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 from vvdp.base.display import with_unit
 from vvdp.base.kinds import FLOW, PRESSURE_DIFFERENCE, SPEED, VELOCITY
@@ -32,7 +31,7 @@ LEAST_FLOW = 1e-6
 """Mean flow from which an orifice is to throttle [m^3/s]: less leads to a volume that only breathes."""
 
 
-def plausible_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
+def plausible_bounds(system: LoadedSystem, found: Mapping[str, float | bool]) -> Iterator[Bound]:
     """The bounds of what components can take, at what a run has `found`: the nodes that go furthest."""
     limits = system.tables.get("limits") or Limits()
     nodes = system.circuit.network.nodes
@@ -81,7 +80,7 @@ def _transitions(part: Part) -> Iterator[Bound]:
         )
 
 
-def _velocity(found: Mapping[str, Any], part: Part, limits: Limits) -> Iterator[Bound]:
+def _velocity(found: Mapping[str, float | bool], part: Part, limits: Limits) -> Iterator[Bound]:
     """Of a line or a piece of one, how fast its oil flows in the mean."""
     key = f"flow_mean_{part.name}_m3_s"
     for line in (value for value in part.values if key in found and isinstance(value, Line | LinePipe)):
@@ -97,13 +96,15 @@ def _velocity(found: Mapping[str, Any], part: Part, limits: Limits) -> Iterator[
         )
 
 
-def _highest(system: LoadedSystem, found: Mapping[str, Any], node: str) -> float:
+def _highest(system: LoadedSystem, found: Mapping[str, float | bool], node: str) -> float:
     """The highest pressure of a node [Pa, absolute]."""
     oil = system.circuit.network.nodes[node].oil  # type: ignore[union-attr]
     return float(found[f"pressure_max_{node}_Pa"]) + float(oil.reference_pressure)
 
 
-def _stays_closed(system: LoadedSystem, found: Mapping[str, Any], part: Part, relief: ReliefValve) -> Iterator[Bound]:
+def _stays_closed(
+    system: LoadedSystem, found: Mapping[str, float | bool], part: Part, relief: ReliefValve
+) -> Iterator[Bound]:
     """Of a relief valve through which nothing flowed, the highest pressure behind it; its setting is its bound.
 
     Only where a prescribed pressure is before it, which no valve limits: between two volumes either may be the higher.
@@ -124,7 +125,7 @@ def _stays_closed(system: LoadedSystem, found: Mapping[str, Any], part: Part, re
     )
 
 
-def idle_orifices(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[str]:
+def idle_orifices(system: LoadedSystem, found: Mapping[str, float | bool]) -> Iterator[str]:
     """A sentence for each orifice with a flow that throttles nothing, as one in cm^2 for mm^2; it may be meant so."""
     for part in system.circuit.network.parts.values():
         flow = abs(found.get(f"flow_mean_{part.name}_m3_s", 0.0))

@@ -15,7 +15,9 @@ ANGLES = 720
 """Angles of a PWM period at which the openings are looked at."""
 
 
-def lowest_cavitation_number(bench: BenchValues, found: Mapping[str, Any], angles: tuple[float, float]) -> float:
+def lowest_cavitation_number(
+    bench: BenchValues, found: Mapping[str, float | bool], angles: tuple[float, float]
+) -> float:
     """A lower bound of the cavitation number of the nozzles over a run [1]; nan where no port is open.
 
     It belongs to the highest inlet pressure, the lowest pressure behind the port, and the smallest opening: a port that

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from vvdp.programs.report import ProgramReport
 from vvdp.results.chart import Chart
@@ -55,12 +55,12 @@ class ReportedPrograms(Extras):
             prefix + key: value for prefix, report in self.reports.items() for key, value in report.numbers(run).items()
         }
 
-    def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
+    def warnings(self, found: Mapping[str, float | bool]) -> Iterator[str]:
         """What the programs have to say of a run."""
         for prefix, report in self.reports.items():
             yield from (_words(prefix) + words for words in report.warnings(_own(prefix, found)))
 
-    def merits(self, found: Mapping[str, Any]) -> Iterator[str]:
+    def merits(self, found: Mapping[str, float | bool]) -> Iterator[str]:
         """What the numbers of the programs show to be right."""
         for prefix, report in self.reports.items():
             yield from (_words(prefix) + words for words in report.merits(_own(prefix, found)))
@@ -76,7 +76,7 @@ def _share_keys(one: ProgramReport, other: ProgramReport) -> bool:
     return one is not other and not one.QUANTITIES.keys().isdisjoint(other.QUANTITIES)
 
 
-def _own(prefix: str, found: Mapping[str, Any]) -> Mapping[str, Any]:
+def _own(prefix: str, found: Mapping[str, float | bool]) -> Mapping[str, float | bool]:
     """The numbers with those of one program under its own keys."""
     return {**found, **{key.removeprefix(prefix): value for key, value in found.items() if key.startswith(prefix)}}
 

@@ -63,7 +63,7 @@ class Ranges:
 
 
 def read_ranges(
-    system: System, nominal: Mapping[str, Any], flat: Mapping[str, Any], left_out: Mapping[str, str]
+    system: System, nominal: Mapping[str, float | bool], flat: Mapping[str, Any], left_out: Mapping[str, str]
 ) -> Ranges:
     """The ranges that `Ranges.flat` has written for a run of `system`, whose numbers are `nominal`."""
     settings = list(dict.fromkeys(setting for each in flat.values() for setting in each["by"]))
@@ -121,14 +121,14 @@ def corners(ranges: Ranges, key: str) -> tuple[tuple[int | None, ...], tuple[int
 
 
 def spans_together(
-    system: System, ranges: Ranges, work: Callable[[System], Mapping[str, Any]]
+    system: System, ranges: Ranges, work: Callable[[System], Mapping[str, float | bool]]
 ) -> dict[str, tuple[float, float]]:
     """The lowest and highest of each number with all values at the ends that move it that way, `work` giving numbers.
 
     Where a number rises or falls with each value, whatever the others are, it lies nowhere outside. nan where these
     ends contradict each other.
     """
-    known: dict[tuple[int | None, ...], Mapping[str, Any]] = {}
+    known: dict[tuple[int | None, ...], Mapping[str, float | bool]] = {}
     found = {}
     for key in ranges.nominal:
         values = []
@@ -145,7 +145,10 @@ def spans_together(
 
 
 def ranges_of(
-    system: System, keys: Sequence[str], nominal: Mapping[str, Any], found: Sequence[Mapping[str, Any] | str]
+    system: System,
+    keys: Sequence[str],
+    nominal: Mapping[str, float | bool],
+    found: Sequence[Mapping[str, float | bool] | str],
 ) -> Ranges:
     """The ranges of the numbers `keys` from what was `found` for each of `at_ends`: its numbers, or why there are none.
 

@@ -23,7 +23,7 @@ def resolved_text(system: System) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _table_lines(path: str, part: Mapping[str, Any], rows: Mapping[str, Sourced]) -> Iterator[str]:
+def _table_lines(path: str, part: Mapping[str, object], rows: Mapping[str, Sourced]) -> Iterator[str]:
     """A table, its own entries first, then the tables in it."""
     inner = {k: v for k, v in part.items() if isinstance(v, Mapping) and f"{path}.{k}" not in rows and "." not in k}
     inner = {key: value for key, value in inner.items() if _is_table(f"{path}.{key}", rows)}

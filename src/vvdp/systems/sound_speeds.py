@@ -1,7 +1,6 @@
 """Whether one speed of sound shows the waves of a line whose delay is fixed: how it changes over their pressures."""
 
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 from vvdp.base.kinds import RATIO
 from vvdp.components.delay_lines import DELAY_LINE
@@ -18,7 +17,7 @@ ABOVE = 1.03
 """Speed of sound that is given for a line, over the highest that its oil has in a rigid pipe."""
 
 
-def sound_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
+def sound_bounds(system: LoadedSystem, found: Mapping[str, float | bool]) -> Iterator[Bound]:
     """The bounds of the speed of sound in each line with a delay, over the pressures at its ends."""
     network = system.circuit.network
     for name, group in network.groups.items():

@@ -1,7 +1,7 @@
 """How good the estimate of a watched spool is, and what a run says of it."""
 
 from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -122,7 +122,7 @@ def estimate_lines(pitch: float) -> tuple[Line, ...]:
     return tuple(Line(label, (key,), kind, (), "Estimate of the spool") for key, (kind, label) in shown.items())
 
 
-def estimate_doubts(found: Mapping[str, Any], pitch: float) -> Iterator[str]:
+def estimate_doubts(found: Mapping[str, float | bool], pitch: float) -> Iterator[str]:
     """Where the estimate of a run is surer than it may be, or far less sure, and not by chance: a sentence each.
 
     found  numbers of the run

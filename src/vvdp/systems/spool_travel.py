@@ -85,7 +85,7 @@ def travel_warnings(system: LoadedSystem) -> Iterator[str]:
         yield from (f"the valve cannot be made as a solid: {text}" for text in contradictions(shape, valves[0]))
 
 
-def rotary_valves(network: Network, tables: Mapping[str, Any]) -> list[RotaryValve]:
+def rotary_valves(network: Network, tables: Mapping[str, object]) -> list[RotaryValve]:
     """The rotary valves of a network, and those of its tables that no component has."""
     held: list[Params] = [value for part in network.parts.values() for value in part.values]
     return list(dict.fromkeys(each for each in (*held, *tables.values()) if isinstance(each, RotaryValve)))

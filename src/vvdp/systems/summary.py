@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping
 from operator import attrgetter
-from typing import Any
 
 import numpy as np
 
@@ -93,7 +92,7 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
     return {key: bool(value) if isinstance(value, bool | np.bool_) else float(value) for key, value in found.items()}
 
 
-def validity(system: System, found: Mapping[str, Any]) -> Summary:
+def validity(system: System, found: Mapping[str, float | bool]) -> Summary:
     """Whether the laws hold at what a run has `found`, and whether it is then to be trusted."""
     valid = not broken_bounds(system, found)
     low = lowest_pressure(system, found)[1] < cavitation_pressure(system)
@@ -103,7 +102,7 @@ def validity(system: System, found: Mapping[str, Any]) -> Summary:
     return flags
 
 
-def is_filling(found: Mapping[str, Any]) -> bool:
+def is_filling(found: Mapping[str, float | bool]) -> bool:
     """Whether more than `SETTLED` of the input power enters or leaves the stored energy, which ends some day.
 
     It shows a drift too slow to show in the means. Without input power they show all.
@@ -112,7 +111,7 @@ def is_filling(found: Mapping[str, Any]) -> bool:
     return bool(put_in > 0.0 and abs(found.get("stored_power_W", 0.0)) > SETTLED * put_in)
 
 
-def is_closed(found: Mapping[str, Any]) -> bool:
+def is_closed(found: Mapping[str, float | bool]) -> bool:
     """Whether both balances of a run close."""
     return bool(max(abs(found["energy_residual"]), abs(found["mass_residual"])) <= LIMIT)
 

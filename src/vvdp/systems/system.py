@@ -118,7 +118,7 @@ class System:
     folder: Path = Path()
     function: NetworkFunction | None = None
     redrawn: bool = False
-    lengths: Mapping[str, Any] | None = None
+    lengths: Mapping[str, object] | None = None
     faults: tuple[NamedFault, ...] = ()
     module: OwnModule | None = None
 
@@ -178,7 +178,7 @@ class System:
         """The system of another text in the same place. Raises ConfigError with all its faults."""
         return built_system(table, self.name, self.folder)
 
-    def with_tables(self, tables: Mapping[str, Any]) -> "System":
+    def with_tables(self, tables: Mapping[str, object]) -> "System":
         """The same system drawn from other tables."""
         function = self.function
         assert function is not None
@@ -194,7 +194,7 @@ class System:
         return _build_network, (self.table, self.name, self.folder.absolute(), self.tables if self.redrawn else None)
 
 
-def _build_network(table: Table, name: str, folder: Path, tables: Mapping[str, Any] | None) -> System:
+def _build_network(table: Table, name: str, folder: Path, tables: Mapping[str, object] | None) -> System:
     found = built_system(table, name, folder)
     return found if tables is None else found.with_tables(tables)
 
@@ -357,7 +357,7 @@ def saved_system(directory: Directory, name: str, recorded: Any, trust: str = ""
 
 
 def _draw(
-    function: NetworkFunction | None, content: Mapping[str, Any], table: Table, faults: list[Fault], folder: Path
+    function: NetworkFunction | None, content: Mapping[str, object], table: Table, faults: list[Fault], folder: Path
 ) -> Drawing:
     """What a file draws, through its function or by itself."""
     if function is not None:
@@ -371,7 +371,7 @@ def _draw(
 def _fail(
     drawing: Drawing,
     function: NetworkFunction | None,
-    content: Mapping[str, Any],
+    content: Mapping[str, object],
     table: Table,
     faults: list[Fault],
     folder: Path,
@@ -454,7 +454,7 @@ def _run_table(given: Any, table: Table, faults: list[Fault]) -> tuple[tuple[Run
 
 
 def _tables(
-    function: NetworkFunction, content: Mapping[str, Any], table: Table, faults: list[Fault]
+    function: NetworkFunction, content: Mapping[str, object], table: Table, faults: list[Fault]
 ) -> tuple[dict[str, Any], list[Sourced]]:
     """The values of the tables that a circuit takes, and where each comes from."""
     slots = table_slots(function)
@@ -475,7 +475,7 @@ def _tables(
     return values, rows
 
 
-def _class(slot: TableSlot, name: str, part: Mapping[str, Any], table: Table, faults: list[Fault]) -> type[Params]:
+def _class(slot: TableSlot, name: str, part: Mapping[str, object], table: Table, faults: list[Fault]) -> type[Params]:
     """The class of a table, with a fault where its keys belong to two."""
     cls = slot.choice(part)
     own = _fields(cls)
@@ -492,7 +492,7 @@ def _fields(cls: type[Params]) -> set[str]:
 
 
 def _drawn_by(
-    function: NetworkFunction, values: Mapping[str, Any], table: Table, faults: list[Fault]
+    function: NetworkFunction, values: Mapping[str, object], table: Table, faults: list[Fault]
 ) -> Network | None:
     """The network that a function draws, with a fault where it cannot."""
     try:

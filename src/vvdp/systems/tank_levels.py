@@ -1,7 +1,6 @@
 """Levels of tanks over a run, and whether a suction mouth ran dry or a tank over."""
 
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 from vvdp.base.kinds import LENGTH
 from vvdp.hydraulics.reservoir import Reservoir, mouth_width, reservoir_level
@@ -28,7 +27,7 @@ def level_numbers(run: Outcome, system: LoadedSystem) -> dict[str, float]:
     }
 
 
-def level_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
+def level_bounds(system: LoadedSystem, found: Mapping[str, float | bool]) -> Iterator[Bound]:
     """The bounds of the levels: the upper edge of the suction mouth and the height of the tank."""
     for name, tank in reservoirs(system.circuit.network).items():
         yield Bound(

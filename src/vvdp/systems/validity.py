@@ -1,7 +1,6 @@
 """Whether the laws of a system hold at what a run came to: bounds, each with its source, and sentences from them."""
 
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 from vvdp.base.kinds import POSITION, PRESSURE_DIFFERENCE, TEMPERATURE
 from vvdp.hydraulics.cylinder import Cylinder
@@ -21,7 +20,7 @@ STOP_GIVES = 0.01
 """Of the stroke, by which end stops may give way: theirs are springs."""
 
 
-def bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
+def bounds(system: LoadedSystem, found: Mapping[str, float | bool]) -> Iterator[Bound]:
     """The bounds of all laws at what a run has `found`."""
     extras = system.extras
     temperature = system.circuit.network.temperature if extras is None else extras.temperature
@@ -59,7 +58,7 @@ def bounds(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
         yield from extras.bounds(found)
 
 
-def _strokes(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
+def _strokes(system: LoadedSystem, found: Mapping[str, float | bool]) -> Iterator[Bound]:
     """Rods within the strokes of their cylinders; what an end stop gives way is none of it."""
     for part in system.circuit.network.parts.values():
         for cylinder in (each for each in part.values if isinstance(each, Cylinder)):
@@ -76,12 +75,12 @@ def _strokes(system: LoadedSystem, found: Mapping[str, Any]) -> Iterator[Bound]:
             )
 
 
-def broken_bounds(system: LoadedSystem, found: Mapping[str, Any]) -> list[str]:
+def broken_bounds(system: LoadedSystem, found: Mapping[str, float | bool]) -> list[str]:
     """A sentence for every law that is used outside its range; empty where none is."""
     return [bound.sentence for bound in bounds(system, found) if not bound.is_kept]
 
 
-def lowest_pressures(system: LoadedSystem, found: Mapping[str, Any]) -> list[tuple[str, float]]:
+def lowest_pressures(system: LoadedSystem, found: Mapping[str, float | bool]) -> list[tuple[str, float]]:
     """All nodes with oil, prescribed ones included, and how low they fell [Pa, absolute], the lowest first."""
     nodes = system.circuit.network.nodes.items()
     low = [
@@ -92,7 +91,7 @@ def lowest_pressures(system: LoadedSystem, found: Mapping[str, Any]) -> list[tup
     return sorted(low, key=lambda each: each[1])
 
 
-def lowest_pressure(system: LoadedSystem, found: Mapping[str, Any]) -> tuple[str, float]:
+def lowest_pressure(system: LoadedSystem, found: Mapping[str, float | bool]) -> tuple[str, float]:
     """The node whose pressure fell lowest, prescribed ones included, and that pressure [Pa, absolute]."""
     return next(iter(lowest_pressures(system, found)), ("", float("nan")))
 

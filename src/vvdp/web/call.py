@@ -83,6 +83,6 @@ CULPRIT = "{culprit}"
 """What stands for the name of a pressure or mode in the words for a failure."""
 
 
-def _stepping(stepping: Stepping) -> Mapping[str, Any]:
+def _stepping(stepping: Stepping) -> Mapping[str, object]:
     found = {each.name: getattr(stepping, each.name) for each in fields(stepping)}
     return {name: value.value if isinstance(value, Enum) else value for name, value in found.items()}

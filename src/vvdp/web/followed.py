@@ -50,7 +50,7 @@ def followed_cells(run: RecordedRun, result: Result) -> dict[str, list[list[Any]
     return {name: cells for name, cells in found.items() if cells}
 
 
-def _tags(summary: Mapping[str, Any]) -> dict[str, Any]:
+def _tags(summary: Mapping[str, float | bool]) -> dict[str, Any]:
     """Another number for each that follows, no two alike, some of them negative."""
     chance = random.Random(1)
     numbers = [key for key, value in summary.items() if not isinstance(value, bool) and not key.startswith(KEPT)]

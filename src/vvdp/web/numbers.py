@@ -84,7 +84,7 @@ def summary_sums(system: System) -> dict[str, Any]:
     return {key: each.flat if isinstance(each, Sum) else [float(each)] for key, each in found.items()}
 
 
-def judgement(system: System, summary: Mapping[str, Any]) -> dict[str, Any]:
+def judgement(system: System, summary: Mapping[str, float | bool]) -> dict[str, Any]:
     """What a page needs to judge a run: kinds of states, places of the books, limits, bounds of laws, words."""
     states = list(leaves(system.case.state))
     kinds = [kind for _, _, kind in states]
@@ -120,7 +120,7 @@ def _range(kind: Kind | None) -> list[float | None]:
     return [end if np.isfinite(end) else None for end in ends]
 
 
-def _bounds(system: System, summary: Mapping[str, Any]) -> Iterator[tuple[str, Bound, float, int]]:
+def _bounds(system: System, summary: Mapping[str, float | bool]) -> Iterator[tuple[str, Bound, float, int]]:
     """Each number of the summary that a law bounds: key, bound, what is added to it, and the way it breaks it."""
     usual = {bound.label for bound in bounds(system, summary) if not bound.is_kept}
     for key in summary_sums(system):

@@ -52,7 +52,7 @@ class WebPage:
     html: str
     modules: WebModules
     values: tuple[Changeable, ...]
-    model: Mapping[str, Any]
+    model: Mapping[str, object]
 
     @property
     def facts(self) -> dict[str, Any]:
@@ -108,7 +108,7 @@ def page_head() -> str:
     return live_head([_own_scripts()], " 'wasm-unsafe-eval'; worker-src blob:")
 
 
-def scripts_html(model: Mapping[str, Any]) -> str:
+def scripts_html(model: Mapping[str, object]) -> str:
     """The end of a page: its model, the scripts of its worker, and its own."""
     data = json.dumps(model, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     working = "\n".join(map(asset, WORKING))
@@ -171,7 +171,7 @@ def _json(value: Any) -> Any:
 
 
 def _lines(
-    run: RecordedRun, result: Result, model: Mapping[str, Any], values: tuple[Changeable, ...], stride: int
+    run: RecordedRun, result: Result, model: Mapping[str, object], values: tuple[Changeable, ...], stride: int
 ) -> Iterator[str]:
     yield opening(text(result.title), asset("page.css"), page_head())
     yield f"<h1>{text(result.title)}</h1>"

@@ -47,7 +47,7 @@ class Describing(Protocol):
 
 
 def packet(
-    head: Mapping[str, Any],
+    head: Mapping[str, object],
     charts: Iterable[Chart] = (),
     tables: Mapping[str, Table] | None = None,
     **more: Describing | None,

@@ -65,7 +65,7 @@ def drawing(system: System) -> str:
     return made[made.index("<svg") :].replace(f'"{INK}"', '"currentColor"')
 
 
-def mean_texts(system: System, summary: Mapping[str, Any], *, is_draft: bool) -> dict[str, str]:
+def mean_texts(system: System, summary: Mapping[str, float | bool], *, is_draft: bool) -> dict[str, str]:
     """The mean values of a run as the diagram shows them; of a draft the pressures alone."""
     found = {}
     for mean in means(system):

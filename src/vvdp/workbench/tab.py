@@ -46,7 +46,7 @@ class Tab:
 
     def __init__(self, offer: Offer) -> None:
         self._offer = offer
-        self._newest: Mapping[str, Any] = {}
+        self._newest: Mapping[str, object] = {}
         self._waiting = asyncio.Event()
         self._superseded = threading.Event()
         self._last: tuple[str, Run] | None = None
@@ -95,7 +95,7 @@ class Tab:
 
         return say
 
-    def _answers(self, message: Mapping[str, Any], say: Callable[[str], None]) -> Iterator[bytes]:
+    def _answers(self, message: Mapping[str, object], say: Callable[[str], None]) -> Iterator[bytes]:
         """The packets that answer one message; each begins with its number, so that a page knows which one it was."""
         kind = message.get("kind")
         number = message.get("n")
@@ -143,7 +143,7 @@ async def watch(offer: Offer, shown: Callable[[], str], socket: WebSocket) -> No
         name, before = asked, text
 
 
-def _view(message: Mapping[str, Any]) -> View:
+def _view(message: Mapping[str, object]) -> View:
     """What the page shows."""
     charts, series = message.get("charts"), message.get("series")
     return View(

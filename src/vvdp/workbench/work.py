@@ -173,7 +173,7 @@ def numbers(run: RecordedRun) -> dict[str, Any]:
     }
 
 
-def text_drawing(offer: Offer, asked: Asked) -> Mapping[str, Any]:
+def text_drawing(offer: Offer, asked: Asked) -> Mapping[str, object]:
     """The diagram and the values of a text, without running it."""
     return {"kind": "drawing", **_circuit_packet(offer.system(asked))}
 

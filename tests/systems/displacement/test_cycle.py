@@ -8,12 +8,15 @@ from vvdp.systems.displacement.cycle import (
     OwnCycle,
     Triangle,
     cycle_position,
-    cycle_positions,
     points_of,
     refuse_fast_points,
 )
 
 TRIANGLE = Triangle(lower_end=0.05, stroke=0.216, stroke_time=4.0)
+
+
+def cycle_positions(cycle: Triangle | OwnCycle, times: np.ndarray) -> list[float]:
+    return [cycle_position(float(t), points_of(cycle)) for t in times]
 
 
 def test_a_triangle_goes_there_and_back_again() -> None:

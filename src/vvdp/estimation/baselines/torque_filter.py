@@ -326,12 +326,8 @@ def reset_speed(belief: SpoolBelief, settings: TorqueFilter) -> SpoolBelief:
     Source  ours, docs/models/event-filter.md
     """
     x, P = belief
-    covariance = SpoolCovariance(
-        angle=P.angle,
-        angle_speed=P.angle_speed,
-        angle_excess=P.angle_excess,
+    covariance = P._replace(
         speed=maximum(x.speed * x.speed, settings.speed_variance),
-        speed_excess=P.speed_excess,
         excess=maximum(x.excess * x.excess, settings.excess_variance),
     )
     return SpoolBelief(mean=x, covariance=covariance)
@@ -377,7 +373,7 @@ def torque_filter_step(
     q, q_e = settings.acceleration_density, settings.excess_density
     belief = predict_spool(memory.belief, now - memory.time, spin, q, q_e)
     m = memory
-    memory = TorqueFilterMemory(time=now, belief=belief, edge=m.edge, tally=m.tally, change=m.change)
+    memory = m._replace(time=now, belief=belief)
     x, P = belief
     motion = AngleSpeed(x.angle, x.speed, P.angle, P.angle_speed, P.speed)
     estimate = to_estimate(motion, np.nan, innovation, deviation, memory.tally.missed_edges)
@@ -414,15 +410,8 @@ def _after_edge(
         seen = associated_edge(m.edge, sighting, wheel)
         number = seen.edge
         if seen.used == 0.0:
-            tally = Tally(
-                started=m.tally.started,
-                associating=m.tally.associating,
-                ignored=edges,
-                missed_edges=m.tally.missed_edges,
-                irregular=irregular_share(m.tally.irregular, reading.edges, 0.0),
-                watched=m.tally.watched,
-            )
-            ignoring = TorqueFilterMemory(time=m.time, belief=m.belief, edge=m.edge, tally=tally, change=m.change)
+            tally = m.tally._replace(ignored=edges, irregular=irregular_share(m.tally.irregular, reading.edges, 0.0))
+            ignoring = m._replace(tally=tally)
             return ignoring, 0.0, 0.0
 
     innovation = edge_angle(number, wheel) - prior.mean.angle

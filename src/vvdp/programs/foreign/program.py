@@ -22,7 +22,7 @@ from vvdp.programs.foreign.table import FieldError, joints, named_entries, param
 from vvdp.simulation.exchange import Partner
 
 
-def foreign_program(name: str, path: Path, table: Mapping[str, Any]) -> ProgramType:
+def foreign_program(name: str, path: Path, table: Mapping[str, object]) -> ProgramType:
     """The program that the FMU in a file makes with the keys `KEYS` of its table; nothing of it is run.
 
     Raises FieldError with the key and what is wrong.

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from vvdp.base.kinds import EXCHANGED_ENERGY, SIGNED_FRACTION
 from vvdp.programs.foreign.table import MADE, THROUGHPUT
@@ -34,7 +34,7 @@ class ExchangeReport(ProgramReport):
         share = {"exchange_share": made / passed} if passed > 0.0 else {}
         return {"exchange_throughput_J": passed, "exchange_made_J": made, **share}
 
-    def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
+    def warnings(self, found: Mapping[str, float | bool]) -> Iterator[str]:
         """A sentence where the exchange makes more than `LIMIT`: what it makes is proportional to the period, or to its
         square where outputs are extrapolated."""
         share = abs(found.get("exchange_share", 0.0))

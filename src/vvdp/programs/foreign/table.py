@@ -55,7 +55,7 @@ class Joint(NamedTuple):
         return shifted if self.factor == 1.0 else f"{shifted} / {self.factor!r}"
 
 
-def named_entries(table: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+def named_entries(table: Mapping[str, object], key: str) -> Mapping[str, object]:
     """A table of the program; a list of names stands for variables of the same names."""
     entry = table.get(key, {})
     if isinstance(entry, list) and all(isinstance(each, str) for each in entry):
@@ -65,7 +65,7 @@ def named_entries(table: Mapping[str, Any], key: str) -> Mapping[str, Any]:
     return entry
 
 
-def switch(table: Mapping[str, Any], key: str) -> bool:
+def switch(table: Mapping[str, object], key: str) -> bool:
     """Whether a key of the program is set; without it, it is not. Raises FieldError."""
     entry = table.get(key, False)
     if not isinstance(entry, bool):
@@ -73,7 +73,7 @@ def switch(table: Mapping[str, Any], key: str) -> bool:
     return entry
 
 
-def joints(archive: Archive, table: Mapping[str, Any], key: str, causality: str) -> tuple[Joint, ...]:
+def joints(archive: Archive, table: Mapping[str, object], key: str, causality: str) -> tuple[Joint, ...]:
     """The inputs or outputs that the table names. Raises FieldError."""
     found = []
     for name, entry in named_entries(table, key).items():
@@ -154,7 +154,7 @@ def parameter(archive: Archive, name: str, entry: Any) -> tuple[int, float]:
 
 
 def power_pairs(
-    table: Mapping[str, Any], inputs: Sequence[Joint], outputs: Sequence[Joint]
+    table: Mapping[str, object], inputs: Sequence[Joint], outputs: Sequence[Joint]
 ) -> tuple[tuple[Joint, Joint], ...]:
     """The pairs of an output and an input whose product is a power."""
     found = []

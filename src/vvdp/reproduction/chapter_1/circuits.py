@@ -12,7 +12,7 @@ from vvdp.base.kinds import DUTY_RATIO, FLOW, GAUGE_PRESSURE, NUMBER, RATIO, TIM
 from vvdp.base.units import ATMOSPHERE
 from vvdp.reproduction.chapter_2.shapes import solids, surface_drawing
 from vvdp.reproduction.drawings import circuit_drawing, solid_drawing
-from vvdp.reproduction.item import Item, ItemKind, Reproduction
+from vvdp.reproduction.item import Item, ItemKind, Reproduction, over
 from vvdp.results.chart import Chart, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
 from vvdp.results.verdict import Statement, bound_statement, number_statement
@@ -79,9 +79,7 @@ def figure_1_4() -> Reproduction:
             source=rising,
         ),
     )
-    panels = tuple(
-        Lines(lines=(Line(x="duty_ratio", y=key, stroke=Stroke.MARKED),), low=0.0) for key in ("boost_Pa", "buck_m3_s")
-    )
+    panels = tuple(over("duty_ratio", key, stroke=Stroke.MARKED, low=0.0) for key in ("boost_Pa", "buck_m3_s"))
     caption = "Mean load pressure of the boost converter, and flow of the buck converter, over the duty ratio."
     chart = Chart(name="figure-1.4c", caption=caption, table="duty", panels=panels, side_by_side=True, height=2.3)
     made = circuit_drawing("switch mode circuits", "figure-1.4", "boost-converter", "buck-converter")

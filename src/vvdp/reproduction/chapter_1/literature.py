@@ -9,7 +9,14 @@ from vvdp.reproduction.chapter_1.claims import statements_of
 from vvdp.reproduction.chapter_2.valve import LPM, open_drops, open_frequency, valve
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
 from vvdp.results.result import Column, Table
-from vvdp.results.verdict import Statement, bound_statement, number_statement, open_statement
+from vvdp.results.verdict import (
+    Statement,
+    bound_statement,
+    digit_statement,
+    exact_statement,
+    number_statement,
+    open_statement,
+)
 from vvdp.valve.geometry import transition_fraction
 
 PARALLEL = 6
@@ -95,14 +102,8 @@ def section_1_2_2() -> Reproduction:
 def _consistent_numbers() -> tuple[Statement, ...]:
     """Numbers of single valves that have to go together."""
     return (
-        number_statement(
-            "electrical power of Kajima's valve",
-            9e3,
-            300.0 * 30.0,
-            MEAN_POWER,
-            share=1e-9,
-            source="300 V, up to 30 A",
-            because="rounding",
+        exact_statement(
+            "electrical power of Kajima's valve", 9e3, 300.0 * 30.0, MEAN_POWER, source="300 V, up to 30 A"
         ),
         bound_statement(
             "two strokes of Yokota's valve over a period at 2 kHz",
@@ -177,13 +178,12 @@ def section_1_3() -> Reproduction:
     """Distance of the sensor."""
     return Reproduction(
         statements=(
-            number_statement(
+            digit_statement(
                 "distance of the rotary sensor",
                 2.54e-2,
                 SPOOL,
                 LENGTH,
                 tolerance=5e-5,
-                because="half of the last printed digit",
                 source="2.54 cm, as in 3.2",
                 note="as much as the spool's diameter",
             ),

@@ -21,6 +21,7 @@ from vvdp.results.result import Column, Table
 from vvdp.results.verdict import (
     Statement,
     bound_statement,
+    digit_statement,
     drawing_statement,
     missing_statement,
     number_statement,
@@ -366,14 +367,7 @@ def _computed_flows() -> tuple[Statement, ...]:
             found.append(missing_statement(what, f"{lpm:g} lpm", f"the study {study}"))
             continue
         found.append(
-            number_statement(
-                what,
-                lpm * here.LPM,
-                float(np.max(kept["flow_m3_s"])),
-                FLOW,
-                tolerance=0.5 * here.LPM,
-                because="half of the last printed digit",
-            )
+            digit_statement(what, lpm * here.LPM, float(np.max(kept["flow_m3_s"])), FLOW, tolerance=0.5 * here.LPM)
         )
     return tuple(found)
 

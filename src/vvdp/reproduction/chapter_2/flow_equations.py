@@ -7,7 +7,7 @@ from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.reproduction.chapter_2 import valve as here
 from vvdp.reproduction.chapter_2.computed import kept_or_none
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
-from vvdp.results.verdict import Statement, bound_statement, missing_statement, number_statement
+from vvdp.results.verdict import Statement, bound_statement, digit_statement, missing_statement, number_statement
 
 INERTIA = "kg/(m^2*s^2)"
 """Unit of rho (v . grad) v."""
@@ -53,13 +53,12 @@ def section_2_2() -> Reproduction:
     drop = sum(here.open_drops())
     return Reproduction(
         statements=(
-            number_statement(
+            digit_statement(
                 "flow of 22.8 cc at 1800 rpm",
                 here.FLOW,
                 flow,
                 FLOW,
                 tolerance=0.5 * here.LPM,
-                because="half of the last printed digit",
                 note="both hold with a volumetric efficiency of 97.5 %, which is not printed",
             ),
             bound_statement(
@@ -89,21 +88,13 @@ def section_2_3() -> Reproduction:
     viscosity = float(dynamic_viscosity(WARM, oil))
     return Reproduction(
         statements=(
-            number_statement(
-                "dynamic viscosity at 40 °C",
-                here.VISCOSITY,
-                viscosity,
-                DYNAMIC_VISCOSITY,
-                tolerance=5e-5,
-                because="half of the last printed digit",
-            ),
-            number_statement(
+            digit_statement("dynamic viscosity at 40 °C", here.VISCOSITY, viscosity, DYNAMIC_VISCOSITY, tolerance=5e-5),
+            digit_statement(
                 "kinematic viscosity that density and viscosity make",
                 44.2e-6,
                 here.VISCOSITY / here.DENSITY,
                 KINEMATIC_VISCOSITY,
                 tolerance=5e-8,
-                because="half of the last printed digit",
                 source="DTE 25: 44.2 mm²/s (data sheets of such oils)",
             ),
             _density_statement(float(density(WARM, oil))),
@@ -112,13 +103,12 @@ def section_2_3() -> Reproduction:
 
 
 def _density_statement(found: float) -> Statement:
-    return number_statement(
+    return digit_statement(
         "density at 40 °C [kg/m³]",
         here.DENSITY,
         found,
         NUMBER,
         tolerance=0.5,
-        because="half of the last printed digit",
         other=861.0,
         assumption="that 876 kg/m³ belong to 40 °C, as is stated; in the second run to 15 °C, as in data sheets",
     )

@@ -9,7 +9,7 @@ from vvdp.design.problem import problem
 from vvdp.reproduction.chapter_2 import valve as here
 from vvdp.reproduction.chapter_2.drops import LAWS, WHOLE, WHOLE_WIDTH
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
-from vvdp.results.verdict import Statement, number_statement
+from vvdp.results.verdict import Statement, digit_statement, number_statement
 from vvdp.systems.system import load_system
 
 FAST = "pwm_frequency >= 72 Hz"
@@ -25,13 +25,8 @@ def optimum(clearance: str) -> Optimum:
 
 def section_2_6() -> Reproduction:
     """The optimum's drop and what it saves: reached, but for bounds that the text does not state."""
-    saved = number_statement(
-        "what 2.48 of 6.61 bar saves",
-        0.625,
-        1.0 - SOURCE_OPTIMUM / WHOLE,
-        EFFICIENCY,
-        tolerance=5e-4,
-        because="half of the last printed digit",
+    saved = digit_statement(
+        "what 2.48 of 6.61 bar saves", 0.625, 1.0 - SOURCE_OPTIMUM / WHOLE, EFFICIENCY, tolerance=5e-4
     )
     throttled = 0.625 * here.FLOW * WHOLE
     power = number_statement(
@@ -59,14 +54,13 @@ def _optimum_statements() -> tuple[Statement, ...]:
     """The least drop for two bounds of the clearance."""
     bounds = ((WIDE, "22.5 µm"), (TIGHT, "12.7 µm"))
     return tuple(
-        number_statement(
+        digit_statement(
             f"drop of the optimum, clearance up to {words}",
             SOURCE_OPTIMUM,
             optimum(bound).objective,
             PRESSURE_DIFFERENCE,
             other=optimum(second).objective,
             tolerance=0.005e5,
-            because="half of the last printed digit",
             assumption=f"a clearance of {words} at most, in the second run {others}; 72 Hz at least, no bound of the "
             "transition fraction",
         )

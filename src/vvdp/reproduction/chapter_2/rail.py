@@ -15,10 +15,10 @@ from vvdp.reproduction.chapter_2 import valve as here
 from vvdp.reproduction.chapter_2.computed import kept_or_none, kept_table
 from vvdp.reproduction.chapter_2.shapes import rail_designs
 from vvdp.reproduction.drawings import solid_drawing
-from vvdp.reproduction.item import Item, ItemKind, Reproduction
-from vvdp.results.chart import Bars, Chart
+from vvdp.reproduction.item import Item, ItemKind, Reproduction, figure_of
+from vvdp.results.chart import Bars
 from vvdp.results.result import Column, Table
-from vvdp.results.verdict import Statement, bound_statement, missing_statement, number_statement
+from vvdp.results.verdict import Statement, bound_statement, digit_statement, missing_statement, number_statement
 from vvdp.valve.bearing import bearing_eccentricity, radial_force
 
 RAIL, THIN, FINAL = 12.7e-6, 4.2e-6, 3.7e-6
@@ -86,8 +86,14 @@ def table_2_1() -> Reproduction:
     )
     computed = _share_statements(study) if study else (missing_statement("shares of the nozzles", "15 shares", STUDY),)
     bars = Bars(names="nozzle", values=("published", "computed"), label="share of the flow")
-    chart = Chart(name="table-2.1", caption="Shares of the nozzles.", table="shares", panels=(bars,), height=4.5)
-    return Reproduction(statements=(sums, *computed), tables={"shares": share_table(study)}, charts=(chart,))
+    return figure_of(
+        "table-2.1",
+        "Shares of the nozzles.",
+        {"shares": share_table(study)},
+        (sums, *computed),
+        bars,
+        height=4.5,
+    )
 
 
 def _drop_change(study: KeptStudy | None, row: int) -> float:
@@ -97,13 +103,12 @@ def _drop_change(study: KeptStudy | None, row: int) -> float:
 def _drawn_volume(design: str, printed: float, *, note: str = "", calibration: str = "") -> Statement:
     """What a rail as drawn here holds, its nozzles with it, beside the printed volume."""
     shape = given_shape(here.valve(), f"rail-{design}", ()).shape
-    return number_statement(
+    return digit_statement(
         f"volume of the rail as drawn here, design ({design})",
         printed,
         rail_volume(shape, here.valve()),
         VOLUME,
         tolerance=0.05e-6,
-        because="half of the last printed digit",
         note=note,
         calibration=calibration,
     )
@@ -114,23 +119,21 @@ def figure_2_19() -> Reproduction:
     study = kept_or_none(STUDY)
     prototype = _drawn_volume("a", RAIL, calibration="the rail's diameter")
     thin = _drawn_volume("d", THIN, note="its section is 30 % thinner, as printed, and nothing else is changed")
-    volume = number_statement(
+    volume = digit_statement(
         "volume of (d), its section thinner by 30 %",
         THIN,
         0.7**2 * RAIL,
         VOLUME,
         tolerance=0.05e-6,
-        because="half of the last printed digit",
         inconsistency="0.7² of 12.7 cc are 6.2 cc, 5.2 cc on a ring 16 % smaller; 4.2 cc would take 42 %",
         contradiction=("2.7: a section thinner by 30 %", "2.7: 4.2 cc of 12.7 cc"),
     )
-    drop = number_statement(
+    drop = digit_statement(
         "drop of (d) over that of the prototype, less 1",
         0.136,
         _drop_change(study, 3),
         EFFICIENCY,
         tolerance=5e-4,
-        because="half of the last printed digit",
         assumption=UNKNOWN_SHAPE,
     )
     tables = {"computed": kept_table(study)} if study else {}
@@ -188,31 +191,22 @@ def section_2_7() -> Reproduction:
 
 def _saving_statements() -> tuple[Statement, ...]:
     return (
-        number_statement(
-            "volume saved by (d)",
-            0.67,
-            1.0 - THIN / RAIL,
-            EFFICIENCY,
-            tolerance=0.005,
-            because="half of the last printed digit",
-        ),
-        number_statement(
+        digit_statement("volume saved by (d)", 0.67, 1.0 - THIN / RAIL, EFFICIENCY, tolerance=0.005),
+        digit_statement(
             "volume saved by the final design",
             0.66,
             1.0 - FINAL / RAIL,
             EFFICIENCY,
             tolerance=0.005,
-            because="half of the last printed digit",
             inconsistency="1 − 3.7/12.7; 66 to 67 % belong to design (d)",
             contradiction=("2.7: 66 %", "2.7: 12.7 cc and 3.7 cc"),
         ),
-        number_statement(
+        digit_statement(
             "mismatch of the final design's shares",
             0.08,
             float(np.ptp(PUBLISHED[4])),
             EFFICIENCY,
             tolerance=0.005,
-            because="half of the last printed digit",
             note="in points, largest less smallest share; of the mean share it is 24.6 %",
         ),
     )
@@ -226,13 +220,12 @@ def _force_statements() -> tuple[Statement, ...]:
     mean_speed = float(here.DENSITY * uneven * here.FLOW**2 / v.nozzle_area)
     eccentricity = float(bearing_eccentricity(momentum, here.open_speed(), here.VISCOSITY, v))
     return (
-        number_statement(
+        digit_statement(
             "radial force of the final design's shares at 40 lpm",
             FORCE_PRINTED,
             momentum,
             FORCE,
             tolerance=0.005,
-            because="half of the last printed digit",
             other=mean_speed,
             assumption="each jet brings ρ q²/A through its mouth; in the second run ρ q Q/A, with the mean speed",
         ),
@@ -266,34 +259,25 @@ def section_2_8() -> Reproduction:
     """What the chapter sums up."""
     return Reproduction(
         statements=(
-            number_statement(
+            digit_statement(
                 "drop of the final rail over the prototype's, less 1",
                 0.067,
                 FINAL_DROP / DROP - 1.0,
                 EFFICIENCY,
                 tolerance=5e-4,
-                because="half of the last printed digit",
                 inconsistency="4.73/4.17 − 1 is 13.4 %, twice the printed 6.7 %",
                 contradiction=("2.8: 6.7 %", "2.7: 4.17 and 4.73 bar"),
             ),
-            number_statement(
+            digit_statement(
                 "volume saved",
                 0.66,
                 1.0 - FINAL / RAIL,
                 EFFICIENCY,
                 tolerance=0.005,
-                because="half of the last printed digit",
                 inconsistency="1 − 3.7/12.7",
                 contradiction=("2.8: 66 %", "2.7: 12.7 cc and 3.7 cc"),
             ),
-            number_statement(
-                "loss of the open valve saved",
-                0.625,
-                1.0 - 2.48 / 6.61,
-                EFFICIENCY,
-                tolerance=5e-4,
-                because="half of the last printed digit",
-            ),
+            digit_statement("loss of the open valve saved", 0.625, 1.0 - 2.48 / 6.61, EFFICIENCY, tolerance=5e-4),
         )
     )
 

@@ -10,10 +10,17 @@ from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.reproduction.chapter_2.computed import kept_or_none, turbine_over
 from vvdp.reproduction.chapter_2.drops import CENTRE, CENTRE_INDEX, TURBINE, TURBINE_INDEX
 from vvdp.reproduction.chapter_2.valve import DENSITY, FLOW, VISCOSITY, open_frequency, open_speed, stand, valve
-from vvdp.reproduction.item import Item, ItemKind, Reproduction
-from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
+from vvdp.reproduction.item import Item, ItemKind, Reproduction, figure_of
+from vvdp.results.chart import Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
-from vvdp.results.verdict import Statement, bound_statement, missing_statement, number_statement
+from vvdp.results.verdict import (
+    Statement,
+    bound_statement,
+    digit_statement,
+    exact_statement,
+    missing_statement,
+    number_statement,
+)
 from vvdp.valve.gap_flow import gap_reynolds_number
 from vvdp.valve.torque import (
     equilibrium_speed,
@@ -60,24 +67,22 @@ def figure_2_17() -> Reproduction:
     }
     lines = tuple(Line(x="speed_rad_s", y=key, colour=colour) for key, colour in colours.items())
     crossing = Level(value=open_speed(), upright=True, stroke=Stroke.DOTTED)
-    chart = Chart(
-        name="figure-2.17",
-        caption="Torques on the spool of the fully open valve at 40 lpm and 40 °C by eqs. 2.6, 2.7 and 2.9.",
-        table="torques",
-        panels=(Lines(lines=lines, label="torque", levels=(crossing,), low=0.0),),
-        height=2.8,
-    )
     crossings = tuple(
-        number_statement(
-            what, printed, found, FREQUENCY, tolerance=0.5, because="half of the last printed digit", calibration=FITTED
-        )
+        digit_statement(what, printed, found, FREQUENCY, tolerance=0.5, calibration=FITTED)
         for what, printed, found in (
             ("PWM frequency where the lines cross", 72.0, open_frequency()),
             ("speed of the spool there", 24.0, open_speed() / TURN),
         )
     )
     statements = (*crossings, *_computed_torques(), _computed_fall())
-    return Reproduction(statements=statements, tables={"torques": torque_table()}, charts=(chart,))
+    return figure_of(
+        "figure-2.17",
+        "Torques on the spool of the fully open valve at 40 lpm and 40 °C by eqs. 2.6, 2.7 and 2.9.",
+        {"torques": torque_table()},
+        statements,
+        Lines(lines=lines, label="torque", levels=(crossing,), low=0.0),
+        height=2.8,
+    )
 
 
 def _computed_torques() -> tuple[Statement, ...]:
@@ -131,16 +136,12 @@ def equation_2_6() -> Reproduction:
     printed = DENSITY * valve().inlet_radius * FLOW**2 / (valve().nozzle_area * NOZZLES)
     return Reproduction(
         statements=(
-            number_statement(
-                "torque at 40 lpm, A_in one nozzle's area", one, whole, TORQUE, share=1e-9, because="rounding"
-            ),
-            number_statement(
+            exact_statement("torque at 40 lpm, A_in one nozzle's area", one, whole, TORQUE),
+            exact_statement(
                 "the same, A_in the area of all nozzles as in (2.3)",
                 printed,
                 whole,
                 TORQUE,
-                share=1e-9,
-                because="rounding",
                 inconsistency="with the total area N falls out; left in, it divides by 3",
                 contradiction=("(2.3): A_in of all nozzles", "(2.6): N nozzles of A_in each"),
             ),
@@ -157,16 +158,12 @@ def equation_2_7() -> Reproduction:
     whole = outlet_torque(FLOW, omega, DENSITY, valve())
     return Reproduction(
         statements=(
-            number_statement(
-                "torque at 40 lpm, A_out of all blades", BLADES * blade, whole, TORQUE, share=1e-9, because="rounding"
-            ),
-            number_statement(
+            exact_statement("torque at 40 lpm, A_out of all blades", BLADES * blade, whole, TORQUE),
+            exact_statement(
                 "the same, A_out near one blade",
                 one_area,
                 whole,
                 TORQUE,
-                share=1e-9,
-                because="rounding",
                 inconsistency="a sum over blades would leave their number in the result, and there is none",
                 contradiction=("2.5: A_out near one blade", "(2.7): a sum over N blades without N"),
             ),
@@ -182,13 +179,11 @@ def equation_2_8() -> Reproduction:
     power = float(np.sum((pressure + shear) * np.cross([0.0, 0.0, 1.0], r)))
     return Reproduction(
         statements=(
-            number_statement(
+            exact_statement(
                 "axial component of r × F_p + r × F_v, against the power at unit speed",
                 power,
                 axial,
                 NUMBER,
-                share=1e-9,
-                because="rounding",
                 note="(2.8) is a vector; its component along the axis turns the spool",
             ),
         )
@@ -201,7 +196,7 @@ def equation_2_9() -> Reproduction:
     printed = v.friction_area * VISCOSITY / v.radial_clearance * v.spool_radius**2
     return Reproduction(
         statements=(
-            number_statement("friction over speed [N m s]", printed, k_f, NUMBER, share=1e-9, because="rounding"),
+            exact_statement("friction over speed [N m s]", printed, k_f, NUMBER),
             bound_statement(
                 "Reynolds number of the clearance at 24 Hz",
                 gap_reynolds_number(open_speed(), DENSITY, VISCOSITY, v),
@@ -269,14 +264,7 @@ def section_2_5() -> Reproduction:
         because="half of the last digit of both areas",
         source="61.8 mm² beside 46.8 mm²: larger",
     )
-    turned = number_statement(
-        "power that turns the spool, of tu2012",
-        30.0,
-        power,
-        MEAN_POWER,
-        tolerance=0.5,
-        because="half of the last printed digit",
-    )
+    turned = digit_statement("power that turns the spool, of tu2012", 30.0, power, MEAN_POWER, tolerance=0.5)
     return Reproduction(statements=(*_frequency_statements(), warmth, clearance, area, _computed_area(), turned))
 
 

@@ -8,10 +8,10 @@ from vvdp.base.arrays import Array
 from vvdp.base.kinds import ANGLE_ERROR, ANGULAR_VARIANCE, COUNT, FRACTION, NUMBER, SPEED, SPEED_ERROR, TIME, Kind
 from vvdp.reproduction.chapter_3 import published_filter as published
 from vvdp.reproduction.chapter_3.published_filter import EVEN, IN_STEP, OUT_OF_STEP, WITH_THRESHOLD, Truth
-from vvdp.reproduction.item import Item, ItemKind, Reproduction
+from vvdp.reproduction.item import Item, ItemKind, Reproduction, figure_of, over
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
-from vvdp.results.verdict import Statement, bound_statement, number_statement
+from vvdp.results.verdict import Statement, bound_statement, digit_statement, number_statement
 from vvdp.sensing.wheel import TURN
 
 RAD_S = SPEED_ERROR
@@ -108,16 +108,21 @@ def figure_3_11() -> Reproduction:
     first = TIMES <= 0.2
     changes, told = np.count_nonzero(np.diff(speed[first])), np.sum(runs.seen[:, 0] <= TIMES[first][-1])
     columns = {"time_s": Column(TIMES, TIME, "time"), "speed_rad_s": Column(speed, SPEED, "estimated speed")}
-    panel = Lines(
-        lines=(Line(x="time_s", y="speed_rad_s", stroke=Stroke.STEPS),),
+    panel = over(
+        "time_s",
+        "speed_rad_s",
+        stroke=Stroke.STEPS,
         left=0.0,
         right=0.2,
         levels=(Level(value=EVEN.speed, label="true speed"),),
         low=150.0,
         high=165.0,
     )
-    return Reproduction(
-        statements=(
+    return figure_of(
+        "figure-3.11",
+        "Estimated speed of one run, from 50 rad/s at the start.",
+        {"speed": Table(title="Speed", columns=columns, axes=("time_s",), is_data=True)},
+        (
             number_statement(
                 "changes of the estimated speed in 0.2 s, over edges seen",
                 1.0,
@@ -127,16 +132,8 @@ def figure_3_11() -> Reproduction:
                 because="an edge at either end",
             ),
         ),
-        tables={"speed": Table(title="Speed", columns=columns, axes=("time_s",), is_data=True)},
-        charts=(
-            Chart(
-                name="figure-3.11",
-                caption="Estimated speed of one run, from 50 rad/s at the start.",
-                table="speed",
-                panels=(panel,),
-                height=2.2,
-            ),
-        ),
+        panel,
+        height=2.2,
     )
 
 
@@ -144,17 +141,8 @@ def section_3_5() -> Reproduction:
     """The numbers of the simulated case, and what follows from them."""
     speed = TURN * published.TURNS
     statements = (
-        number_statement(
-            "25 Hz as speed", 157.1, speed, RAD_S, tolerance=0.05, because="half of the last printed digit"
-        ),
-        number_statement(
-            "resolution of the wheel",
-            0.785,
-            published.SECTOR,
-            ANGLE_ERROR,
-            tolerance=5e-4,
-            because="half of the last printed digit",
-        ),
+        digit_statement("25 Hz as speed", 157.1, speed, RAD_S, tolerance=0.05),
+        digit_statement("resolution of the wheel", 0.785, published.SECTOR, ANGLE_ERROR, tolerance=5e-4),
         bound_statement(
             "time of the light's transition",
             5.0 / 8.0 * published.SECTOR / speed,
@@ -192,32 +180,29 @@ def _noise_statements(speed: float) -> tuple[Statement, ...]:
     sampling, light = 0.5 * speed * published.SAMPLE, 0.5 * speed * published.LIGHT_TIME
     R, digits = published.NOISE, 5e-6
     return (
-        number_statement(
+        digit_statement(
             "noise R by the rules of 3.3",
             R,
             sampling**2 / 3.0 + light**2 / 4.0,
             ANGULAR_VARIANCE,
             tolerance=digits,
-            because="half of the last printed digit",
             note="with a²/4 for the triangle, as printed",
         ),
-        number_statement(
+        digit_statement(
             "noise R with the variance of a triangle",
             R,
             sampling**2 / 3.0 + light**2 / 6.0,
             ANGULAR_VARIANCE,
             tolerance=digits,
-            because="half of the last printed digit",
             inconsistency="a symmetric triangle on ±a has a²/6, not a²/4 (docs/errata.md)",
             contradiction=("3.3: a triangular density on ±a", "(3.4): a variance of a²/4"),
         ),
-        number_statement(
+        digit_statement(
             "bound of the measurement noise",
             0.36,
             sampling + light,
             ANGLE_ERROR,
             tolerance=5e-3,
-            because="half of the last printed digit",
             inconsistency="the bounds of 3.3 with 1 ms and 1.5 ms make 0.196 rad",
             contradiction=("3.5: 0.36 rad", "3.3: the bounds of both noises, with 1 ms and 1.5 ms"),
         ),

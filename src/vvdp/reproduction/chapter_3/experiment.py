@@ -15,10 +15,10 @@ from vvdp.comparison.results import Comparison
 from vvdp.comparison.scenarios import FAST_FLOW, LPM, SECTORS, SLOW_FLOW, flow_step, scenarios
 from vvdp.comparison.trials import compare
 from vvdp.reproduction.drawings import circuit_drawing
-from vvdp.reproduction.item import Item, ItemKind, Reproduction
+from vvdp.reproduction.item import Item, ItemKind, Reproduction, figure_of, over
 from vvdp.results.chart import Chart, Colour, Line, Lines
 from vvdp.results.result import Column, Table
-from vvdp.results.verdict import bound_statement, number_statement
+from vvdp.results.verdict import bound_statement, digit_statement, number_statement
 from vvdp.runs.run import RecordedRun
 from vvdp.sensing.wheel import TURN
 
@@ -132,7 +132,6 @@ def figure_3_14() -> Reproduction:
     columns = {"time_s": Column(trace.time[after], TIME, "time"), "true_rad_s": _speed(trace.speed[after], "true")}
     for name, title in (("event-filter", "as built"), ("no-manoeuvres", "as published")):
         columns[f"{name.replace('-', '_')}_rad_s"] = _speed(trace.estimated[name][after], title)
-    lines = tuple(Line(x="time_s", y=key) for key in columns if key != "time_s")
     edge = TURN / SECTORS / float(trace.speed[after][0])
     statements = tuple(
         bound_statement(
@@ -149,18 +148,12 @@ def figure_3_14() -> Reproduction:
             ("event-filter", "as built", "q rises for a few edges where the edges say that the speed changes"),
         )
     )
-    return Reproduction(
-        statements=statements,
-        tables={"speed": Table(title="Speed", columns=columns, axes=("time_s",), is_data=True)},
-        charts=(
-            Chart(
-                name="figure-3.14",
-                caption="Speed of the spool when the pump's flow steps from 26.7 to 40 lpm at 1 s, and its estimates.",
-                table="speed",
-                panels=(Lines(lines=lines, label="speed"),),
-                height=2.6,
-            ),
-        ),
+    return figure_of(
+        "figure-3.14",
+        "Speed of the spool when the pump's flow steps from 26.7 to 40 lpm at 1 s, and its estimates.",
+        {"speed": Table(title="Speed", columns=columns, axes=("time_s",), is_data=True)},
+        statements,
+        over(*columns, label="speed"),
     )
 
 
@@ -174,22 +167,16 @@ def section_3_6() -> Reproduction:
     flow = PUMP * PUMP_SPEED
     return Reproduction(
         statements=(
-            number_statement(
+            digit_statement(
                 "flow of 22.8 cc at 1800 rpm",
                 PUMP_FLOW,
                 flow,
                 FLOW,
                 tolerance=0.5 * LPM,
-                because="half of the last printed digit",
                 note="both hold with a volumetric efficiency of 97.5 %, which is not printed",
             ),
-            number_statement(
-                "flow at 40 Hz of the drive",
-                SLOW_FLOW,
-                40.0 / 60.0 * FAST_FLOW,
-                FLOW,
-                tolerance=0.05 * LPM,
-                because="half of the last printed digit",
+            digit_statement(
+                "flow at 40 Hz of the drive", SLOW_FLOW, 40.0 / 60.0 * FAST_FLOW, FLOW, tolerance=0.05 * LPM
             ),
             bound_statement(
                 "time constant of the spool",

@@ -7,7 +7,7 @@ from vvdp.base.kinds import ANGLE_ERROR, ANGULAR_VARIANCE, COUNT, NUMBER, TIME
 from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.reproduction.chapter_3.published_filter import DENSITY, NOISE, SAMPLE, SECTOR, START_VARIANCE, TURNS
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
-from vvdp.results.verdict import Statement, bound_statement, drawing_statement, number_statement
+from vvdp.results.verdict import Statement, bound_statement, digit_statement, drawing_statement, number_statement
 from vvdp.sensing.wheel import TURN
 
 SPEED = TURN * TURNS
@@ -222,13 +222,12 @@ def section_3_3() -> Reproduction:
     """The numbers of the model: time of a sector, bounds and variances of the noises."""
     bound = 0.5 * SPEED * SAMPLE
     slowest, fastest = 1.0 / (8.0 * 20.0), 1.0 / (8.0 * 40.0)
-    sector = number_statement(
+    sector = digit_statement(
         "time of a sector at 40 Hz",
         2.9e-3,
         fastest,
         TIME,
         tolerance=5e-5,
-        because="half of the last printed digit",
         inconsistency="1/(8 · 40 Hz) is 3.125 ms",
         contradiction=("3.3: 2.9 ms at 40 Hz", "3.2: 8 sectors"),
     )

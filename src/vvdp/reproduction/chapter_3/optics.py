@@ -7,7 +7,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import ANGLE, COUNT, FRACTION, LENGTH, NUMBER
-from vvdp.reproduction.item import Item, ItemKind, Reproduction
+from vvdp.reproduction.item import Item, ItemKind, Reproduction, figure_of, over
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
 from vvdp.results.verdict import Statement, bound_statement, drawing_statement, number_statement
@@ -213,14 +213,14 @@ def figure_3_7() -> Reproduction:
         source="within the transition of the light",
         because="half of the ramp",
     )
-    chart = Chart(
-        name="figure-3.7",
-        caption="Error of the angle at each edge with a threshold of 0.35 in place of 0.5.",
-        table="errors",
-        panels=(Lines(lines=(Line(x="angle_rad", y="error_rad", stroke=Stroke.STEMS),)),),
+    return figure_of(
+        "figure-3.7",
+        "Error of the angle at each edge with a threshold of 0.35 in place of 0.5.",
+        {"errors": shown},
+        (alternate, size),
+        over("angle_rad", "error_rad", stroke=Stroke.STEMS),
         height=2.2,
     )
-    return Reproduction(statements=(alternate, size), tables={"errors": shown}, charts=(chart,))
 
 
 def section_3_2() -> Reproduction:

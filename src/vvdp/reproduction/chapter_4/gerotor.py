@@ -15,7 +15,7 @@ from vvdp.simulation.run import simulate
 STROKE = 20.32e-3
 SETTLED = 6.0
 """From so long after the start on errors count [s]."""
-TRAPEZOID: Mapping[str, Any] = {
+TRAPEZOID: Mapping[str, object] = {
     "table": [["2 s", "0"]]
     + [[f"{t + at} s", duty] for t in (0, 5, 10) for at, duty in ((3, "1"), (5, "1"), (6, "0"), (7, "0"))]
 }
@@ -23,7 +23,7 @@ TRAPEZOID: Mapping[str, Any] = {
 KNOWN = {"largest_flow": "1.8 lpm", "forward_dead_band": "0", "backward_dead_band": "0", "backward_gain": "1"}
 """A map without dead band and asymmetry."""
 
-Changes = Mapping[str, Any]
+Changes = Mapping[str, object]
 """Entries of the drawn circuit by their paths."""
 GEROTOR, OBSERVER, LAW = "components.drive_gerotor", "programs.drive_observer", "programs.drive_law"
 

@@ -26,10 +26,17 @@ from vvdp.base.kinds import (
 from vvdp.estimation.noise_basis import NoiseBasis, fourier_basis, function_count, gaussian_basis, write_basis
 from vvdp.hydraulics.gerotor_drive import gerotor_flow
 from vvdp.reproduction.chapter_4.gerotor import STROKE
-from vvdp.reproduction.item import Item, ItemKind, Reproduction
-from vvdp.results.chart import Chart, Line, Lines, Stroke
+from vvdp.reproduction.item import Item, ItemKind, Reproduction, figure_of, over
+from vvdp.results.chart import Stroke
 from vvdp.results.result import Column, Table
-from vvdp.results.verdict import Statement, bound_statement, drawing_statement, number_statement
+from vvdp.results.verdict import (
+    Statement,
+    bound_statement,
+    digit_statement,
+    drawing_statement,
+    exact_statement,
+    number_statement,
+)
 from vvdp.sensing.axial_sensor import Pollution, pollution_at
 
 TURN = 2.0 * np.pi
@@ -70,16 +77,12 @@ def figure_4_2() -> Reproduction:
         "angle_rad": Column(angles, ANGLE, "angle of the spool"),
         "shown_m": Column(values, POSITION, "position shown at a stop"),
     }
-    chart = Chart(
-        name="figure-4.2",
-        caption="What the optical sensor shows over two turns while the spool spins at a stop.",
-        table="pollution",
-        panels=(Lines(lines=(Line(x="angle_rad", y="shown_m"),)),),
-        height=2.2,
-    )
     half = values.size // 2
-    return Reproduction(
-        statements=(
+    return figure_of(
+        "figure-4.2",
+        "What the optical sensor shows over two turns while the spool spins at a stop.",
+        {"pollution": Table(title="Pollution", columns=columns, axes=("angle_rad",), is_data=True)},
+        (
             bound_statement(
                 "mean over a turn, over its swing",
                 abs(float(values[:half].mean())) / float(np.ptp(values)),
@@ -97,10 +100,8 @@ def figure_4_2() -> Reproduction:
                 because=ROUNDING,
             ),
         ),
-        tables={
-            "pollution": Table(title="Pollution", columns=columns, axes=("angle_rad",), is_data=True),
-        },
-        charts=(chart,),
+        over("angle_rad", "shown_m"),
+        height=2.2,
     )
 
 
@@ -114,15 +115,11 @@ def figure_4_3() -> Reproduction:
         "command": Column(commands, SIGNED_FRACTION, "command"),
         "flow_m3_s": Column(flows, FLOW, "flow"),
     }
-    chart = Chart(
-        name="figure-4.3",
-        caption="Flow of the gerotor pump over its command.",
-        table="map",
-        panels=(Lines(lines=(Line(x="command", y="flow_m3_s"),), label="flow"),),
-        height=2.6,
-    )
-    return Reproduction(
-        statements=(
+    return figure_of(
+        "figure-4.3",
+        "Flow of the gerotor pump over its command.",
+        {"map": Table(title="Map", columns=columns, axes=("command",), is_data=True)},
+        (
             bound_statement(
                 "width of the dead band",
                 float(np.ptp(still)),
@@ -140,8 +137,7 @@ def figure_4_3() -> Reproduction:
                 assumption="0.9",
             ),
         ),
-        tables={"map": Table(title="Map", columns=columns, axes=("command",), is_data=True)},
-        charts=(chart,),
+        over("command", "flow_m3_s", label="flow"),
     )
 
 
@@ -177,20 +173,11 @@ def figure_4_4() -> Reproduction:
         "fourier_m": Column(fourier, POSITION, "6 Fourier functions"),
         "bells_m": Column(bells, POSITION, "6 bells"),
     }
-    chart = Chart(
-        name="figure-4.4",
-        caption="The periodic sensor error of a turn, and the best that six functions of either kind make of it.",
-        table="fits",
-        panels=(
-            Lines(
-                lines=tuple(Line(x="angle_rad", y=f"{name}_m") for name in ("true", "fourier", "bells")),
-                label="pollution",
-            ),
-        ),
-        height=2.6,
-    )
-    return Reproduction(
-        statements=(
+    return figure_of(
+        "figure-4.4",
+        "The periodic sensor error of a turn, and the best that six functions of either kind make of it.",
+        {"fits": Table(title="Fits", columns=columns, axes=("angle_rad",), is_data=True)},
+        (
             bound_statement(
                 "rms of what bells leave over that of Fourier functions",
                 rms(bells - values) / rms(fourier - values),
@@ -200,8 +187,7 @@ def figure_4_4() -> Reproduction:
                 assumption=SHAPE,
             ),
         ),
-        tables={"fits": Table(title="Fits", columns=columns, axes=("angle_rad",), is_data=True)},
-        charts=(chart,),
+        over("angle_rad", "true_m", "fourier_m", "bells_m", label="pollution"),
     )
 
 
@@ -214,19 +200,16 @@ def figure_4_5() -> Reproduction:
         for k in range(rows.shape[1]):
             columns[f"{kind}_{k + 1}"] = Column(rows[:, k], NUMBER, f"{k + 1}")
     panels = tuple(
-        Lines(
-            lines=tuple(Line(x="angle_rad", y=f"{kind}_{k + 1}", width=0.9) for k in range(rows.shape[1])),
-            label=label,
-        )
+        over("angle_rad", *(f"{kind}_{k + 1}" for k in range(rows.shape[1])), label=label, width=0.9)
         for kind, rows, label in (("fourier", fourier, "Fourier"), ("bell", bells, "Gaussian"))
     )
-    chart = Chart(
-        name="figure-4.5", caption="Six Fourier functions and six bells.", table="bases", panels=panels, height=4.0
-    )
-    return Reproduction(
-        statements=(drawing_statement("basis functions", "six of either kind, the bells without their means"),),
-        tables={"bases": Table(title="Basis functions", columns=columns, axes=("angle_rad",), is_data=True)},
-        charts=(chart,),
+    return figure_of(
+        "figure-4.5",
+        "Six Fourier functions and six bells.",
+        {"bases": Table(title="Basis functions", columns=columns, axes=("angle_rad",), is_data=True)},
+        (drawing_statement("basis functions", "six of either kind, the bells without their means"),),
+        *panels,
+        height=4.0,
     )
 
 
@@ -246,15 +229,11 @@ def figure_4_6() -> Reproduction:
         "count": Column(np.array(COUNTS, float), COUNT, "functions"),
         "left_m": Column(np.array(left), POSITION, "what is left, rms"),
     }
-    chart = Chart(
-        name="figure-4.6",
-        caption="What 2 to 40 Fourier functions leave of the periodic sensor error, with white noise of 20 um.",
-        table="counts",
-        panels=(Lines(lines=(Line(x="count", y="left_m", stroke=Stroke.MARKED),), label="left, rms", y_log=True),),
-        height=2.2,
-    )
-    return Reproduction(
-        statements=(
+    return figure_of(
+        "figure-4.6",
+        "What 2 to 40 Fourier functions leave of the periodic sensor error, with white noise of 20 um.",
+        {"counts": Table(title="Number of functions", columns=columns, axes=("count",))},
+        (
             bound_statement(
                 "what 40 functions leave over what 20 leave",
                 with_40 / with_20,
@@ -271,8 +250,8 @@ def figure_4_6() -> Reproduction:
                 assumption=SHAPE,
             ),
         ),
-        tables={"counts": Table(title="Number of functions", columns=columns, axes=("count",))},
-        charts=(chart,),
+        over("count", "left_m", stroke=Stroke.MARKED, label="left, rms", y_log=True),
+        height=2.2,
     )
 
 
@@ -284,24 +263,20 @@ def equation_4_12() -> Reproduction:
     M = rows.T @ rows * 1e-4
     return Reproduction(
         statements=(
-            number_statement(
+            exact_statement(
                 "first entry",
                 1.0,
                 float(M[0, 0]),
                 DURATION,
-                share=1e-9,
                 inconsistency="the integral of 1 over a turn is T",
                 contradiction=("(4.12): M₁₁ = 1", "(4.11): the integral over T"),
                 source="1",
-                because=ROUNDING,
             ),
-            number_statement(
+            exact_statement(
                 "determinant, 1e-15",
                 1e15 * (0.5 * T) ** 10,
                 1e15 * float(np.linalg.det(M)),
                 NUMBER,
-                share=1e-9,
-                because=ROUNDING,
                 inconsistency="T (T/2)^n",
                 contradiction=("(4.12): det M = (T/2)^n", "(4.11): the integral over T"),
             ),
@@ -351,32 +326,21 @@ def section_4_2() -> Reproduction:
     helix = vvdp.load("prototype-constant-load").tables["valve"].helix_length
     return Reproduction(
         statements=(
-            number_statement(
+            digit_statement(
                 "speed of the spool with 40 lpm",
                 13.0,
                 spool,
                 FREQUENCY,
                 tolerance=0.5,
-                because="half of the last printed digit",
                 note="oil of 27 °C would give 13 Hz, by the balance of torques; section 2.5 has 24 Hz",
             ),
-            number_statement(
-                "stroke of the duty ratio, from (4.16)",
-                STROKE,
-                helix,
-                POSITION,
-                share=1e-9,
-                because=ROUNDING,
-                source="0.8 in",
-            ),
+            exact_statement("stroke of the duty ratio, from (4.16)", STROKE, helix, POSITION, source="0.8 in"),
             *_period_samples(),
-            number_statement(
+            exact_statement(
                 "period of 10 Hz as 1/(2π ω), as printed in 4.3.2",
                 1.0 / (TURN * TURN * 10.0),
                 TURN / (TURN * 10.0),
                 DURATION,
-                share=1e-9,
-                because=ROUNDING,
                 inconsistency="T = 2π/ω",
             ),
         )

@@ -1,7 +1,5 @@
 """Section 4.5: the spool under the estimators of chapter 4, in simulation and as the experiment has it."""
 
-from typing import Any
-
 import numpy as np
 
 from vvdp.base.arrays import Array
@@ -20,10 +18,10 @@ from vvdp.reproduction.chapter_4.gerotor import (
 )
 from vvdp.reproduction.chapter_4.noise import rms
 from vvdp.reproduction.drawings import circuit_drawing
-from vvdp.reproduction.item import Item, ItemKind, Reproduction
+from vvdp.reproduction.item import Item, ItemKind, Reproduction, figure_of, over
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
-from vvdp.results.verdict import Statement, bound_statement, number_statement
+from vvdp.results.verdict import Statement, bound_statement, digit_statement
 
 DRIVE = "dead band, lag and periodic sensor error of the drive are in no table of the text"
 POLLUTION = "amplitudes of the periodic sensor error's harmonics"
@@ -45,19 +43,23 @@ def _table(found: Samples) -> Table:
 
 
 def _panel(label: str, *columns: str, right: float | None = None, left: float | None = None) -> Lines:
-    return Lines(lines=tuple(Line(x="time_s", y=y, width=0.9) for y in columns), label=label, left=left, right=right)
+    return over("time_s", *columns, label=label, width=0.9, left=left, right=right)
 
 
-def _drawing_of(name: str, caption: str, found: Samples, *panels: Lines) -> dict[str, Any]:
-    chart = Chart(name=name, caption=caption, table="samples", panels=panels, height=1.0 + 1.3 * len(panels))
-    return {"tables": {"samples": _table(found)}, "charts": (chart,)}
+def _figure_of(
+    name: str, caption: str, found: Samples, statements: tuple[Statement, ...], *panels: Lines
+) -> Reproduction:
+    return figure_of(name, caption, {"samples": _table(found)}, statements, *panels, height=1.0 + 1.3 * len(panels))
 
 
 def figure_4_8() -> Reproduction:
     """Reference, tracking error and command with the signal generator of 20 states."""
     found = late(experiment(GENERATOR, IDEAL))
-    return Reproduction(
-        statements=(
+    return _figure_of(
+        "figure-4.8",
+        "Trapezoid, tracking error and command with the signal generator at 25 Hz.",
+        found,
+        (
             bound_statement(
                 "largest tracking error over the stroke",
                 peak(found.true - found.reference),
@@ -67,22 +69,20 @@ def figure_4_8() -> Reproduction:
                 because="a hundredth of the stroke (ours)",
             ),
         ),
-        **_drawing_of(
-            "figure-4.8",
-            "Trapezoid, tracking error and command with the signal generator at 25 Hz.",
-            found,
-            _panel("position", "reference_m"),
-            _panel("error", "error_m"),
-            _panel("command", "command"),
-        ),
+        _panel("position", "reference_m"),
+        _panel("error", "error_m"),
+        _panel("command", "command"),
     )
 
 
 def figure_4_9() -> Reproduction:
     """The periodic sensor error, and what the signal generator leaves of it."""
     found = late(experiment(GENERATOR, IDEAL, NOISY))
-    return Reproduction(
-        statements=(
+    return _figure_of(
+        "figure-4.9",
+        "Periodic sensor error at 25 Hz and the error of its estimate.",
+        found,
+        (
             bound_statement(
                 "error of the believed periodic sensor error over the periodic sensor error, rms",
                 rms(found.pollution_error) / rms(found.pollution),
@@ -93,13 +93,8 @@ def figure_4_9() -> Reproduction:
                 note=f"{1e6 * rms(found.pollution_error):.1f} µm rms with white noise of 20 µm",
             ),
         ),
-        **_drawing_of(
-            "figure-4.9",
-            "Periodic sensor error at 25 Hz and the error of its estimate.",
-            found,
-            _panel("pollution", "pollution_m", right=6.4, left=6.0),
-            _panel("error", "pollution_error_m", right=6.4, left=6.0),
-        ),
+        _panel("pollution", "pollution_m", right=6.4, left=6.0),
+        _panel("error", "pollution_error_m", right=6.4, left=6.0),
     )
 
 
@@ -177,43 +172,42 @@ def figure_4_11() -> Reproduction:
 def figure_4_12() -> Reproduction:
     """A constant reference with the lumped filter: the estimate oscillates, and the command with it."""
     found = late(experiment(CONSTANT, LUMPED))
-    return Reproduction(
-        statements=(
-            number_statement(
+    return _figure_of(
+        "figure-4.12",
+        "Constant reference with the lumped filter: estimate, spool and command.",
+        found,
+        (
+            digit_statement(
                 "largest error of the estimate over the stroke",
                 0.02,
                 peak(found.estimate - found.reference),
                 FRACTION,
                 tolerance=0.005,
-                because="half of the last printed digit",
                 assumption=POLLUTION,
             ),
-            number_statement(
+            digit_statement(
                 "largest error of the spool over the stroke",
                 0.02,
                 peak(found.true - found.reference),
                 FRACTION,
                 tolerance=0.005,
-                because="half of the last printed digit",
                 source="position tracking error of 2 %",
                 inconsistency="the 2 % are of the estimate; the dead band keeps most of it from the spool",
             ),
         ),
-        **_drawing_of(
-            "figure-4.12",
-            "Constant reference with the lumped filter: estimate, spool and command.",
-            found,
-            _panel("position", "estimate_m", "true_m", "reference_m", right=7.0, left=6.0),
-            _panel("command", "command", right=7.0, left=6.0),
-        ),
+        _panel("position", "estimate_m", "true_m", "reference_m", right=7.0, left=6.0),
+        _panel("command", "command", right=7.0, left=6.0),
     )
 
 
 def figure_4_13() -> Reproduction:
     """The same with the basis functions: the command stays within the dead band."""
     found = late(experiment(CONSTANT, NOISY))
-    return Reproduction(
-        statements=(
+    return _figure_of(
+        "figure-4.13",
+        "Constant reference with the basis functions: estimate, spool and command.",
+        found,
+        (
             bound_statement(
                 "largest error of the estimate over the stroke",
                 peak(found.estimate - found.reference),
@@ -230,13 +224,8 @@ def figure_4_13() -> Reproduction:
                 note=DRIVE,
             ),
         ),
-        **_drawing_of(
-            "figure-4.13",
-            "Constant reference with the basis functions: estimate, spool and command.",
-            found,
-            _panel("position", "estimate_m", "true_m", "reference_m", right=7.0, left=6.0),
-            _panel("command", "command", right=7.0, left=6.0),
-        ),
+        _panel("position", "estimate_m", "true_m", "reference_m", right=7.0, left=6.0),
+        _panel("command", "command", right=7.0, left=6.0),
     )
 
 
@@ -248,21 +237,6 @@ def lines_of(command: Array, period: float = 1e-3, count: int = 8000) -> tuple[A
     return frequencies, amplitudes
 
 
-def _spectrum_chart() -> Chart:
-    return Chart(
-        name="figure-4.14",
-        caption="Amplitudes of the command at rest with both filters; the spool turns at 10 Hz.",
-        table="spectrum",
-        panels=(
-            Lines(
-                lines=tuple(Line(x="frequency_Hz", y=name, stroke=Stroke.STEMS) for name in ("lumped", "periodic")),
-                label="amplitude",
-            ),
-        ),
-        height=2.6,
-    )
-
-
 BIN = 1000.0 / 1024.0
 """Distance of the lines of 1024 samples at 1 kHz, of which the printed 9.766 and 19.53 Hz are multiples [Hz]."""
 
@@ -270,13 +244,12 @@ BIN = 1000.0 / 1024.0
 def _resolution() -> tuple[Statement, ...]:
     """What the analysis of the measured record can distinguish."""
     return (
-        number_statement(
+        digit_statement(
             "line 10 of 1024 samples at 1 kHz",
             9.766,
             10.0 * BIN,
             FREQUENCY,
             tolerance=0.5e-3,
-            because="half of the last printed digit",
             note="the number of samples is not printed",
         ),
         bound_statement(
@@ -301,8 +274,11 @@ def figure_4_14() -> Reproduction:
         "lumped": Column(lumped[shown], NUMBER, "lumped"),
         "periodic": Column(periodic[shown], NUMBER, "basis functions"),
     }
-    return Reproduction(
-        statements=(
+    return figure_of(
+        "figure-4.14",
+        "Amplitudes of the command at rest with both filters; the spool turns at 10 Hz.",
+        {"spectrum": Table(title="Spectrum", columns=columns, axes=("frequency_Hz",), is_data=True)},
+        (
             *_resolution(),
             bound_statement(
                 "line at twice the spool's frequency over that at the frequency",
@@ -323,8 +299,7 @@ def figure_4_14() -> Reproduction:
                 because="a tenth (ours)",
             ),
         ),
-        tables={"spectrum": Table(title="Spectrum", columns=columns, axes=("frequency_Hz",), is_data=True)},
-        charts=(_spectrum_chart(),),
+        over("frequency_Hz", "lumped", "periodic", stroke=Stroke.STEMS, label="amplitude"),
     )
 
 
@@ -332,8 +307,11 @@ def figure_4_15() -> Reproduction:
     """The periodic sensor error as a basis that is 0.5 Hz off believes it."""
     found = late(experiment(IDEAL, OFF_BY_HALF))
     right = late(experiment(IDEAL))
-    return Reproduction(
-        statements=(
+    return _figure_of(
+        "figure-4.15",
+        "Periodic sensor error at 10 Hz and the error of what a basis at 9.5 Hz believes.",
+        found,
+        (
             bound_statement(
                 "error of the believed periodic sensor error, 0.5 Hz off over right",
                 rms(found.pollution_error) / rms(right.pollution_error),
@@ -343,13 +321,8 @@ def figure_4_15() -> Reproduction:
                 because="three times (ours)",
             ),
         ),
-        **_drawing_of(
-            "figure-4.15",
-            "Periodic sensor error at 10 Hz and the error of what a basis at 9.5 Hz believes.",
-            found,
-            _panel("pollution", "pollution_m", right=8.0, left=6.0),
-            _panel("error", "pollution_error_m", right=8.0, left=6.0),
-        ),
+        _panel("pollution", "pollution_m", right=8.0, left=6.0),
+        _panel("error", "pollution_error_m", right=8.0, left=6.0),
     )
 
 
@@ -357,8 +330,11 @@ def figure_4_16() -> Reproduction:
     """The spool and the command with a basis that is 0.5 Hz off."""
     found, lumped = late(experiment(IDEAL, OFF_BY_HALF)), late(experiment(IDEAL, LUMPED))
     estimated = [peak(each.estimate - each.true) for each in (found, lumped)]
-    return Reproduction(
-        statements=(
+    return _figure_of(
+        "figure-4.16",
+        "Tracking error and command with a basis at 9.5 Hz and a periodic sensor error at 10 Hz.",
+        found,
+        (
             bound_statement(
                 "error of the estimate, 0.5 Hz off over lumped",
                 estimated[0] / estimated[1],
@@ -375,13 +351,8 @@ def figure_4_16() -> Reproduction:
                 source="the spool can oscillate",
             ),
         ),
-        **_drawing_of(
-            "figure-4.16",
-            "Tracking error and command with a basis at 9.5 Hz and a periodic sensor error at 10 Hz.",
-            found,
-            _panel("error", "error_m"),
-            _panel("command", "command"),
-        ),
+        _panel("error", "error_m"),
+        _panel("command", "command"),
     )
 
 

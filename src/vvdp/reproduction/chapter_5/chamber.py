@@ -32,7 +32,7 @@ BACKSTEPPING = {
 MILD = BACKSTEPPING | PASSIVE
 """Backstepping with the gains of the passivity law."""
 
-Changes = Mapping[str, Any]
+Changes = Mapping[str, object]
 """Entries of the drawn circuit by their paths."""
 LAW = "programs.drive_law"
 

@@ -11,10 +11,10 @@ from vvdp.fluid.mixture import compression_energy_per_mass, compression_energy_p
 from vvdp.fluid.modulus import YuAir, mean_modulus, specific_volume_exponent, yu_bulk_modulus
 from vvdp.fluid.modulus import compression_energy_per_volume as energy_of_law
 from vvdp.reproduction.chapter_5.chamber import known_drive
-from vvdp.reproduction.item import Item, ItemKind, Reproduction
+from vvdp.reproduction.item import Item, ItemKind, Reproduction, figure_of
 from vvdp.results.chart import Chart, Line, Lines, Stroke, shades
 from vvdp.results.result import Column, Table
-from vvdp.results.verdict import bound_statement, number_statement
+from vvdp.results.verdict import bound_statement, exact_statement, number_statement
 
 BAR, ATMOSPHERE = 1e5, 1e5
 AIR = (0.01, 0.1, 0.3)
@@ -141,14 +141,14 @@ def figure_5_4() -> Reproduction:
     lines = tuple(
         Line(x="pressure_Pa", y=name, colour=colour) for name, colour in zip(names, shades(len(names)), strict=True)
     )
-    chart = Chart(
-        name="figure-5.4",
-        caption="Energy of compression per volume over the pressure error, with 30 % of air.",
-        table="shares",
-        panels=(Lines(lines=lines, label="energy over error", x_log=True),),
+    return figure_of(
+        "figure-5.4",
+        "Energy of compression per volume over the pressure error, with 30 % of air.",
+        {"shares": table},
+        statements,
+        Lines(lines=lines, label="energy over error", x_log=True),
         height=2.8,
     )
-    return Reproduction(statements=statements, tables={"shares": table}, charts=(chart,))
 
 
 def equation_5_14() -> Reproduction:
@@ -160,22 +160,18 @@ def equation_5_14() -> Reproduction:
     rho = fluid_density(P, WARM, oil)
     return Reproduction(
         statements=(
-            number_statement(
+            exact_statement(
                 "energy per mass times the density, 14 bar from 10",
                 per_volume,
                 rho * per_mass,
                 ENERGY_DENSITY,
-                share=1e-9,
-                because="rounding",
                 source="W_m = W_V/ρ",
             ),
-            number_statement(
+            exact_statement(
                 "energy per mass as printed, ρ W_V",
                 rho * per_volume,
                 per_mass,
                 NUMBER,
-                share=1e-9,
-                because="rounding",
                 inconsistency="a mass ρV fills the volume V, so W_m is W_V over the density",
                 contradiction=("below (5.14): W_m = ρ W_V", "5.3: W_V = W/V and W_m = W/m"),
             ),

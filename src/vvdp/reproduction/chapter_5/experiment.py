@@ -22,18 +22,24 @@ from vvdp.reproduction.chapter_5.chamber import (
     sine_experiment,
     tracking_error,
 )
-from vvdp.reproduction.item import Item, ItemKind, Reproduction
+from vvdp.reproduction.item import Item, ItemKind, Reproduction, figure_of, over
 from vvdp.reproduction.variant import variant
-from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
+from vvdp.results.chart import Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
-from vvdp.results.verdict import Statement, bound_statement, drawing_statement, missing_statement, number_statement
+from vvdp.results.verdict import (
+    Statement,
+    bound_statement,
+    digit_statement,
+    drawing_statement,
+    missing_statement,
+    number_statement,
+)
 from vvdp.simulation.run import Run, simulate
 
 PSI = 6894.757
 LOAD = 400.0 * PSI
 SETTLED = 1.5
 """From so long after the start on the spinning spool is looked at [s]."""
-AIRED = "gains, air and noise of the experiment are not all stated"
 
 
 def figure_5_1() -> Reproduction:
@@ -102,14 +108,15 @@ def figure_5_6() -> Reproduction:
     reference = Line(x="time_s", y="reference_m", colour=Colour.FAINT, width=3.0)
     course = (reference, *(Line(x="time_s", y=f"{name}_m", colour=colour) for name, colour in laws))
     errors_drawn = tuple(Line(x="time_s", y=f"{name}_error_m", colour=colour) for name, colour in laws)
-    chart = Chart(
-        name="figure-5.6",
-        caption="The spool on a filtered trapezoid in 50 ms under both laws, and the errors.",
-        table="trapezoid",
-        panels=(Lines(lines=course, label="position"), Lines(lines=errors_drawn, label="error")),
+    return figure_of(
+        "figure-5.6",
+        "The spool on a filtered trapezoid in 50 ms under both laws, and the errors.",
+        {"trapezoid": trapezoid_table()},
+        statements,
+        Lines(lines=course, label="position"),
+        Lines(lines=errors_drawn, label="error"),
         height=4.0,
     )
-    return Reproduction(statements=statements, tables={"trapezoid": trapezoid_table()}, charts=(chart,))
 
 
 def _printed_gains() -> tuple[Statement, ...]:
@@ -184,45 +191,25 @@ def sweep() -> Table:
     return Table(title="Effect of lambda_2", columns=columns, axes=("weight",))
 
 
-def _sweep_chart(passive: float) -> Chart:
-    return Chart(
-        name="figure-5.7",
-        caption="Tracking error of backstepping over lambda_2, a sine of 5 Hz, the velocity low-passed at 1 Hz.",
-        table="sweep",
-        panels=(
-            Lines(
-                lines=(Line(x="weight", y="error_m", stroke=Stroke.MARKED),),
-                label="tracking error",
-                x_log=True,
-                y_log=True,
-                levels=(Level(value=passive, label="passivity law"),),
-            ),
-        ),
-        height=2.8,
-    )
-
-
 def _weight_statements(at_best: float) -> tuple[Statement, ...]:
     """The best weight of the pressure's error: of the sweep, by the formula, and as the text has it."""
     loop = law_of(sine_experiment(QUICK))
     predicted = best_pressure_weight(middle_compliance(), loop.gains, loop.gains.flow_gain, loop.drive)
     return (
-        number_statement(
+        digit_statement(
             "best λ₂ of the sweep, 1e-12 m³/Pa",
             3.0,
             at_best,
             NUMBER,
             tolerance=0.5,
-            because="half of the last printed digit",
             calibration="gains 'similar to those in table 5.1': here K_v = 38 N s/m, K_p = 55 N/m",
         ),
-        number_statement(
+        digit_statement(
             "best λ₂ by the formula (V/β)/(1 − k), 1e-12 m³/Pa",
             3.0,
             1e12 * predicted,
             NUMBER,
             tolerance=0.5,
-            because="half of the last printed digit",
             calibration="the same gains",
         ),
         number_statement(
@@ -250,8 +237,15 @@ def figure_5_7() -> Reproduction:
         source="slightly worse than that of the passivity law",
         note="better for all gains that were tried (docs/models/axial-control.md)",
     )
-    statements = (*_weight_statements(at_best), worse)
-    return Reproduction(statements=statements, tables={"sweep": table}, charts=(_sweep_chart(passive),))
+    law = Level(value=passive, label="passivity law")
+    return figure_of(
+        "figure-5.7",
+        "Tracking error of backstepping over lambda_2, a sine of 5 Hz, the velocity low-passed at 1 Hz.",
+        {"sweep": table},
+        (*_weight_statements(at_best), worse),
+        over("weight", "error_m", stroke=Stroke.MARKED, label="tracking error", x_log=True, y_log=True, levels=(law,)),
+        height=2.8,
+    )
 
 
 @cache
@@ -323,14 +317,13 @@ def figure_5_8() -> Reproduction:
         ),
     )
     lines = _both("position_m")
-    chart = Chart(
-        name="figure-5.8",
-        caption="Position of the spool that spins at 22.5 Hz, with the raw signal and with the estimate fed back.",
-        table="held",
-        panels=(Lines(lines=lines, label="position"),),
-        height=2.6,
+    return figure_of(
+        "figure-5.8",
+        "Position of the spool that spins at 22.5 Hz, with the raw signal and with the estimate fed back.",
+        {"held": held, "raw": raw},
+        statements,
+        Lines(lines=lines, label="position"),
     )
-    return Reproduction(statements=statements, tables={"held": held, "raw": raw}, charts=(chart,))
 
 
 def figure_5_9() -> Reproduction:
@@ -356,18 +349,15 @@ def figure_5_9() -> Reproduction:
             because="three times (ours)",
         ),
     )
-    pressures = tuple(Line(x="time_s", y=name, width=0.6) for name in ("inlet_Pa", "load_Pa"))
-    chart = Chart(
-        name="figure-5.9",
-        caption="Inlet and load pressure of the driven valve, and the load's mean over a PWM period.",
-        table="held",
-        panels=(
-            Lines(lines=pressures, label="pressure", right=SETTLED + 0.1),
-            Lines(lines=_both("mean_Pa"), label="mean load"),
-        ),
+    return figure_of(
+        "figure-5.9",
+        "Inlet and load pressure of the driven valve, and the load's mean over a PWM period.",
+        {"held": held, "raw": raw},
+        statements,
+        over("time_s", "inlet_Pa", "load_Pa", label="pressure", width=0.6, right=SETTLED + 0.1),
+        Lines(lines=_both("mean_Pa"), label="mean load"),
         height=4.0,
     )
-    return Reproduction(statements=statements, tables={"held": held, "raw": raw}, charts=(chart,))
 
 
 def section_5_7() -> Reproduction:

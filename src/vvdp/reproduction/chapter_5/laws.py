@@ -25,10 +25,9 @@ from vvdp.estimation.observability import (
     without_noise,
 )
 from vvdp.reproduction.chapter_5.chamber import HELIX, TURN, known_drive, middle_compliance
-from vvdp.reproduction.item import Item, ItemKind, Reproduction
-from vvdp.results.chart import Chart, Line, Lines
+from vvdp.reproduction.item import Item, ItemKind, Reproduction, figure_of, over
 from vvdp.results.result import Column, Table
-from vvdp.results.verdict import Statement, bound_statement, number_statement
+from vvdp.results.verdict import Statement, bound_statement, exact_statement, number_statement
 
 GAINS = PositionGains(error_rate=50.0, position_gain=55.0, velocity_gain=4.0)
 SUPPLY = 190.0 * 6894.757
@@ -110,9 +109,7 @@ def equation_5_31() -> Reproduction:
     names = ("α_e, Pa/(m s)", "α_ev, Pa/m", "α_P, 1/s")
     return Reproduction(
         statements=tuple(
-            number_statement(
-                name, value, found, NUMBER, share=1e-9, because=ROUNDING, note="not printed; from (5.29) by hand"
-            )
+            exact_statement(name, value, found, NUMBER, note="not printed; from (5.29) by hand")
             for name, value, found in zip(names, by_hand, alpha, strict=True)
         )
     )
@@ -156,13 +153,11 @@ def equation_5_47() -> Reproduction:
     by_quadrature = float(np.trapezoid((np.sin(gamma * times) / gamma) ** 2, times))
     return Reproduction(
         statements=(
-            number_statement(
+            exact_statement(
                 "Ψ₂₂ at 22.5 Hz, 1e-6",
                 1e6 * printed,
                 1e6 * found,
                 NUMBER,
-                share=1e-9,
-                because=ROUNDING,
                 inconsistency="it is the integral of φ₁₂², with a minus",
                 contradiction=("(5.47): Ψ₂₂ = ∫φ₂₂²", "(5.44): the output is the position"),
             ),
@@ -190,19 +185,6 @@ def margins() -> Table:
     return Table(title="Observability margin", columns=columns, axes=("speed_Hz",), is_data=True)
 
 
-def _margin_chart() -> Chart:
-    return Chart(
-        name="section-5.5",
-        caption=(
-            "Observability margin over the spool's speed, five harmonics; 1 is as good as without periodic sensor "
-            "error."
-        ),
-        table="margins",
-        panels=(Lines(lines=(Line(x="speed_Hz", y="margin"),), label="margin"),),
-        height=2.4,
-    )
-
-
 def _observability(gamma: float, highest: float, rank: int) -> tuple[Statement, ...]:
     return (
         bound_statement(
@@ -212,13 +194,11 @@ def _observability(gamma: float, highest: float, rank: int) -> tuple[Statement, 
             low=1e-3,
             source="observable",
         ),
-        number_statement(
+        exact_statement(
             "highest speed at which position and velocity are lost, over √(K/M)",
             1.0,
             highest / gamma,
             RATIO,
-            share=1e-9,
-            because=ROUNDING,
             source="a harmonic of the spool's speed on the plant's frequency",
         ),
         number_statement(
@@ -247,11 +227,13 @@ def section_5_5() -> Reproduction:
     lost = unobservable_speeds(gamma, HARMONICS)
     left = without_noise(analytic_grammian(gamma, float(lost[0]), HARMONICS))
     rank = int(np.sum(np.abs(np.linalg.eigvalsh(left * np.outer((1.0, gamma), (1.0, gamma)))) > 1e-9))
-    table = margins()
-    return Reproduction(
-        statements=_observability(gamma, float(lost[0]), rank),
-        tables={"margins": table},
-        charts=(_margin_chart(),),
+    return figure_of(
+        "section-5.5",
+        "Observability margin over the spool's speed, five harmonics; 1 is as good as without periodic sensor error.",
+        {"margins": margins()},
+        _observability(gamma, float(lost[0]), rank),
+        over("speed_Hz", "margin", label="margin"),
+        height=2.4,
     )
 
 

@@ -33,10 +33,9 @@ from vvdp.reproduction.chapter_6.cylinder import (
     printed_run,
 )
 from vvdp.reproduction.drawings import circuit_drawing
-from vvdp.reproduction.item import Item, ItemKind, Reproduction
-from vvdp.results.chart import Chart, Line, Lines
+from vvdp.reproduction.item import Item, ItemKind, Reproduction, figure_of, over
 from vvdp.results.result import Column, Table
-from vvdp.results.verdict import Statement, bound_statement, number_statement
+from vvdp.results.verdict import Statement, bound_statement, digit_statement, exact_statement, number_statement
 
 LARGEST_ERROR = 5e-3
 REVERSALS = 3
@@ -117,22 +116,20 @@ def middle_frequency(values: Array) -> float:
 
 def _mean_openings(run: Run, printed: Run) -> tuple[Statement, ...]:
     return (
-        number_statement(
+        digit_statement(
             "mean opening of the throttling valve",
             0.8,
             run.number("return_opening_mean"),
             FRACTION,
             tolerance=0.05,
-            because="half of the last printed digit",
             source="the nominal opening is 80 %",
         ),
-        number_statement(
+        digit_statement(
             "the same, law as printed",
             0.8,
             printed.number("return_opening_mean"),
             FRACTION,
             tolerance=0.05,
-            because="half of the last printed digit",
             source="the same, with (6.28) as printed",
             inconsistency="(6.28) leaves out the expected flow that (6.30) has",
             contradiction=("(6.28): −λ_Q Q̂", "(6.30): with the expected flow"),
@@ -235,15 +232,13 @@ def figure_6_8() -> Reproduction:
             note="at reversals, when the oil on its way still feeds the chamber that empties",
         ),
     )
-    lines = tuple(Line(x="time_s", y=key, width=0.8) for key in ("asked_N_s", "pump_N_s", "valve_N_s"))
-    chart = Chart(
-        name="figure-6.8",
-        caption="The effort U* that is asked, and what the delivered flow and the opening give of it.",
-        table="effort",
-        panels=(Lines(lines=lines, label="effort"),),
-        height=2.6,
+    return figure_of(
+        "figure-6.8",
+        "The effort U* that is asked, and what the delivered flow and the opening give of it.",
+        {"effort": table},
+        statements,
+        over("time_s", "asked_N_s", "pump_N_s", "valve_N_s", label="effort", width=0.8),
     )
-    return Reproduction(statements=statements, tables={"effort": table}, charts=(chart,))
 
 
 def section_6_5() -> Reproduction:
@@ -253,16 +248,14 @@ def section_6_5() -> Reproduction:
     machine = machine_run()
     return Reproduction(
         statements=(
-            number_statement("cap area", 20.26e-4, cylinder.area_a, AREA, share=1e-9, because="rounding"),
-            number_statement(
+            exact_statement("cap area", 20.26e-4, cylinder.area_a, AREA),
+            exact_statement(
                 "rod side's area, called rod area",
                 10.77e-4,
                 cylinder.area_b,
                 AREA,
-                share=1e-9,
                 other=cylinder.area_a - 10.77e-4,
                 assumption="as the annulus; in the second run as the rod",
-                because="rounding",
             ),
             bound_statement(
                 "flow that 21.6 cm in 4 s take on the cap side",

@@ -13,10 +13,9 @@ from vvdp.control.cylinder_storage import cylinder_balance, force_distance, forc
 from vvdp.control.pressure_modes import Swept, mode_ends
 from vvdp.control.reference import Reference, reference_at_rest
 from vvdp.reproduction.chapter_6.cylinder import model_run, nominal_settings, printed_run
-from vvdp.reproduction.item import Item, ItemKind, Reproduction
-from vvdp.results.chart import Chart, Line, Lines
+from vvdp.reproduction.item import Item, ItemKind, Reproduction, figure_of, over
 from vvdp.results.result import Column, Table
-from vvdp.results.verdict import bound_statement, number_statement
+from vvdp.results.verdict import bound_statement, exact_statement, number_statement
 
 PLACE = 0.1
 """Of the piston, where equations are calculated [m]."""
@@ -54,13 +53,11 @@ def equation_6_4() -> Reproduction:
     found = capacities(1.0, PLACE, _tank(), cylinder).stiffness
     return Reproduction(
         statements=(
-            number_statement(
+            exact_statement(
                 "stiffness of the oil at 0.1 m",
                 cylinder.bulk_modulus * found,
                 found,
                 STIFFNESS,
-                share=1e-9,
-                because=ROUNDING,
                 inconsistency="the brace holds β, which (6.15), (6.16) and (6.19) have beside L",
                 contradiction=("(6.4): β within the brace of L", "(6.15): β beside L"),
             ),
@@ -76,13 +73,11 @@ def equation_6_10() -> Reproduction:
     rate = settings.cylinder.moving_mass * found.velocity_error * acceleration
     return Reproduction(
         statements=(
-            number_statement(
+            exact_statement(
                 "rate of the storage by a force of 50 N",
                 -found.velocity_error * push,
                 rate,
                 POWER,
-                share=1e-9,
-                because=ROUNDING,
                 inconsistency="d enters (6.1) with +, and so + e_v d; (6.18), (6.20) and (6.21) likewise",
                 contradiction=("(6.10): −e_v d", "(6.1): d with +"),
             ),
@@ -109,17 +104,11 @@ def equation_6_11() -> Reproduction:
     step = 1e-6
     slope = (force_measure(PLACE + step, cylinder) - force_measure(PLACE - step, cylinder)) / (2.0 * step)
     stiffness = capacities(1.0, PLACE, _tank(), cylinder).stiffness
-    chart = Chart(
-        name="equation-6.11",
-        caption="Slope of h over the stroke, for two chambers alike; h has to rise to have an inverse.",
-        table="slopes",
-        panels=(
-            Lines(lines=(Line(x="position_mm", y="printed"), Line(x="position_mm", y="built")), label="h', cm²/m"),
-        ),
-        height=2.4,
-    )
-    return Reproduction(
-        statements=(
+    return figure_of(
+        "equation-6.11",
+        "Slope of h over the stroke, for two chambers alike; h has to rise to have an inverse.",
+        {"slopes": table},
+        (
             bound_statement(
                 "least slope of h as printed, chambers alike, 10⁻⁴ m",
                 float(table["printed"].min()),
@@ -139,8 +128,8 @@ def equation_6_11() -> Reproduction:
                 source="β L(x)",
             ),
         ),
-        tables={"slopes": table},
-        charts=(chart,),
+        over("position_mm", "printed", "built", label="h', cm²/m"),
+        height=2.4,
     )
 
 
@@ -151,13 +140,8 @@ def equation_6_12() -> Reproduction:
     measured = force_measure(PLACE + distance, cylinder) - force_measure(PLACE, cylinder)
     return Reproduction(
         statements=(
-            number_statement(
-                "β (h(x + d) − h(x)) for a force error of 5 kN",
-                error,
-                cylinder.bulk_modulus * measured,
-                FORCE,
-                share=1e-9,
-                because=ROUNDING,
+            exact_statement(
+                "β (h(x + d) − h(x)) for a force error of 5 kN", error, cylinder.bulk_modulus * measured, FORCE
             ),
         )
     )
@@ -175,16 +159,12 @@ def equation_6_19() -> Reproduction:
     added = total_effort(stiffness, desired, OIL_FORCE, 1.0, robust) - alone
     return Reproduction(
         statements=(
-            number_statement(
-                "U* = β L r + rate of F_v − λ₃ β (F_H − F_v)", by_hand, alone, NUMBER, share=1e-9, because=ROUNDING
-            ),
-            number_statement(
+            exact_statement("U* = β L r + rate of F_v − λ₃ β (F_H − F_v)", by_hand, alone, NUMBER),
+            exact_statement(
                 "what u_rob adds, K_rob β = 0.7 1/s",
                 -0.7 * settings.cylinder.bulk_modulus * error,
                 added,
                 NUMBER,
-                share=1e-9,
-                because=ROUNDING,
                 inconsistency="(6.19) multiplies u_rob by β, so u_rob itself has none",
                 contradiction=("below (6.20): u_rob = −K_rob β F̃", "(6.19): u_rob times β"),
             ),

@@ -26,8 +26,8 @@ from vvdp.control.pressure_modes import (
 )
 from vvdp.control.printed_modes import first_match, printed_actuation
 from vvdp.reproduction.chapter_6.cylinder import nominal_settings
-from vvdp.reproduction.item import Item, ItemKind, Reproduction
-from vvdp.results.chart import Chart, Line, Lines, Stroke
+from vvdp.reproduction.item import Item, ItemKind, Reproduction, figure_of
+from vvdp.results.chart import Line, Lines, Stroke
 from vvdp.results.result import Column, Table
 from vvdp.results.verdict import Statement, bound_statement, drawing_statement, number_statement
 
@@ -95,15 +95,15 @@ def figure_6_3() -> Reproduction:
         )
         for mode, colour in zip(modes, COLOURS, strict=True)
     )
-    chart = Chart(
-        name="figure-6.3",
-        caption="Control modes over both pressures, with bounds of 10 and 90 bar and bands of 10 bar.",
-        table="modes",
-        panels=(Lines(lines=lines, label="return chamber"),),
+    statement = number_statement("modes that occur", 9, modes.size, COUNT, source="1 to 5 and four between them")
+    return figure_of(
+        "figure-6.3",
+        "Control modes over both pressures, with bounds of 10 and 90 bar and bands of 10 bar.",
+        {"modes": table},
+        (statement,),
+        Lines(lines=lines, label="return chamber"),
         height=4.6,
     )
-    statement = number_statement("modes that occur", 9, modes.size, COUNT, source="1 to 5 and four between them")
-    return Reproduction(statements=(statement,), tables={"modes": table}, charts=(chart,))
 
 
 def cited_mode_3(

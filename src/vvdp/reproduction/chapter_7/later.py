@@ -13,8 +13,8 @@ from vvdp.comparison.trials import compiled_encoder, compiled_loop, simulate_rec
 from vvdp.estimation.duty import wave_duty_ratio
 from vvdp.reproduction.chapter_3.experiment import SECTIONS, estimated_turns, rises
 from vvdp.reproduction.chapter_3.optics import edge_errors
-from vvdp.reproduction.item import Item, ItemKind, Reproduction
-from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
+from vvdp.reproduction.item import Item, ItemKind, Reproduction, figure_of, over
+from vvdp.results.chart import Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
 from vvdp.results.verdict import Statement, bound_statement, number_statement
 from vvdp.sensing.wheel import TURN
@@ -52,14 +52,14 @@ def figure_7_1() -> Reproduction:
             source="the error switches signs for every measurement",
         ),
     )
-    chart = Chart(
-        name="figure-7.1",
-        caption="Error of each edge's time at 24.7 Hz with a threshold of 0.35 in place of 0.5.",
-        table="errors",
-        panels=(Lines(lines=(Line(x="angle_rad", y="error_s", stroke=Stroke.STEMS),)),),
+    return figure_of(
+        "figure-7.1",
+        "Error of each edge's time at 24.7 Hz with a threshold of 0.35 in place of 0.5.",
+        {"errors": table},
+        statements,
+        over("angle_rad", "error_s", stroke=Stroke.STEMS),
         height=2.2,
     )
-    return Reproduction(statements=statements, tables={"errors": table}, charts=(chart,))
 
 
 @cache
@@ -104,14 +104,14 @@ def figure_7_2() -> Reproduction:
         ),
     )
     lines = (Line(x="time_s", y="threshold", colour=Colour.INLET),)
-    chart = Chart(
-        name="figure-7.2",
-        caption="Threshold of the comparator, fed back from the filter's innovations; true is 0.5.",
-        table="threshold",
-        panels=(Lines(lines=lines, label="threshold", levels=(Level(value=TRUE_THRESHOLD),)),),
+    return figure_of(
+        "figure-7.2",
+        "Threshold of the comparator, fed back from the filter's innovations; true is 0.5.",
+        {"threshold": table},
+        statements,
+        Lines(lines=lines, label="threshold", levels=(Level(value=TRUE_THRESHOLD),)),
         height=2.4,
     )
-    return Reproduction(statements=statements, tables={"threshold": table}, charts=(chart,))
 
 
 @cache

@@ -1,26 +1,22 @@
 """Displacement control as chapter 6 has it: a pump as a lagging source, ideal directional valve, throttled return.
 
-`chapter6` returns the `Network` that a system file names as its circuit; its arguments are its tables.
+`chapter6` returns the `Network` that a system file names as its circuit; its argument is the record of its tables.
 """
+
+from dataclasses import dataclass
 
 from vvdp.base.kinds import BulkModulus, Force, ForceSignal, Mass, Position, Pressure, TemperatureSignal, Time
 from vvdp.base.params import Params
-from vvdp.components.directed_flows import DIRECTED_RETURN, DIRECTED_SOURCE, ReturnThrottle
+from vvdp.components.directed_flows import DIRECTED_RETURN, DIRECTED_SOURCE
 from vvdp.components.rods import CYLINDER, LOAD_FORCE, ROD_FRICTION
 from vvdp.control.adaptation import Adaptation
 from vvdp.control.capacities import CylinderModel, SupplyLine
 from vvdp.control.cylinder_force import ForceGains
 from vvdp.control.direction import DirectionSettings
 from vvdp.control.displacement import DisplacementSettings, SupplySupport
-from vvdp.control.flow_split import FlowSplit
 from vvdp.control.pressure_modes import PressureBounds
 from vvdp.control.reference import ReferenceFilter
-from vvdp.fluid.oil import Oil
-from vvdp.hydraulics.cylinder import Cylinder
-from vvdp.hydraulics.flow_source import LaggingSource
-from vvdp.hydraulics.friction import RodFriction
 from vvdp.network.network import Network
-from vvdp.network.nodes import Chamber, Load
 from vvdp.network.program import ProgramType
 from vvdp.systems.displacement.chapter6_extras import Chapter6Extras
 from vvdp.systems.displacement.chapter6_loop import (
@@ -64,56 +60,44 @@ class Sampling(Params):
     sample_period: Time
 
 
-def chapter6(
-    oil: Oil,
-    cylinder: Cylinder,
-    chamber_a: Chamber,
-    chamber_b: Chamber,
-    load: Load,
-    friction: RodFriction,
-    pump: LaggingSource,
-    return_valve: ReturnThrottle,
-    cycle: Triangle | OwnCycle,
-    reference: ReferenceFilter,
-    gains: ForceGains,
-    direction: DirectionSettings,
-    flow_split: FlowSplit,
-    pressure_bounds: PressureBounds,
-    belief: Belief,
-    sampling: Sampling,
-    operation: CylinderOperation,
-    initial: InitialCylinder,
-    adaptation: Adaptation | None = None,
-) -> Network:
+@dataclass(frozen=True, kw_only=True)
+class Chapter6Tables(Chapter6Plant):
+    """The tables of the circuit: what is moved, the cycle, and the control."""
+
+    cycle: Triangle | OwnCycle
+    reference: ReferenceFilter
+    gains: ForceGains
+    direction: DirectionSettings
+    pressure_bounds: PressureBounds
+    belief: Belief
+    sampling: Sampling
+    operation: CylinderOperation
+    initial: InitialCylinder
+    adaptation: Adaptation | None = None
+
+
+def chapter6(tables: Chapter6Tables) -> Network:
     """A cylinder under displacement control, its pump a source."""
-    plant = Chapter6Plant(
-        cylinder=cylinder,
-        chamber_a=chamber_a,
-        chamber_b=chamber_b,
-        load=load,
-        friction=friction,
-        pump=pump,
-        largest_flow=flow_split.largest_flow,
-        return_valve=return_valve,
-        oil=oil,
+    refuse_impossible(
+        tables, tables.cycle, tables.pressure_bounds, tables.operation.load_force, tables.initial.position
     )
-    refuse_impossible(plant, cycle, pressure_bounds, operation.load_force, initial.position)
-    net = plant_network(plant, operation, initial)
+    net = plant_network(tables, tables.operation, tables.initial)
     net.extras = Chapter6Extras
+    period = tables.sampling.sample_period
     settings = Chapter6Loop(
         control=DisplacementSettings(
-            cylinder=believed_cylinder(plant, belief),
-            gains=gains,
-            direction=direction,
-            split=flow_split,
-            bounds=pressure_bounds,
+            cylinder=believed_cylinder(tables, tables.belief),
+            gains=tables.gains,
+            direction=tables.direction,
+            split=tables.flow_split,
+            bounds=tables.pressure_bounds,
             support=SupplySupport(),
-            adaptation=adaptation or Adaptation(),
-            sample_period=sampling.sample_period,
+            adaptation=tables.adaptation or Adaptation(),
+            sample_period=period,
         ),
-        cycle=points_of(cycle),
-        reference=reference,
-        load_force=belief.load_force,
+        cycle=points_of(tables.cycle),
+        reference=tables.reference,
+        load_force=tables.belief.load_force,
     )
     reads = {
         "time": "t",
@@ -124,7 +108,7 @@ def chapter6(
         "flow": "pump.flow",
     }
     kind = ProgramType(chapter6_step, CylinderPlace, AT_REST, Chapter6Loop, chapter6_start)
-    net.program(PROGRAM, kind, settings, reads=reads, period=sampling.sample_period)
+    net.program(PROGRAM, kind, settings, reads=reads, period=period)
     return net
 
 

@@ -62,7 +62,7 @@ class Chapter6Extras(Extras):
         """How well the cylinder followed, and what each pressure mode used."""
         return tracking_numbers(run.final_memory[PROGRAM].tracking) | mode_energies(run)
 
-    def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
+    def warnings(self, found: Mapping[str, float | bool]) -> Iterator[str]:
         """A chamber that was drawn empty."""
         if share := found.get("below_tank_share"):
             yield (
@@ -70,7 +70,7 @@ class Chapter6Extras(Extras):
                 "pressure_bounds.lowest_pressure, or make the pump faster"
             )
 
-    def merits(self, found: Mapping[str, Any]) -> Iterator[str]:
+    def merits(self, found: Mapping[str, float | bool]) -> Iterator[str]:
         """Bounds that were never near."""
         if found.get("mode_1_share") == 1.0:
             yield "both chambers stayed clear of their bounds: no pressure mode acted"

@@ -9,10 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import VOLUME, Flow, Pressure
+from vvdp.base.kinds import VOLUME, Pressure
 from vvdp.base.rules import require_positive_value
 from vvdp.base.signal import Signal
 from vvdp.components.directed_flows import ReturnThrottle
+from vvdp.control.flow_split import FlowSplit
 from vvdp.control.pressure_modes import PressureBounds
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.cylinder import Cylinder
@@ -22,7 +23,7 @@ from vvdp.network.nodes import Chamber, Load
 from vvdp.systems.displacement.cycle import OwnCycle, Points, Triangle, points_of
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Chapter6Plant:
     """What moves a load: cylinder with what oil is left at its ends, friction, pump, return valve, and the oil."""
 
@@ -32,7 +33,7 @@ class Chapter6Plant:
     load: Load
     friction: RodFriction
     pump: LaggingSource
-    largest_flow: Flow
+    flow_split: FlowSplit
     return_valve: ReturnThrottle
     oil: Oil
 
@@ -78,11 +79,11 @@ def refuse_stroke(plant: Chapter6Plant, cycle: Triangle | OwnCycle, points: Poin
 
 def _refuse_speed(plant: Chapter6Plant, velocity: float, row: str) -> None:
     area = plant.cylinder.area_a if velocity > 0.0 else plant.cylinder.area_b
-    fastest = plant.largest_flow / area
+    fastest = plant.flow_split.largest_flow / area
     if abs(velocity) > fastest:
         raise ParameterError(
             f"cycle.{'times' if row else 'stroke_time'}: {row}{1e3 * abs(velocity):.4g} mm/s take "
-            f"{6e4 * area * abs(velocity):.4g} lpm; at most {6e4 * plant.largest_flow:.4g} lpm "
+            f"{6e4 * area * abs(velocity):.4g} lpm; at most {6e4 * plant.flow_split.largest_flow:.4g} lpm "
             f"are asked of the pump (flow_split.largest_flow), {1e3 * fastest:.4g} mm/s"
         )
 

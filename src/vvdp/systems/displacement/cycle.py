@@ -8,7 +8,6 @@ from typing import Annotated
 
 import numpy as np
 
-from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import POSITION, TIME, Fraction, Position, Time
 from vvdp.base.params import Params
@@ -145,9 +144,3 @@ def first_direction(cycle: Triangle | OwnCycle) -> float:
 def reference_period(cycle: Triangle | OwnCycle) -> float:
     """After which time a cycle comes back [s]; its length where it does not."""
     return points_of(cycle).times[-1]
-
-
-def cycle_positions(cycle: Triangle | OwnCycle, times: Array) -> Array:
-    """The positions that a cycle asks for at `times` since control began [s], shape (n,) [m]."""
-    points = points_of(cycle)
-    return np.array([cycle_position(float(t), points) for t in times])

@@ -31,7 +31,7 @@ class InitialCylinder(Params):
     supply_pressure: Pressure
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LoadedCylinder:
     """A cylinder with its hoses, what it moves, and what hinders it."""
 

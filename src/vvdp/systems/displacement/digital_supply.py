@@ -6,6 +6,7 @@ sign, a meter-out throttle.
 Source  wang2017, sections 1.2.1 and 1.2.2
 """
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -16,34 +17,22 @@ from vvdp.base.rules import refuse
 from vvdp.base.select import select
 from vvdp.components.directional_valves import ThrottledDirectionalValve
 from vvdp.components.flow_control_units import add_flow_control_unit
-from vvdp.components.machines import PUMP
-from vvdp.components.self_acting_valves import RELIEF_VALVE
 from vvdp.components.switching_valves import MODULATED_SWITCHING_VALVE, ModulatedThreeWayValve
-from vvdp.control.reference import ReferenceFilter
-from vvdp.fluid.oil import Oil
-from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.hydraulics.flow_control_unit import OnOffValve, UnitValve, binary_valves, equal_valves
-from vvdp.hydraulics.friction import RodFriction
 from vvdp.hydraulics.pump import Pump
-from vvdp.hydraulics.relief_valve import ReliefValve
-from vvdp.hydraulics.rod import EndStop
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Network
-from vvdp.network.nodes import Chamber, Connection, Load
+from vvdp.network.nodes import Chamber, Connection
 from vvdp.network.program import ProgramType
-from vvdp.systems.displacement.cylinder_load import InitialCylinder
-from vvdp.systems.displacement.duty_cycle import DutyCycle
 from vvdp.systems.displacement.rival_loop import (
     ONE_WAY_LOOP,
     CylinderReading,
     LoopMemory,
-    LoopTable,
     RivalLoop,
     loop_start,
     one_way_step,
 )
-from vvdp.systems.displacement.rival_tables import PumpDrive
-from vvdp.systems.displacement.rivals import LOOP, Rival, add_throttled_valve, loaded_cylinder
+from vvdp.systems.displacement.rivals import LOOP, FixedPump, add_throttled_valve
 
 LEAST_DROP = 1e5
 """Drop over a unit below which its loop calculates with this one [Pa]."""
@@ -121,83 +110,65 @@ CODED_LOOP = ProgramType(
 )
 
 
-def flow_control_unit(
-    oil: Oil,
-    pump: Pump,
-    pump_drive: PumpDrive,
-    pump_line: Vessel,
-    relief_valve: ReliefValve,
-    unit: FlowControlUnit,
-    supply_line: Vessel,
-    directional_valve: ThrottledDirectionalValve,
-    cylinder: Cylinder,
-    chamber_a: Vessel,
-    chamber_b: Vessel,
-    load: Load,
-    friction: RodFriction,
-    end_stops: EndStop,
-    duty_cycle: DutyCycle,
-    reference: ReferenceFilter,
-    loop: LoopTable,
-    initial: InitialCylinder,
-) -> Network:
+@dataclass(frozen=True, kw_only=True)
+class DigitalSupply(FixedPump):
+    """The tables of a fixed pump, of what its flow goes to, and of the valves behind that."""
+
+    supply_line: Vessel
+    directional_valve: ThrottledDirectionalValve
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnitSupply(DigitalSupply):
+    """The same with a digital flow control unit in between."""
+
+    pump_line: Vessel
+    unit: FlowControlUnit
+
+
+def flow_control_unit(tables: UnitSupply) -> Network:
     """Fixed pump at its relief setting, metered by a digital flow control unit."""
-    moved = loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
-    rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
-    flow, parts = pump.displacement * pump_drive.speed.extremes[0], unit.parts
+    parts, level = tables.unit.parts, tables.relief_valve.cracking_pressure
     settings = CodedLoop(
-        loop=rival.settings(flow, directional_valve.return_conductance),
-        smallest=unit,
+        loop=tables.settings(tables.largest_flow, tables.directional_valve.return_conductance),
+        smallest=tables.unit,
         highest_code=max(valve.modulus for valve in parts) - 1.0,
-        supply_level=relief_valve.cracking_pressure,
+        supply_level=level,
     )
-    net = rival.network(CODED_LOOP, settings, "supply")
-    net.volume("pump_line", pump_line, start=relief_valve.cracking_pressure)
-    _add_fixed_pump(net, pump, pump_drive, relief_valve)
-    net.volume("supply", supply_line, start="initial.supply_pressure")
+    net = tables.network(CODED_LOOP, settings, "supply")
+    net.volume("pump_line", tables.pump_line, start=level)
+    tables.add_pump(net, "pump_line")
+    net.volume("supply", tables.supply_line, start="initial.supply_pressure")
     add_flow_control_unit(net, "unit", parts, ("pump_line", "supply"), f"{LOOP}.code")
-    add_throttled_valve(net, directional_valve)
+    add_throttled_valve(net, tables.directional_valve)
     return net
 
 
-def linear_valves(
-    oil: Oil,
-    pump: Pump,
-    pump_drive: PumpDrive,
-    inlet: Chamber,
-    relief_valve: ReliefValve,
-    switching_valve: ModulatedThreeWayValve,
-    supply_line: Vessel,
-    directional_valve: ThrottledDirectionalValve,
-    cylinder: Cylinder,
-    chamber_a: Vessel,
-    chamber_b: Vessel,
-    load: Load,
-    friction: RodFriction,
-    end_stops: EndStop,
-    duty_cycle: DutyCycle,
-    reference: ReferenceFilter,
-    loop: LoopTable,
-    initial: InitialCylinder,
-) -> Network:
+@dataclass(frozen=True, kw_only=True)
+class SwitchedSupply(DigitalSupply):
+    """The same with pulsed linear valves in between."""
+
+    inlet: Chamber
+    switching_valve: ModulatedThreeWayValve
+
+
+def linear_valves(tables: SwitchedSupply) -> Network:
     """Fixed pump whose flow pulsed linear valves send to the line or back to the tank."""
-    moved = loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
-    rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
-    settings = rival.settings(pump.displacement * pump_drive.speed.extremes[0], directional_valve.return_conductance)
-    net = rival.network(ONE_WAY_LOOP, settings, "supply")
-    net.volume("pump_line", inlet, start="initial.supply_pressure")
-    _add_fixed_pump(net, pump, pump_drive, relief_valve)
-    net.volume("supply", supply_line, start="initial.supply_pressure")
+    settings = tables.settings(tables.largest_flow, tables.directional_valve.return_conductance)
+    net = tables.network(ONE_WAY_LOOP, settings, "supply")
+    net.volume("pump_line", tables.inlet, start="initial.supply_pressure")
+    tables.add_pump(net, "pump_line")
+    net.volume("supply", tables.supply_line, start="initial.supply_pressure")
     net.add(
         "switching_valve",
         MODULATED_SWITCHING_VALVE,
-        switching_valve,
+        tables.switching_valve,
         pressure="pump_line",
         first="supply",
         second="tank",
-        duty_ratio=Connection(pump_share, (pump, pump_drive.speed, f"{LOOP}.flow")),
+        duty_ratio=Connection(pump_share, (tables.pump, tables.pump_drive.speed, f"{LOOP}.flow")),
     )
-    add_throttled_valve(net, directional_valve)
+    add_throttled_valve(net, tables.directional_valve)
     return net
 
 
@@ -209,11 +180,3 @@ def pump_share(pump: Pump, speed: float, flow: float) -> float:
     """
     share = flow / (pump.displacement * speed)
     return select(share < LEAST_SHARE, 0.0, share)
-
-
-def _add_fixed_pump(net: Network, pump: Pump, drive: PumpDrive, relief_valve: ReliefValve) -> None:
-    """A pump that turns steadily between tank and `pump_line`, and the relief valve of that."""
-    net.values["pump_drive"] = drive
-    net.driven_shaft("pump_shaft", drive.speed)
-    net.add("pump", PUMP, pump, inlet="tank", outlet="pump_line", shaft="pump_shaft")
-    net.add("relief_valve", RELIEF_VALVE, relief_valve, a="pump_line", b="tank")

@@ -17,38 +17,25 @@ from vvdp.base.kinds import Count, Force, Number, Position, Pressure
 from vvdp.base.params import Params
 from vvdp.components.controlled_valves import PROPORTIONAL_VALVE
 from vvdp.components.flow_control_units import add_flow_control_unit
-from vvdp.control.reference import ReferenceFilter
-from vvdp.fluid.oil import Oil
-from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.hydraulics.flow_control_unit import code_count
-from vvdp.hydraulics.friction import RodFriction
 from vvdp.hydraulics.proportional_valve import ProportionalValve
-from vvdp.hydraulics.pump import Pump
-from vvdp.hydraulics.relief_valve import ReliefValve
-from vvdp.hydraulics.rod import EndStop
-from vvdp.hydraulics.variable_pump import PumpControl
-from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Network
-from vvdp.network.nodes import Load
 from vvdp.network.program import ProgramType
-from vvdp.systems.displacement.cylinder_load import InitialCylinder
 from vvdp.systems.displacement.digital_supply import FlowControlUnit
-from vvdp.systems.displacement.duty_cycle import DutyCycle, cycle_point
-from vvdp.systems.displacement.load_following import add_following_pump
+from vvdp.systems.displacement.duty_cycle import cycle_point
+from vvdp.systems.displacement.load_following import FollowingPump
 from vvdp.systems.displacement.rival_loop import (
     Conductance,
     CylinderReading,
     Joint,
     LoopMemory,
-    LoopTable,
     RivalLoop,
     loop_start,
     next_memory,
     one_way_actuation,
     wanted_motion,
 )
-from vvdp.systems.displacement.rival_tables import PumpDrive
-from vvdp.systems.displacement.rivals import LOOP, Rival, further_rivals, loaded_cylinder
+from vvdp.systems.displacement.rivals import LOOP
 
 LEAST_DROP = 1e5
 """Drop over an edge below which its loop calculates with this one [Pa]."""
@@ -210,57 +197,15 @@ UNIT_LOOP = ProgramType(unit_step, CylinderReading, AT_REST, EdgeLoop, edge_star
 
 
 @dataclass(frozen=True, kw_only=True)
-class MatchedSupply:
-    """The tables of a pump that matches the pressure of its loads, and of the cylinders that it feeds."""
-
-    oil: Oil
-    pump: Pump
-    pump_drive: PumpDrive
-    pump_control: PumpControl
-    pump_line: Vessel
-    relief_valve: ReliefValve
-    cylinder: Cylinder
-    chamber_a: Vessel
-    chamber_b: Vessel
-    load: Load
-    friction: RodFriction
-    end_stops: EndStop
-    duty_cycle: DutyCycle
-    reference: ReferenceFilter
-    loop: LoopTable
-    initial: InitialCylinder
-    second: DutyCycle | None = None
-    third: DutyCycle | None = None
-
-    @property
-    def first(self) -> Rival:
-        """The first of its cylinders."""
-        chambers = self.chamber_a, self.chamber_b
-        return Rival(
-            oil=self.oil,
-            moved=loaded_cylinder(self.cylinder, chambers, self.load, self.friction, self.end_stops),
-            duty_cycle=self.duty_cycle,
-            reference=self.reference,
-            loop=self.loop,
-            initial=self.initial,
-        )
-
-    @property
-    def largest_flow(self) -> float:
-        """Of the pump [m^3/s]."""
-        return float(self.pump.displacement * self.pump_drive.speed.extremes[0])
-
-
-@dataclass(frozen=True, kw_only=True)
-class ValveTables(MatchedSupply):
-    """The same with proportional valves into and out of each chamber."""
+class ValveTables(FollowingPump):
+    """The same as `FollowingPump` with proportional valves into and out of each chamber."""
 
     supply_valve: ProportionalValve
     return_valve: ProportionalValve
 
 
 @dataclass(frozen=True, kw_only=True)
-class UnitTables(MatchedSupply):
+class UnitTables(FollowingPump):
     """The same with digital flow control units into and out of each chamber."""
 
     supply_unit: FlowControlUnit
@@ -308,24 +253,21 @@ def independent_units(tables: UnitTables) -> Network:
 
 
 def _matched_network(
-    tables: MatchedSupply,
+    tables: FollowingPump,
     program: ProgramType,
     conductance: float,
     settings: Callable[[RivalLoop], EdgeLoop],
     add_edges: Callable[[Network, str], None],
 ) -> Network:
     """Pump, line and cylinders; `conductance` is that of an edge in the return, `add_edges` adds a cylinder's."""
-    first = tables.first
-    net = first.network(program, settings(first.settings(tables.largest_flow, conductance)), "pump_line")
-    net.values["pump_drive"] = tables.pump_drive
-    net.driven_shaft("pump_shaft", tables.pump_drive.speed)
+    net = tables.network(program, settings(tables.settings(tables.largest_flow, conductance)), "pump_line")
+    tables.add_shaft(net)
     net.volume("pump_line", tables.pump_line, start="initial.supply_pressure")
-    rivals = further_rivals(first, tables.second, tables.third)
+    rivals = tables.rivals
     for suffix, rival in rivals.items():
         if suffix:
             own = settings(rival.settings(tables.largest_flow, conductance))
             rival.add_actuator(net, program, own, "pump_line", suffix)
         add_edges(net, suffix)
-    loads = [f"{LOOP}{suffix}.load_pressure" for suffix in rivals]
-    add_following_pump(net, tables.pump, tables.pump_control, tables.relief_valve, loads)
+    tables.add_following_pump(net, [f"{LOOP}{suffix}.load_pressure" for suffix in rivals])
     return net

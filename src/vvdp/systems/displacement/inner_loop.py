@@ -7,9 +7,8 @@ from typing import NamedTuple
 
 from vvdp.base.kinds import Angle, Fraction, Position, Pressure, Speed, Time
 from vvdp.programs.axial_loop import STOP, AxialCommand, AxialPlace, Stage, known_phase
-from vvdp.programs.chamber_loop import LoopMemory, WatchedLoop, WatchedMemory, passive_axial_step
+from vvdp.programs.chamber_loop import WatchedLoop, WatchedMemory, passive_axial_step
 from vvdp.programs.gerotor_loop import (
-    DriveMemory,
     GerotorMemory,
     GerotorPlace,
     WatchedGerotor,
@@ -49,13 +48,7 @@ def led_step(
     """Program: the passivity law holds the position that another program wants, until it takes the energy away."""
     watch, estimate = watch_step(t, memory.watch, Shaft(place.time, place.angle, place.speed), settings.watch)
     before = memory.loop
-    loop = LoopMemory(
-        sensor=before.sensor,
-        observer=before.observer,
-        reference=before.reference,
-        stage=_stage(before.stage, place.energised, place.time),
-        reading=before.reading,
-    )
+    loop = before._replace(stage=_stage(before.stage, place.energised, place.time))
     seen = AxialPlace(place.time, place.angle, place.speed, place.position, place.pressure)
     phase = known_phase(estimate, watch.filter.slip, memory.watch.filter.slip)
     loop, command = passive_axial_step(loop, seen, phase, place.wanted, settings.loop)
@@ -68,14 +61,7 @@ def led_gerotor_step(
     """Program: the same of a gerotor drive."""
     watch, estimate = watch_step(t, memory.watch, Shaft(place.time, place.angle, place.speed), settings.watch)
     before = memory.loop.drive
-    drive = DriveMemory(
-        sensor=before.sensor,
-        reference=before.reference,
-        stage=_stage(before.stage, place.energised, place.time),
-        integral=before.integral,
-        settled=before.settled,
-        flow=before.flow,
-    )
+    drive = before._replace(stage=_stage(before.stage, place.energised, place.time))
     seen = GerotorPlace(place.time, place.angle, place.speed, place.position)
     memory_then = GerotorMemory(drive, memory.loop.observer)
     phase = known_phase(estimate, watch.filter.slip, memory.watch.filter.slip)

@@ -4,23 +4,22 @@ from dataclasses import dataclass, replace
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import (
-    BulkModulus,
-    Compliance,
     Count,
-    FlowCoefficient,
     Force,
     Length,
-    Mass,
-    Polytropic,
     Pressure,
     PressureDifference,
     Time,
-    ViscousFriction,
-    Volume,
 )
 from vvdp.base.params import Params
 from vvdp.control.adaptation import Adaptation
-from vvdp.control.capacities import CylinderModel, SupplyLine
+from vvdp.control.capacities import (
+    CylinderBelief,
+    CylinderEnds,
+    CylinderModel,
+    LineBelief,
+    cylinder_model,
+)
 from vvdp.control.cylinder_force import ForceGains
 from vvdp.control.direction import DirectionSettings
 from vvdp.control.displacement import DisplacementSettings, SupplySupport
@@ -62,24 +61,13 @@ SAMPLE_PERIOD = 1e-3
 """Of the outer loop [s]."""
 
 
-class MachineBelief(Params):
+class MachineBelief(CylinderBelief, LineBelief):
     """The [belief] table: what the control takes cylinder, line, load and relief valve to be, right or wrong.
 
     Oil volumes are those of the chambers with their hoses at position 0; `return_conductance` is K_v of the return
     valve, fully open; `relief_pressure` is where the flow map takes the relief valve to crack.
     """
 
-    oil_volume_a: Volume
-    oil_volume_b: Volume
-    moving_mass: Mass
-    viscous_friction: ViscousFriction
-    bulk_modulus: BulkModulus
-    line_volume: Volume
-    hose_compliance: Compliance
-    gas_volume: Volume
-    precharge_pressure: Pressure
-    gas_exponent: Polytropic
-    return_conductance: FlowCoefficient
     load_force: Force
     relief_pressure: Pressure
 
@@ -98,16 +86,6 @@ class CylinderSensors(Params):
     pressure_noise: PressureDifference
     latency: Time
     seed: Count
-
-
-@dataclass(frozen=True)
-class CylinderGeometry:
-    """What is known of a cylinder: areas of both sides [m^2], and its ends [m]."""
-
-    area_a: float
-    area_b: float
-    lower_end: float
-    upper_end: float
 
 
 @dataclass(frozen=True)
@@ -144,31 +122,6 @@ class MachinePaths:
     chamber_pressure: str = ""
 
 
-def cylinder_model(belief: MachineBelief, cylinder: CylinderGeometry, tank_pressure: float) -> CylinderModel:
-    """What the control works with.  tank_pressure: absolute [Pa]."""
-    b = belief
-    return CylinderModel(
-        area_a=cylinder.area_a,
-        area_b=cylinder.area_b,
-        oil_volume_a=b.oil_volume_a,
-        oil_volume_b=b.oil_volume_b,
-        lowest_position=cylinder.lower_end,
-        highest_position=cylinder.upper_end,
-        moving_mass=b.moving_mass,
-        viscous_friction=b.viscous_friction,
-        bulk_modulus=b.bulk_modulus,
-        line=SupplyLine(
-            oil_volume=b.line_volume,
-            hose_compliance=b.hose_compliance,
-            gas_volume=b.gas_volume,
-            precharge_pressure=b.precharge_pressure,
-            gas_exponent=b.gas_exponent,
-        ),
-        return_conductance=b.return_conductance,
-        tank_pressure=tank_pressure,
-    )
-
-
 def displacement_laws(tables: MachineTables, model: CylinderModel) -> DisplacementSettings:
     """The laws of the tables, for a cylinder as it is believed."""
     return DisplacementSettings(
@@ -184,14 +137,14 @@ def displacement_laws(tables: MachineTables, model: CylinderModel) -> Displaceme
 
 
 def machine_loop(
-    tables: MachineTables, cylinder: CylinderGeometry, spool: SpoolRange, flow_map: FlowMap, tank_pressure: float
+    tables: MachineTables, cylinder: CylinderEnds, spool: SpoolRange, flow_map: FlowMap, tank_pressure: float
 ) -> MachineLoop:
     """The values of the outer loop. Raises ParameterError where the cycle leaves the cylinder or is too fast.
 
     flow_map       as it is believed
     tank_pressure  absolute [Pa]
     """
-    model = cylinder_model(tables.belief, cylinder, tank_pressure)
+    model = cylinder_model(tables.belief, cylinder, tables.belief, tank_pressure)
     refuse_cycle(tables.cycle, cylinder, tables.flow_split.largest_flow)
     observer = LoadObserver(
         moving_mass=model.moving_mass,
@@ -222,17 +175,17 @@ def machine_loop(
     )
 
 
-def refuse_cycle(cycle: Triangle | OwnCycle, cylinder: CylinderGeometry, largest_flow: float) -> None:
+def refuse_cycle(cycle: Triangle | OwnCycle, cylinder: CylinderEnds, largest_flow: float) -> None:
     """Raises ParameterError where a cycle leaves the cylinder's stroke or is faster than the pump, with its row.
 
     largest_flow  of the pump [m^3/s]
     """
     positions = points_of(cycle).positions
     low, high = min(positions), max(positions)
-    if low < cylinder.lower_end or high > cylinder.upper_end:
+    if low < cylinder.lowest_position or high > cylinder.highest_position:
         raise ParameterError(
             f"cycle: {1e3 * low:.4g} to {1e3 * high:.4g} mm are asked for; the cylinder goes from "
-            f"{1e3 * cylinder.lower_end:.4g} to {1e3 * cylinder.upper_end:.4g} mm"
+            f"{1e3 * cylinder.lowest_position:.4g} to {1e3 * cylinder.highest_position:.4g} mm"
         )
     refuse_fast_points(cycle, largest_flow / max(cylinder.area_a, cylinder.area_b))
 

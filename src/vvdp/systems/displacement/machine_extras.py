@@ -97,7 +97,7 @@ class MachineExtras(Extras):
         found: Array = run.states[:, paths.index(str(source))]
         return found
 
-    def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
+    def warnings(self, found: Mapping[str, float | bool]) -> Iterator[str]:
         """What a user has to know of the control."""
         if "control_begin_s" not in found:
             yield "control never began: the spool was not homed, or its angle not found, or the line not charged"

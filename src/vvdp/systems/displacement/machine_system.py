@@ -5,6 +5,7 @@ from typing import Any
 
 from vvdp.base.signal import constant
 from vvdp.control.adaptation import Adaptation
+from vvdp.control.capacities import CylinderEnds
 from vvdp.control.cylinder_force import ForceGains
 from vvdp.control.direction import DirectionSettings
 from vvdp.control.displacement import SupplySupport
@@ -41,7 +42,6 @@ from vvdp.systems.displacement.machine_checks import (
     working_pressures,
 )
 from vvdp.systems.displacement.machine_control import (
-    CylinderGeometry,
     CylinderSensors,
     LoadObserverTable,
     MachineBelief,
@@ -198,10 +198,15 @@ def _add_outer(
     own: dict[str, Any] = {field.name: getattr(tables, field.name, None) for field in fields(MachineTables)}
     outer = MachineTables(**own | {"adaptation": tables.adaptation or Adaptation(), "spool_spring": spring})
     cylinder, stops = tables.cylinder, tables.cylinder_stops
-    geometry = CylinderGeometry(cylinder.area_a, cylinder.area_b, stops.lower_end, stops.upper_end)
+    ends = CylinderEnds(
+        area_a=cylinder.area_a,
+        area_b=cylinder.area_b,
+        lowest_position=stops.lower_end,
+        highest_position=stops.upper_end,
+    )
     tank = tables.operation.tank_pressure.extremes[1]
     check_demands(tables, tank)
-    loop = machine_loop(outer, geometry, spool, believed_map(tables), tank)
+    loop = machine_loop(outer, ends, spool, believed_map(tables), tank)
     add_outer_loop(net, loop, tables.cylinder_sensors, paths, table)
 
 

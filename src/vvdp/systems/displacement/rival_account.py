@@ -6,7 +6,6 @@ Source  ours, docs/circuits-compared.md
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -103,13 +102,13 @@ def system_for(circuit: RivalCircuit, duty: Duty, begin: float = 0.0, rate: floa
     return replace(system, stepping=stepping)
 
 
-def begin_of(circuit: RivalCircuit, duty: Duty, cache: Path | None = None) -> float:
+def begin_of(circuit: RivalCircuit, duty: Duty) -> float:
     """When a circuit takes up control of a rod that rests under the first force of a duty [s]."""
     if circuit.begin is None:
         return 0.0
     system = system_for(circuit, duty, LONGEST_START)
     stepping = replace(system.stepping, until=LONGEST_START, average_from=None)
-    return circuit.begin(simulate(system.model, system.case, stepping, cache=cache))
+    return circuit.begin(simulate(system.model, system.case, stepping))
 
 
 def refuse_unled(circuit: RivalCircuit, system: System, duty: Duty, run: Run) -> None:

@@ -13,6 +13,7 @@ from vvdp.systems.displacement.cylinder_load import LOW_SIDE, InitialCylinder, s
 from vvdp.systems.displacement.duties import Duty
 from vvdp.systems.displacement.machine_loop import PROGRAM
 from vvdp.systems.displacement.rival_machine import (
+    Tables,
     control_begin,
     size_following_machine,
     size_machine,
@@ -44,8 +45,6 @@ PUMP_FRICTION = Sink("loss_pump_friction_W", "pump friction")
 CHARGE = Sink("loss_charge_W", "charge relief")
 SINKS = (RELIEF, METERING, COMPENSATORS, RETURN, SWITCHING, LEAKAGE, PUMP_FRICTION, CHARGE)
 """Where power is lost before the rod, in the order in which it is shown."""
-
-Tables = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
@@ -166,13 +165,13 @@ def reservoir_pressure(tables: Tables) -> float:
 
 
 PUMP_LEAKAGE = ("pump.leakage", "pump.compression", "cylinder")
+PUMP_SINKS: Mapping[Sink, tuple[str, ...]] = {LEAKAGE: PUMP_LEAKAGE, PUMP_FRICTION: ("pump.friction",)}
 LOAD_SENSING_SINKS: Mapping[Sink, tuple[str, ...]] = {
     RELIEF: ("relief_valve",),
     METERING: ("flow_valve.metering", "directional_valve.edges"),
     COMPENSATORS: ("flow_valve.compensator",),
     RETURN: ("directional_valve.return_throttle",),
-    LEAKAGE: PUMP_LEAKAGE,
-    PUMP_FRICTION: ("pump.friction",),
+    **PUMP_SINKS,
 }
 CLOSED_SINKS: Mapping[Sink, tuple[str, ...]] = {
     RELIEF: ("relief_valve_a", "relief_valve_b"),
@@ -200,42 +199,29 @@ MACHINE_SINKS: Mapping[Sink, tuple[str, ...]] = {
     LEAKAGE: (*PUMP_LEAKAGE, "valve.leakage"),
     PUMP_FRICTION: ("pump.friction",),
 }
+WHOLE_MACHINE = partial(
+    RivalCircuit, system="displacement-control", sinks=MACHINE_SINKS, program=PROGRAM, begin=control_begin
+)
 CIRCUITS = (
-    RivalCircuit(
+    WHOLE_MACHINE(
         name="vvdp",
         title="the whole machine: fixed pump of 40 lpm, rotary valve, directional valve, meter-out throttle",
-        system="displacement-control",
         size=size_machine,
-        sinks=MACHINE_SINKS,
-        program=PROGRAM,
-        begin=control_begin,
     ),
-    RivalCircuit(
+    WHOLE_MACHINE(
         name="vvdp-slow",
         title="the same with its pump at 1200 rpm, 26.7 lpm",
-        system="displacement-control",
         size=size_slow_machine,
-        sinks=MACHINE_SINKS,
-        program=PROGRAM,
-        begin=control_begin,
     ),
-    RivalCircuit(
+    WHOLE_MACHINE(
         name="vvdp-following",
         title="the whole machine with a relief valve 20 bar above the line's pressure, at 30 bar at least",
-        system="displacement-control",
         size=size_following_machine,
-        sinks=MACHINE_SINKS,
-        program=PROGRAM,
-        begin=control_begin,
     ),
-    RivalCircuit(
+    WHOLE_MACHINE(
         name="vvdp-chapter-6",
         title="the whole machine as published: flow and meter-out throttle by the laws of chapter 6",
-        system="displacement-control",
         size=size_published_machine,
-        sinks=MACHINE_SINKS,
-        program=PROGRAM,
-        begin=control_begin,
     ),
     RivalCircuit(
         name="throttle",
@@ -245,8 +231,7 @@ CIRCUITS = (
         sinks={
             RELIEF: ("relief_valve",),
             METERING: ("directional_valve",),
-            LEAKAGE: PUMP_LEAKAGE,
-            PUMP_FRICTION: ("pump.friction",),
+            **PUMP_SINKS,
         },
         shares=True,
     ),
@@ -259,8 +244,7 @@ CIRCUITS = (
             RELIEF: ("relief_valve",),
             METERING: ("bleed_valve", "directional_valve.edges"),
             RETURN: ("directional_valve.return_throttle",),
-            LEAKAGE: PUMP_LEAKAGE,
-            PUMP_FRICTION: ("pump.friction",),
+            **PUMP_SINKS,
         },
     ),
     RivalCircuit(
@@ -288,8 +272,7 @@ CIRCUITS = (
             RELIEF: ("relief_valve",),
             METERING: ("supply_valve_a", "supply_valve_b"),
             RETURN: ("return_valve_a", "return_valve_b"),
-            LEAKAGE: PUMP_LEAKAGE,
-            PUMP_FRICTION: ("pump.friction",),
+            **PUMP_SINKS,
         },
         shares=True,
     ),
@@ -302,8 +285,7 @@ CIRCUITS = (
             RELIEF: ("relief_valve",),
             METERING: tuple(f"supply_{side}_{number}" for side in "ab" for number in range(1, 6)),
             RETURN: tuple(f"return_{side}_{number}" for side in "ab" for number in range(1, 6)),
-            LEAKAGE: PUMP_LEAKAGE,
-            PUMP_FRICTION: ("pump.friction",),
+            **PUMP_SINKS,
         },
         shares=True,
     ),
@@ -404,12 +386,8 @@ def machine_with_valve(name: str) -> RivalCircuit:
     found = load_system(name)
     if "valve" not in found.tables:
         raise ConfigError([Fault(name, 0, "valve", "has no such table; expected that of a rotary valve")])
-    return RivalCircuit(
+    return WHOLE_MACHINE(
         name="vvdp-valve",
         title=f"the whole machine with the rotary valve of {found.name}",
-        system="displacement-control",
         size=partial(size_other_valve, found.tables["valve"]),
-        sinks=MACHINE_SINKS,
-        program=PROGRAM,
-        begin=control_begin,
     )

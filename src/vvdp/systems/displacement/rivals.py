@@ -26,18 +26,15 @@ from vvdp.components.self_acting_valves import CHECK_VALVE, PILOT_CHECK_VALVE, R
 from vvdp.control.reference import ReferenceFilter
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.check_valve import CheckValve
-from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.hydraulics.directional_valve import DirectionalValve
 from vvdp.hydraulics.flow_source import FlowSource
-from vvdp.hydraulics.friction import RodFriction
 from vvdp.hydraulics.pilot_check_valve import PilotCheckValve
 from vvdp.hydraulics.proportional_valve import ProportionalValve
 from vvdp.hydraulics.pump import Pump
 from vvdp.hydraulics.relief_valve import ReliefValve, ShockValve
-from vvdp.hydraulics.rod import EndStop
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Network
-from vvdp.network.nodes import Connection, Load
+from vvdp.network.nodes import Connection
 from vvdp.network.program import ProgramType
 from vvdp.systems.displacement.cylinder_load import (
     LOW_SIDE,
@@ -74,12 +71,11 @@ class RoundOfWork(Extras):
     STEADY = False
 
 
-@dataclass(frozen=True)
-class Rival:
-    """What all rival circuits share: oil, cylinder with its load, duty cycle, reference, loop, and where they start."""
+@dataclass(frozen=True, kw_only=True)
+class Rival(LoadedCylinder):
+    """The tables of all rival circuits: oil, cylinder with its load, duty cycle, reference, loop, where they start."""
 
     oil: Oil
-    moved: LoadedCylinder
     duty_cycle: DutyCycle
     reference: ReferenceFilter
     loop: LoopTable
@@ -89,15 +85,15 @@ class Rival:
         self, largest_flow: float, valve_conductance: float = FEWEST, bleed_conductance: float = FEWEST
     ) -> RivalLoop:
         """The values of the position loop. Raises ParameterError for a cycle that pump or cylinder cannot follow."""
-        cylinder, stops = self.moved.cylinder, self.moved.end_stops
+        cylinder, stops = self.cylinder, self.end_stops
         refuse_long_cycle(self.duty_cycle, stops.lower_end, stops.upper_end)
         refuse_fast_cycle(self.duty_cycle, largest_flow / max(cylinder.area_a, cylinder.area_b))
-        mass = (self.moved.load.mass if self.moved.load else 0.0) + cylinder.moving_mass
+        mass = (self.load.mass if self.load else 0.0) + cylinder.moving_mass
         return RivalLoop(
             cycle=self.duty_cycle,
             reference=self.reference,
             table=self.loop,
-            position_gain=loop_gain(self.moved.friction.viscous_friction, mass, self.loop.gain_margin),
+            position_gain=loop_gain(self.friction.viscous_friction, mass, self.loop.gain_margin),
             area_a=cylinder.area_a,
             area_b=cylinder.area_b,
             reference_pressure=self.oil.reference_pressure,
@@ -122,7 +118,7 @@ class Rival:
     def add_actuator(self, net: Network, program: ProgramType, settings: Params, supply: str, suffix: str = "") -> None:
         """Add the cylinder and the loop that moves it; `suffix` goes behind their names where there are several."""
         net.values["initial" + suffix] = self.initial
-        add_cylinder(net, self.moved, f"{LOOP}{suffix}.force", suffix=suffix)
+        add_cylinder(net, self, f"{LOOP}{suffix}.force", suffix=suffix)
         reads = {
             "position": f"rod{suffix}.position",
             "pressure_a": f"chamber_a{suffix}.pressure",
@@ -132,120 +128,148 @@ class Rival:
         net.program(LOOP + suffix, program, settings, reads=reads, period=self.loop.sample_period)
 
 
-def further_rivals(first: Rival, second: DutyCycle | None, third: DutyCycle | None) -> Mapping[str, Rival]:
-    """The rival with the further ones that one pump feeds, by suffix: alike but for their cycles, at rest at first."""
-    level, cylinder = first.oil.reference_pressure, first.moved.cylinder
-    found = {"": first}
-    for suffix, cycle in zip(SUFFIXES[1:], (second, third), strict=True):
-        if cycle is not None:
-            start = start_at_rest(cycle, cylinder, level, level + LOW_SIDE)
-            found[suffix] = replace(first, duty_cycle=cycle, initial=start)
-    return found
+@dataclass(frozen=True, kw_only=True)
+class SharedSupply(Rival):
+    """The same with up to two further cylinders that one pump feeds, by the duty cycles of these."""
+
+    second: DutyCycle | None = None
+    third: DutyCycle | None = None
+
+    @property
+    def rivals(self) -> Mapping[str, Rival]:
+        """All cylinders, by the suffix of their names: alike but for their cycles, further ones at rest at first."""
+        level = self.oil.reference_pressure
+        found: dict[str, Rival] = {"": self}
+        for suffix, cycle in zip(SUFFIXES[1:], (self.second, self.third), strict=True):
+            if cycle is not None:
+                start = start_at_rest(cycle, self.cylinder, level, level + LOW_SIDE)
+                found[suffix] = replace(self, duty_cycle=cycle, initial=start)
+        return found
 
 
-def throttle_control(
-    oil: Oil,
-    pump: Pump,
-    pump_drive: PumpDrive,
-    supply_line: Vessel,
-    relief_valve: ReliefValve,
-    directional_valve: DirectionalValve,
-    cylinder: Cylinder,
-    chamber_a: Vessel,
-    chamber_b: Vessel,
-    load: Load,
-    friction: RodFriction,
-    end_stops: EndStop,
-    duty_cycle: DutyCycle,
-    reference: ReferenceFilter,
-    loop: LoopTable,
-    initial: InitialCylinder,
-    second: DutyCycle | None = None,
-    third: DutyCycle | None = None,
-) -> Network:
+@dataclass(frozen=True, kw_only=True)
+class FixedPump(Rival):
+    """The tables of a pump that turns steadily, with its relief valve."""
+
+    pump: Pump
+    pump_drive: PumpDrive
+    relief_valve: ReliefValve
+
+    @property
+    def largest_flow(self) -> float:
+        """Of the pump [m^3/s]."""
+        return float(self.pump.displacement * self.pump_drive.speed.extremes[0])
+
+    def add_pump(self, net: Network, outlet: str) -> None:
+        """Add the pump between the tank and a volume, and the relief valve of that."""
+        self.add_shaft(net)
+        net.add("pump", PUMP, self.pump, inlet="tank", outlet=outlet, shaft="pump_shaft")
+        net.add("relief_valve", RELIEF_VALVE, self.relief_valve, a=outlet, b="tank")
+
+    def add_shaft(self, net: Network) -> None:
+        """Add the shaft of the pump."""
+        net.values["pump_drive"] = self.pump_drive
+        net.driven_shaft("pump_shaft", self.pump_drive.speed)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ThrottleControl(SharedSupply, FixedPump):
+    """The tables of throttle control."""
+
+    supply_line: Vessel
+    directional_valve: DirectionalValve
+
+
+def throttle_control(tables: ThrottleControl) -> Network:
     """Fixed pump, relief valve, 4/3 proportional valve: what the cylinder does not take goes over the relief valve.
 
-    `second` and `third` are the duty cycles of further cylinders, each with such a valve of its own.
+    Further cylinders have such a valve of their own each.
     """
-    moved = loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
-    rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
-    limits = pump.displacement * pump_drive.speed.extremes[0], directional_valve.conductance
-    net = rival.network(THROTTLE_LOOP, rival.settings(*limits), "supply")
-    net.values["pump_drive"] = pump_drive
-    net.volume("supply", supply_line, start="initial.supply_pressure")
-    net.driven_shaft("pump_shaft", pump_drive.speed)
-    net.add("pump", PUMP, pump, inlet="tank", outlet="supply", shaft="pump_shaft")
-    net.add("relief_valve", RELIEF_VALVE, relief_valve, a="supply", b="tank")
-    for suffix, each in further_rivals(rival, second, third).items():
+    valve = tables.directional_valve
+    limits = tables.largest_flow, valve.conductance
+    net = tables.network(THROTTLE_LOOP, tables.settings(*limits), "supply")
+    net.volume("supply", tables.supply_line, start="initial.supply_pressure")
+    tables.add_pump(net, "supply")
+    for suffix, each in tables.rivals.items():
         if suffix:
             each.add_actuator(net, THROTTLE_LOOP, each.settings(*limits), "supply", suffix)
         ports = valve_ports("supply", suffix)
-        net.add(
-            "directional_valve" + suffix, DIRECTIONAL_VALVE, directional_valve, command=f"{LOOP}{suffix}.valve", **ports
-        )
+        net.add("directional_valve" + suffix, DIRECTIONAL_VALVE, valve, command=f"{LOOP}{suffix}.valve", **ports)
     return net
 
 
-def ideal_pump_control(
-    oil: Oil,
-    variable_pump: VariablePump,
-    supply_line: Vessel,
-    relief_valve: ReliefValve,
-    directional_valve: ThrottledDirectionalValve,
-    cylinder: Cylinder,
-    chamber_a: Vessel,
-    chamber_b: Vessel,
-    load: Load,
-    friction: RodFriction,
-    end_stops: EndStop,
-    duty_cycle: DutyCycle,
-    reference: ReferenceFilter,
-    loop: LoopTable,
-    initial: InitialCylinder,
-) -> Network:
+@dataclass(frozen=True, kw_only=True)
+class IdealPump(Rival):
+    """The tables of a pump whose flow the loop commands."""
+
+    variable_pump: VariablePump
+
+    def add_variable_pump(self, net: Network, inlet: str, outlet: str) -> None:
+        """Add the pump between two nodes, and what leaks back through it."""
+        gap = LaminarGap(conductance=self.variable_pump.leakage_conductance)
+        net.add("pump", FLOW_SOURCE, FlowSource(), a=inlet, b=outlet, flow=f"{LOOP}.flow")
+        net.add("pump_leakage", LAMINAR_GAP, gap, a=outlet, b=inlet)
+
+
+@dataclass(frozen=True, kw_only=True)
+class IdealPumpControl(IdealPump):
+    """The tables of an ideal pump that gives flow one way."""
+
+    supply_line: Vessel
+    relief_valve: ReliefValve
+    directional_valve: ThrottledDirectionalValve
+
+
+def ideal_pump_control(tables: IdealPumpControl) -> Network:
     """An ideal variable pump that gives flow one way, a directional valve for the sign, a meter-out throttle."""
-    moved = loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
-    rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
-    settings = rival.settings(variable_pump.largest_flow, directional_valve.return_conductance)
-    net = rival.network(ONE_WAY_LOOP, settings, "supply")
-    net.volume("supply", supply_line, start="initial.supply_pressure")
-    _add_variable_pump(net, variable_pump, "tank", "supply")
-    net.add("relief_valve", RELIEF_VALVE, relief_valve, a="supply", b="tank")
-    add_throttled_valve(net, directional_valve)
+    settings = tables.settings(tables.variable_pump.largest_flow, tables.directional_valve.return_conductance)
+    net = tables.network(ONE_WAY_LOOP, settings, "supply")
+    net.volume("supply", tables.supply_line, start="initial.supply_pressure")
+    tables.add_variable_pump(net, "tank", "supply")
+    net.add("relief_valve", RELIEF_VALVE, tables.relief_valve, a="supply", b="tank")
+    add_throttled_valve(net, tables.directional_valve)
     return net
 
 
-def shuttle_circuit(
-    oil: Oil,
-    variable_pump: VariablePump,
-    charge: ChargeSupply,
-    charge_line: Vessel,
-    charge_relief_valve: ReliefValve,
-    charge_check_valves: CheckValve,
-    relief_valves: ShockValve,
-    shuttle_valve: ThreeWayProportionalValve,
-    cylinder: Cylinder,
-    chamber_a: Vessel,
-    chamber_b: Vessel,
-    load: Load,
-    friction: RodFriction,
-    end_stops: EndStop,
-    duty_cycle: DutyCycle,
-    reference: ReferenceFilter,
-    loop: LoopTable,
-    initial: InitialCylinder,
-) -> Network:
+@dataclass(frozen=True, kw_only=True)
+class ClosedCircuit(IdealPump):
+    """The tables of a pump between both chambers, with a charge line."""
+
+    charge: ChargeSupply
+    charge_line: Vessel
+    charge_relief_valve: ReliefValve
+    relief_valves: ShockValve
+
+    def closed_network(self) -> Network:
+        """The cylinder with its loop, pump, and the charge line: its pump, its relief valve, those of both chambers."""
+        net = self.network(CLOSED_LOOP, self.settings(self.variable_pump.largest_flow), "charge_line")
+        net.values["charge"] = self.charge
+        net.volume("charge_line", self.charge_line, start="initial.supply_pressure")
+        self.add_variable_pump(net, "chamber_b", "chamber_a")
+        net.add("charge_pump", FLOW_SOURCE, FlowSource(), a="tank", b="charge_line", flow=self.charge.flow)
+        net.add("charge_relief_valve", RELIEF_VALVE, self.charge_relief_valve, a="charge_line", b="tank")
+        for side in "ab":
+            net.add(f"relief_valve_{side}", SHOCK_VALVE, self.relief_valves, a=f"chamber_{side}", b="charge_line")
+        return net
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShuttleCircuit(ClosedCircuit):
+    """The tables of a closed circuit with a shuttle valve."""
+
+    charge_check_valves: CheckValve
+    shuttle_valve: ThreeWayProportionalValve
+
+
+def shuttle_circuit(tables: ShuttleCircuit) -> Network:
     """A closed circuit whose low side a commanded 3/2 valve joins to a charge line, after wang2017, fig. 1.6."""
-    moved = loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
-    rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
-    net = rival.network(CLOSED_LOOP, rival.settings(variable_pump.largest_flow), "charge_line")
-    _add_closed_pump(net, variable_pump, charge, (charge_line, charge_relief_valve, relief_valves))
+    net = tables.closed_network()
     for side in "ab":
-        net.add(f"charge_check_{side}", CHECK_VALVE, charge_check_valves, a="charge_line", b=f"chamber_{side}")
+        net.add(f"charge_check_{side}", CHECK_VALVE, tables.charge_check_valves, a="charge_line", b=f"chamber_{side}")
     net.add(
         "shuttle_valve",
         THREE_WAY_PROPORTIONAL_VALVE,
-        shuttle_valve,
+        tables.shuttle_valve,
         pressure="chamber_b",
         tank="chamber_a",
         a="charge_line",
@@ -254,70 +278,49 @@ def shuttle_circuit(
     return net
 
 
-def pilot_check_circuit(
-    oil: Oil,
-    variable_pump: VariablePump,
-    charge: ChargeSupply,
-    charge_line: Vessel,
-    charge_relief_valve: ReliefValve,
-    pilot_check_valves: PilotCheckValve,
-    relief_valves: ShockValve,
-    cylinder: Cylinder,
-    chamber_a: Vessel,
-    chamber_b: Vessel,
-    load: Load,
-    friction: RodFriction,
-    end_stops: EndStop,
-    duty_cycle: DutyCycle,
-    reference: ReferenceFilter,
-    loop: LoopTable,
-    initial: InitialCylinder,
-) -> Network:
+@dataclass(frozen=True, kw_only=True)
+class PilotCheckCircuit(ClosedCircuit):
+    """The tables of a closed circuit with pilot-operated check valves."""
+
+    pilot_check_valves: PilotCheckValve
+
+
+def pilot_check_circuit(tables: PilotCheckCircuit) -> Network:
     """A closed circuit whose low side pilot-operated check valves join to a charge line, after wang2017, fig. 1.7."""
-    moved = loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
-    rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
-    net = rival.network(CLOSED_LOOP, rival.settings(variable_pump.largest_flow), "charge_line")
-    _add_closed_pump(net, variable_pump, charge, (charge_line, charge_relief_valve, relief_valves))
+    net = tables.closed_network()
     for side, other in ("ab", "ba"):
         joints = {"a": "charge_line", "b": f"chamber_{side}", "pilot": f"chamber_{other}"}
-        net.add(f"pilot_check_{side}", PILOT_CHECK_VALVE, pilot_check_valves, **joints)
+        net.add(f"pilot_check_{side}", PILOT_CHECK_VALVE, tables.pilot_check_valves, **joints)
     return net
 
 
-def four_valve_circuit(
-    oil: Oil,
-    variable_pump: VariablePump,
-    reservoir: Reservoir,
-    supply_line: Vessel,
-    relief_valve: ReliefValve,
-    two_way_valves: ProportionalValve,
-    anti_cavitation_valves: CheckValve,
-    cylinder: Cylinder,
-    chamber_a: Vessel,
-    chamber_b: Vessel,
-    load: Load,
-    friction: RodFriction,
-    end_stops: EndStop,
-    duty_cycle: DutyCycle,
-    reference: ReferenceFilter,
-    loop: LoopTable,
-    initial: InitialCylinder,
-) -> Network:
+@dataclass(frozen=True, kw_only=True)
+class FourValveCircuit(IdealPump):
+    """The tables of an open circuit with four 2-way valves."""
+
+    reservoir: Reservoir
+    supply_line: Vessel
+    relief_valve: ReliefValve
+    two_way_valves: ProportionalValve
+    anti_cavitation_valves: CheckValve
+
+
+def four_valve_circuit(tables: FourValveCircuit) -> Network:
     """An open circuit: a pump that also motors, and four 2-way valves about the cylinder, after wang2017, fig. 1.8."""
-    moved = loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
-    rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
-    net = rival.network(OPEN_LOOP, rival.settings(variable_pump.largest_flow), "supply", reservoir.pressure)
+    valve, check, reservoir = tables.two_way_valves, tables.anti_cavitation_valves, tables.reservoir
+    settings = tables.settings(tables.variable_pump.largest_flow)
+    net = tables.network(OPEN_LOOP, settings, "supply", reservoir.pressure)
     net.values["reservoir"] = reservoir
-    net.volume("supply", supply_line, start="initial.supply_pressure")
-    _add_variable_pump(net, variable_pump, "tank", "supply")
-    net.add("relief_valve", RELIEF_VALVE, relief_valve, a="supply", b="tank")
-    net.add("anti_cavitation_supply", CHECK_VALVE, anti_cavitation_valves, a="tank", b="supply")
+    net.volume("supply", tables.supply_line, start="initial.supply_pressure")
+    tables.add_variable_pump(net, "tank", "supply")
+    net.add("relief_valve", RELIEF_VALVE, tables.relief_valve, a="supply", b="tank")
+    net.add("anti_cavitation_supply", CHECK_VALVE, check, a="tank", b="supply")
     for side, loaded, other in (("a", load_side, far_side), ("b", far_side, load_side)):
         chamber = f"chamber_{side}"
         to_pump, to_tank = Connection(loaded, (f"{LOOP}.side",)), Connection(other, (f"{LOOP}.side",))
-        net.add(f"supply_valve_{side}", PROPORTIONAL_VALVE, two_way_valves, a="supply", b=chamber, command=to_pump)
-        net.add(f"return_valve_{side}", PROPORTIONAL_VALVE, two_way_valves, a=chamber, b="tank", command=to_tank)
-        net.add(f"anti_cavitation_{side}", CHECK_VALVE, anti_cavitation_valves, a="tank", b=chamber)
+        net.add(f"supply_valve_{side}", PROPORTIONAL_VALVE, valve, a="supply", b=chamber, command=to_pump)
+        net.add(f"return_valve_{side}", PROPORTIONAL_VALVE, valve, a=chamber, b="tank", command=to_tank)
+        net.add(f"anti_cavitation_{side}", CHECK_VALVE, check, a="tank", b=chamber)
     return net
 
 
@@ -341,37 +344,3 @@ def add_throttled_valve(net: Network, valve: ThrottledDirectionalValve, suffix: 
     commands = {"command": f"{LOOP}{suffix}.valve", "return_command": f"{LOOP}{suffix}.opening"}
     ports = valve_ports("supply" + suffix, suffix)
     net.add("directional_valve" + suffix, THROTTLED_DIRECTIONAL_VALVE, valve, **commands, **ports)
-
-
-def loaded_cylinder(
-    cylinder: Cylinder, chambers: tuple[Vessel, Vessel], load: Load, friction: RodFriction, stops: EndStop
-) -> LoadedCylinder:
-    """A cylinder between its two chambers, with what it moves."""
-    return LoadedCylinder(
-        cylinder=cylinder,
-        chamber_a=chambers[0],
-        chamber_b=chambers[1],
-        load=load,
-        friction=friction,
-        end_stops=stops,
-    )
-
-
-def _add_variable_pump(net: Network, pump: VariablePump, inlet: str, outlet: str) -> None:
-    """A pump between two nodes whose flow the loop commands, and what leaks back through it."""
-    net.add("pump", FLOW_SOURCE, FlowSource(), a=inlet, b=outlet, flow=f"{LOOP}.flow")
-    net.add("pump_leakage", LAMINAR_GAP, LaminarGap(conductance=pump.leakage_conductance), a=outlet, b=inlet)
-
-
-def _add_closed_pump(
-    net: Network, pump: VariablePump, charge: ChargeSupply, line: tuple[Vessel, ReliefValve, ShockValve]
-) -> None:
-    """A pump between both chambers, and the charge line: its pump, its relief valve, and those of both chambers."""
-    vessel, charge_relief, relief = line
-    net.values["charge"] = charge
-    net.volume("charge_line", vessel, start="initial.supply_pressure")
-    _add_variable_pump(net, pump, "chamber_b", "chamber_a")
-    net.add("charge_pump", FLOW_SOURCE, FlowSource(), a="tank", b="charge_line", flow=charge.flow)
-    net.add("charge_relief_valve", RELIEF_VALVE, charge_relief, a="charge_line", b="tank")
-    for side in "ab":
-        net.add(f"relief_valve_{side}", SHOCK_VALVE, relief, a=f"chamber_{side}", b="charge_line")
