@@ -27,7 +27,7 @@ FURTHER = ((0.4, 0.1), (0.1, 0.06))
 """Of the second and third consumer: share of the first one's force, and stroke [m]."""
 LOW, STROKE, WAY = 0.05, 0.216, 1.25
 """Where strokes begin, how far the first one goes, and how long either way takes at least [m, m, s]."""
-NAMES = ("vvdp-slow", "throttle", "load-sensing", "independent-valves", "ideal-pump", "four-valves")
+NAMES = ("vvdp-slow", "throttle", "load-sensing", "independent-valves", "ideal-pump", "digital-pump", "four-valves")
 SWITCHED = "vvdp-slow"
 """The switched machine; its pump turns as slowly as its valve still spins."""
 SAID_BEGIN, SAID_END = "<!-- statements on the map, made from it -->\n", "<!-- end of the statements on the map -->\n"

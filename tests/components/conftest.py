@@ -53,7 +53,7 @@ VALUES: dict[str, list[dict[str, float]]] = {
     "FlowControlValve": [{"minimum_drop": 8e5, "maximum_drop": 5e6, "flow_rise": 0.04}],
     "VariableMachine": [
         {},
-        {"laminar_slip": 3e-9, "turbulent_slip": 2e-5, "viscous_drag": 2e5, "kinetic_drag": 0.5},
+        {"laminar_slip": 3e-9, "turbulent_slip": 2e-5, "viscous_drag": 2e5, "kinetic_drag": 0.5, "setting_drag": 0.3},
     ],
     "MeasuredMachine": [
         {
