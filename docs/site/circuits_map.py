@@ -146,7 +146,9 @@ def with_said(page: str) -> str:
         {ratios("load-sensing", dragged, False)} times if every pump drags, since its own turns more slowly; for
         two and three, which have a machine each, {ratios("load-sensing", favourable, True)} and
         {ratios("load-sensing", dragged, True)} times. Compared with throttling it is
-        {ratios("throttle", favourable, False)} and {ratios("throttle", favourable, True)} times. **So switching
+        {ratios("throttle", favourable, False)} and {ratios("throttle", favourable, True)} times, with a pump of
+        enabled pistons for each consumer {ratios("digital-pump", favourable, False)} and
+        {ratios("digital-pump", favourable, True)} times. **So switching
         is worth it in place of a throttled fixed pump, and for one consumer it comes close to load sensing
         where pumps drag.**"""
     return put(page, SAID_BEGIN, SAID_END, iter([flowed(text), ""]))
