@@ -246,7 +246,12 @@ CIRCUITS = (
         title="fixed pump of 40 lpm, relief valve, 4/3 proportional valve",
         system="throttle-control",
         size=_at_once(_size_throttle),
-        sinks={**ONE_WAY_SINKS, METERING: ("directional_valve",), RETURN: ()},
+        sinks={
+            RELIEF: ("relief_valve",),
+            METERING: ("directional_valve",),
+            LEAKAGE: PUMP_LEAKAGE,
+            PUMP_FRICTION: ("pump.friction",),
+        },
         shares=True,
     ),
     RivalCircuit(
