@@ -78,6 +78,13 @@ def power_sentences(page: str) -> Iterator[str]:
         {net("ideal-pump")} W: on the triangle 40 L/min circulate through the rotary valve for the 3 to 7 L/min
         that the cylinder takes. A relief valve that follows the line (`vvdp-following`) brings the VVDP to
         {net("vvdp-following")} W."""
+    lost = (cycle["measured-pump"]["pump friction"] for cycle in cycles)
+    yield f"""- **Pumps with losses of their own, in the circuit of the ideal one**: with those of a measured axial
+        piston pump it draws {net("measured-pump")} W, with twelve pistons that are enabled one by one
+        {net("digital-pump")} W, {over("digital-pump", "load-sensing")} times what load sensing draws. The
+        measured pump loses {listed(list(lost))} W by friction, less than the drag of 942 W that the unfavourable
+        pump has; the inlet valves of the pistons take
+        {listed([cycle["digital-pump"]["piston valves"] for cycle in cycles])} W, closing them included."""
     yield f"""- **With the unfavourable pump**, a drag of 942 W and three times the leakage, load sensing draws
         {net("load-sensing", DEAR_NET)} W, `independent-valves` {net("independent-valves", DEAR_NET)} W, the
         VVDP {net("vvdp", DEAR_NET)} W, `vvdp-slow` {net("vvdp-slow", DEAR_NET)} W and `ideal-pump`
@@ -163,6 +170,12 @@ def spread_sentences(rows: Mapping[str, Sequence[float]]) -> Iterator[str]:
         {short(machine[1])} W, at the lower speed {short(slow[0])} and {short(slow[1])} W. **So at the
         unfavourable end of all ranges the machine with the slower pump draws less than load sensing**, and at
         no other end."""
+    good, poor = (rows[f"digital-pump{end}"] for end in ("", ", all of these"))
+    less, more = (rows[f"digital-pump, valve energy {energy} J"] for energy in ("0.05", "0.5"))
+    yield f"""Nothing of the pump of enabled pistons is measured either. With a valve energy of 0.05 to 0.5 J it draws
+        {short(less[0])} to {short(more[0])} W on the triangle and {short(less[1])} to {short(more[1])} W under
+        the heavy load; with all of it at the unfavourable end, drag included, {short(poor[0])} and
+        {short(poor[1])} W instead of {short(good[0])} and {short(good[1])} W."""
 
 
 def sentences(page: str) -> Iterator[str]:

@@ -23,7 +23,11 @@ LOADS_BEGIN, LOADS_END = "<!-- loads, made by docs/site/circuits_compared.py -->
 LOADS = ("heavy", "two-loads", "three-loads")
 """Cycles of one, two and three cylinders."""
 SPREAD_BEGIN, SPREAD_END = "<!-- spread, made by docs/site/circuits_compared.py -->\n", "<!-- end of the spread -->\n"
-SPREAD = ("vvdp", "vvdp-slow", "throttle", "bleed-off", "constant-pressure", "load-sensing")
+SPREAD = ("vvdp", "vvdp-slow", "throttle", "bleed-off", "constant-pressure", "load-sensing", "digital-pump")
+OWN_RANGES = ("load-sensing", "digital-pump")
+"""Circuits whose own values are spread; the others have the ranges of the pump of the first one."""
+LESS_IS_DEAR = ("valve_conductance",)
+"""Values of which the lower end costs more."""
 SPREAD_DUTIES = ("triangle", "heavy")
 """Circuits whose assumed values are spread, and on what."""
 ERROR = r"rms error of [\d.]+ mm"
@@ -71,7 +75,12 @@ def pump_ends() -> dict[str, float]:
 
 
 def drag(circuit: RivalCircuit, duty: Duty, torque: float) -> float:
-    """Power that a friction torque takes from the drives of all pumps of a circuit [W]: T omega, whatever they give."""
+    """Power that a friction torque takes from the drives of all pumps of a circuit [W]: T omega, whatever they give.
+
+    None beside the losses of a measured pump.
+    """
+    if circuit.measured:
+        return 0.0
     parts = (duty,) if circuit.shares else duty.alone
     tables = system_for(circuit, parts[0]).tables
     drive, operation = tables.get("pump_drive"), tables.get("operation")
@@ -82,12 +91,14 @@ def drag(circuit: RivalCircuit, duty: Duty, torque: float) -> float:
 def unfavourable(found: CircuitComparison) -> Powers:
     """What each circuit draws minus what it returns with the pump that loses the most, by cycle and circuit [W].
 
-    Its loop is that of the run with the favourable pump.
+    Its loop is that of the run with the favourable pump. A measured pump is the same in both.
     """
     ends = pump_ends()
 
     def power(run: CircuitRun) -> float:
         circuit, duty = found.circuits[run.circuit], found.duties[run.duty]
+        if circuit.measured:
+            return run.tried[run.kept].power
         table = "variable_pump" if "variable_pump" in load_system(circuit.system).tables else "pump"
         leaking = with_value(circuit, circuit.name, table, "leakage_conductance", ends["leakage_conductance"])
         rate = run.tried[run.kept].filter_rate
@@ -134,9 +145,9 @@ def table(found: CircuitComparison, duty: Duty, dear: Powers) -> Iterator[str]:
     yield ""
 
 
-def ends() -> Iterator[tuple[str, str, str, float]]:
-    """Each value of load sensing with a range, at each end where it is not already: in words, and where it goes."""
-    for row in load_system("load-sensing").uncertainties:
+def ends(system: str) -> Iterator[tuple[str, str, str, float]]:
+    """Each value of a system with a range, at each end where it is not already: in words, and where it goes."""
+    for row in load_system(system).uncertainties:
         for end in row.range or ():
             if end != row.nominal:
                 yield f"{row.key.replace('_', ' ')} {with_unit(end, row.kind)}", row.table, row.key, end
@@ -145,13 +156,15 @@ def ends() -> Iterator[tuple[str, str, str, float]]:
 def spread_circuits() -> Iterator[RivalCircuit]:
     """The circuits of the spread, as shipped, with each value that they have at each end of its range, and with all at
     the end that costs more."""
-    for circuit in (each for each in CIRCUITS if each.name in SPREAD):
+    circuits = {each.name: each for each in CIRCUITS}
+    for circuit in (circuits[name] for name in SPREAD):
         tables, dear = load_system(circuit.system).tables, circuit
         yield circuit
-        for words, table, field, value in ends():
-            if table == "pump" or circuit.name == "load-sensing":
+        own = circuit.name in OWN_RANGES
+        for words, table, field, value in ends(circuit.system if own else circuits[OWN_RANGES[0]].system):
+            if table == "pump" or own:
                 yield with_value(circuit, f"{circuit.name}, {words}", table, field, value)
-                if value > getattr(tables[table], field):
+                if (value > getattr(tables[table], field)) != (field in LESS_IS_DEAR):
                     dear = with_value(dear, f"{circuit.name}, all of these", table, field, value)
         yield dear
 

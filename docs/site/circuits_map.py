@@ -27,7 +27,7 @@ FURTHER = ((0.4, 0.1), (0.1, 0.06))
 """Of the second and third consumer: share of the first one's force, and stroke [m]."""
 LOW, STROKE, WAY = 0.05, 0.216, 1.25
 """Where strokes begin, how far the first one goes, and how long either way takes at least [m, m, s]."""
-NAMES = ("vvdp-slow", "throttle", "load-sensing", "independent-valves", "ideal-pump", "four-valves")
+NAMES = ("vvdp-slow", "throttle", "load-sensing", "independent-valves", "ideal-pump", "digital-pump", "four-valves")
 SWITCHED = "vvdp-slow"
 """The switched machine; its pump turns as slowly as its valve still spins."""
 SAID_BEGIN, SAID_END = "<!-- statements on the map, made from it -->\n", "<!-- end of the statements on the map -->\n"
@@ -146,7 +146,9 @@ def with_said(page: str) -> str:
         {ratios("load-sensing", dragged, False)} times if every pump drags, since its own turns more slowly; for
         two and three, which have a machine each, {ratios("load-sensing", favourable, True)} and
         {ratios("load-sensing", dragged, True)} times. Compared with throttling it is
-        {ratios("throttle", favourable, False)} and {ratios("throttle", favourable, True)} times. **So switching
+        {ratios("throttle", favourable, False)} and {ratios("throttle", favourable, True)} times, with a pump of
+        enabled pistons for each consumer {ratios("digital-pump", favourable, False)} and
+        {ratios("digital-pump", favourable, True)} times. **So switching
         is worth it in place of a throttled fixed pump, and for one consumer it comes close to load sensing
         where pumps drag.**"""
     return put(page, SAID_BEGIN, SAID_END, iter([flowed(text), ""]))

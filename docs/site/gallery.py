@@ -191,6 +191,23 @@ ENTRIES: Mapping[str, Entry] = {
             HIGHEST_B,
         ),
     ),
+    "measured-pump-control": Entry(
+        "The same by an axial piston pump with the losses of a measured one. [Compared](circuits-compared.md)",
+        (
+            Number("mean power of the pump", "power_pump_shaft_W", POWER, "W"),
+            Number("lost by friction of the pump", "loss_pump_friction_W", POWER, "W"),
+            HIGHEST_B,
+        ),
+    ),
+    "digital-pump-control": Entry(
+        "The same by a digital displacement pump: twelve pistons deliver or idle one by one. "
+        "[Compared](circuits-compared.md)",
+        (
+            Number("mean power of the pump", "power_pump_shaft_W", POWER, "W"),
+            Number("lost over its inlet valves", "loss_pump_breathing_W", POWER, "W"),
+            HIGHEST_B,
+        ),
+    ),
     "bleed-off-control": Entry(
         "A fixed pump at the pressure of its load: a throttle beside the cylinder lets to the tank what that does not "
         "take. [Compared](circuits-compared.md)",

@@ -408,5 +408,12 @@ def test_bars_follow_one_another(found):
 
 
 def test_screen_leaves_out_what_none_loses(found):
-    shown = screen_tables(found, circuit_result(found))["triangle"].shown
-    assert "loss_pump_friction_W" not in shown and "loss_relief_W" in shown
+    """Only a measured pump has friction here."""
+    fewer = replace(
+        found,
+        circuits={name: each for name, each in found.circuits.items() if not each.measured},
+        found=tuple(run for run in found.found if not found.circuits[run.circuit].measured),
+    )
+    for each, has_friction in ((found, True), (fewer, False)):
+        shown = screen_tables(each, circuit_result(each))["triangle"].shown
+        assert ("loss_pump_friction_W" in shown) is has_friction and "loss_relief_W" in shown

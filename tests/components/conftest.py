@@ -51,9 +51,13 @@ VALUES: dict[str, list[dict[str, float]]] = {
         {"closing_pressure": 1e7, "override_pressure": 8e6, "opening_time": 5e-3},
     ],
     "FlowControlValve": [{"minimum_drop": 8e5, "maximum_drop": 5e6, "flow_rise": 0.04}],
+    "DigitalPump": [
+        {"pistons": 12.0, "ripple_amplitude": 0.0, "valve_conductance": 1e-6},
+        {"pistons": 2.0, "ripple_amplitude": 0.0, "dead_volume": 0.0, "precompression": 1.0},
+    ],
     "VariableMachine": [
         {},
-        {"laminar_slip": 3e-9, "turbulent_slip": 2e-5, "viscous_drag": 2e5, "kinetic_drag": 0.5},
+        {"laminar_slip": 3e-9, "turbulent_slip": 2e-5, "viscous_drag": 2e5, "kinetic_drag": 0.5, "setting_drag": 0.3},
     ],
     "MeasuredMachine": [
         {

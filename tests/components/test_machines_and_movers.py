@@ -37,7 +37,7 @@ def stiff(pressure):
 MODEL = VariableMachine(
     displacement=1e-5, leakage_conductance=2e-12, shaft_damping=0.02, coulomb_torque=2.0, coulomb_speed=0.1,
     inertia=0.01, response_time=0.05, largest_rate=10.0, pressure_friction=0.03, laminar_slip=3e-9,
-    turbulent_slip=1e-5, viscous_drag=2e5, kinetic_drag=0.3,
+    turbulent_slip=1e-5, viscous_drag=2e5, kinetic_drag=0.3, setting_drag=0.2,
 )  # fmt: skip
 SPEEDS, PRESSURES, SETTINGS = np.linspace(50.0, 300.0, 6), np.linspace(100e5, 350e5, 6), np.linspace(0.4, 1.0, 4)
 
@@ -47,8 +47,9 @@ def measured(as_pump):
     volumetric, mechanical = [], []
     for omega in SPEEDS:
         for drop in PRESSURES:
-            leak, drag = slip_flow(drop, MEDIUM, MODEL), drag_torque(omega, drop, MEDIUM, MODEL)
+            leak = slip_flow(drop, MEDIUM, MODEL)
             for s in SETTINGS:
+                drag = drag_torque(omega, drop, s, MEDIUM, MODEL)
                 flow, torque = s * MODEL.displacement * omega, s * MODEL.displacement * drop
                 volumetric.append((flow - leak) / flow if as_pump else flow / (flow + leak))
                 mechanical.append(torque / (torque + drag) if as_pump else (torque - drag) / torque)
@@ -84,15 +85,18 @@ def test_slip_and_drag_by_hand():
     """Each of Wilson's and Schloesser's terms alone."""
     bare = replace(
         MODEL, leakage_conductance=0.0, shaft_damping=0.0, coulomb_torque=0.0, pressure_friction=0.0,
-        laminar_slip=0.0, turbulent_slip=0.0, viscous_drag=0.0, kinetic_drag=0.0,
+        laminar_slip=0.0, turbulent_slip=0.0, viscous_drag=0.0, kinetic_drag=0.0, setting_drag=0.0,
     )  # fmt: skip
     # 1e-5 (1e-5 m^3)^(2/3) root(2 2e7 Pa/870 kg/m^3) = 1e-5 4.6416e-4 m^2 214.42 m/s
     turbulent = slip_flow(2e7, MEDIUM, replace(bare, turbulent_slip=1e-5))
     assert turbulent == pytest.approx(9.9526e-7, rel=1e-4)
     # 2e5 0.03 Pa s 1e-5 m^3 100/s, and 0.3 870 kg/m^3 (1e-5 m^3)^(5/3) 1e4/s^2
-    assert drag_torque(100.0, 2e7, MEDIUM, replace(bare, viscous_drag=2e5)) == pytest.approx(6.0, rel=1e-12)
-    kinetic = drag_torque(-100.0, 2e7, MEDIUM, replace(bare, kinetic_drag=0.3))
+    assert drag_torque(100.0, 2e7, 0.4, MEDIUM, replace(bare, viscous_drag=2e5)) == pytest.approx(6.0, rel=1e-12)
+    kinetic = drag_torque(-100.0, 2e7, 0.4, MEDIUM, replace(bare, kinetic_drag=0.3))
     assert kinetic == pytest.approx(-0.3 * 870.0 * 1e-5 * 4.641589e-4 * 1e4, rel=1e-6)
+    for setting in (0.4, -0.4):  # as much for 0.75 at a setting of 0.4, either way
+        stirred = drag_torque(-100.0, 2e7, setting, MEDIUM, replace(bare, setting_drag=0.75))
+        assert stirred == pytest.approx(kinetic, rel=1e-12)
 
 
 def test_power_of_a_machine_changes_its_sign_overcentre():

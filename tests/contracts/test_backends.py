@@ -519,7 +519,7 @@ def components():
         variable_machine.VariableMachine(
             displacement=5e-6, leakage_conductance=1e-12, shaft_damping=0.01, coulomb_torque=2.0, coulomb_speed=3.0,
             inertia=0.02, pressure_friction=0.03, response_time=0.05, largest_rate=10.0,
-            laminar_slip=3e-9, turbulent_slip=2e-5, viscous_drag=2e5, kinetic_drag=0.5,
+            laminar_slip=3e-9, turbulent_slip=2e-5, viscous_drag=2e5, kinetic_drag=0.5, setting_drag=0.3,
         ),
         gerotor_drive.GerotorMap(**gerotor),
         gerotor_drive.GerotorBelief(**gerotor, straight_flow=1e-6),

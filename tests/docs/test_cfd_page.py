@@ -25,7 +25,8 @@ from vvdp.valve.condition import Condition
 from vvdp.valve.flow_map import averaged_spool_speed
 from vvdp.valve.torque import equilibrium_speed, pwm_frequency
 
-PAGE = " ".join((Path(__file__).parents[2] / "docs" / "models" / "cfd.md").read_text("utf-8").split())
+TEXT = (Path(__file__).parents[2] / "docs" / "models" / "cfd.md").read_text("utf-8")
+PAGE = " ".join(TEXT.split())
 
 Q40 = 40.0 / 60e3
 
@@ -562,3 +563,33 @@ def test_what_vvdp_takes_is_what_the_benchmark_found():
     table = (Path(__file__).parents[2] / "benchmarks" / "README.md").read_text("utf-8")
     share, seconds = re.search(r"vvdp itself over the bare solver \| ([\d.]+ %) of (\d+) s", table).groups()
     assert f"{share} of {seconds} s of the bare solver on the rail at `--grid 8`" in PAGE
+
+
+def meshes(name):
+    """Numbers of cells of a kept table, one for each of its meshes."""
+    study = kept_study(name)
+    return set(study["cells"].tolist()) if "cells" in study.columns else {name}
+
+
+def test_tables_without_walls_are_listed_with_those_that_have_them_on_the_same_mesh():
+    found = re.findall(
+        r"^\| `([\w-]+)` \| (\d+) \| (\d+ in .*|none.*) \|$", TEXT.partition("### Tables without y+\n")[2], re.M
+    )
+    with_walls = {name for name in kept_studies() if "y_plus_mean" in kept_study(name).columns}
+    assert [name for name, _, _ in found] == [name for name in kept_studies() if name not in with_walls]
+    for name, count, where in found:
+        own = meshes(name)
+        assert len(own) == int(count), name
+        shared = {other: own & meshes(other) for other in with_walls if own & meshes(other)}
+        named = re.findall(r"`([\w-]+)`", where)
+        assert set().union(*shared.values()) == set().union(*(shared[each] for each in named)), name
+        assert len(set().union(*shared.values())) == (int(where.split()[0]) if named else 0), name
+
+
+def test_repeated_tables_have_their_walls_and_settled():
+    for name in ("rail-flows", "centre-grids", "turbine-grids", "rail-final-grids"):
+        study = kept_study(name)
+        assert (study["y_plus_least"] < study["y_plus_mean"]).all() and (
+            study["y_plus_mean"] < study["y_plus_largest"]
+        ).all()
+        assert study["has_settled"].all() and (study["residual_share"] > 0.0).all()

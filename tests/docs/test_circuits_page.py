@@ -6,12 +6,19 @@ import numpy as np
 import pytest
 
 from vvdp.comparison.circuit_trials import run_pair
+from vvdp.hydraulics.ports import Medium
+from vvdp.hydraulics.variable_machine import drag_torque, slip_flow
 from vvdp.systems.displacement.duties import shipped_duties
 from vvdp.systems.displacement.rival_circuits import CIRCUITS, SINKS
+from vvdp.systems.system import load_system
 
 
 def duty(name):
     return next(each for each in shipped_duties() if each.name == name)
+
+
+def circuit(name):
+    return next(each for each in CIRCUITS if each.name == name)
 
 
 def kept_rows(page, duty):
@@ -145,6 +152,10 @@ def test_what_the_sentences_say_without_numbers_holds():
     for cycle in cycles:
         net = {name: row[favourable] for name, row in cycle.items()}
         dear = {name: row[unfavourable] for name, row in cycle.items()}
+        assert net["ideal-pump"] < net["digital-pump"] < net["load-sensing"]
+        assert net["digital-pump"] < net["measured-pump"] < net["vvdp-slow"]
+        assert net["measured-pump"] < dear["ideal-pump"], "a measured pump loses less than the drag that is assumed"
+        assert cycle["measured-pump"]["pump friction"] < 942.0
         order = ["ideal-pump", "independent-valves", "load-sensing", "vvdp"]
         assert sorted(order, key=net.get) == sorted(order, key=dear.get) == order
         assert net["independent-units"] < net["load-sensing"] < net["vvdp-slow"] < net["vvdp"] < net["throttle"]
@@ -180,20 +191,44 @@ def test_all_rows_have_one_error():
 
 
 def test_both_columns_of_the_pump_are_those_of_their_parts():
-    """Favourable: drawn minus returned. Unfavourable: more by a drag of 5 N m at 1800 or 1200 rpm for each pump."""
+    """Favourable: drawn minus returned. Unfavourable: more by a drag of 5 N m at 1800 or 1200 rpm for each pump. A
+    measured pump has no column of its own for either."""
     import circuit_sentences
     import circuits_compared
 
     page = circuits_compared.PAGE.read_text("utf-8")
     for each in shipped_duties():
         for name, row in circuit_sentences.columns(page, each.name).items():
-            circuit = next(c for c in CIRCUITS if c.name == name)
-            drag = circuits_compared.drag(circuit, each, 5.0)
-            pumps = 1 if circuit.shares else len(each.alone)
+            rival = circuit(name)
+            drag = circuits_compared.drag(rival, each, 5.0)
+            if rival.measured:
+                assert drag == 0.0 and row[circuit_sentences.NET] == row[circuit_sentences.DEAR_NET]
+                continue
+            pumps = 1 if rival.shares else len(each.alone)
             assert drag == pytest.approx(pumps * 5.0 * np.pi / 30.0 * (1200.0 if name == "vvdp-slow" else 1800.0))
             net = row[circuit_sentences.NET]
             assert net == pytest.approx(row["drawn"] - row["returned"], abs=0.01 * row["drawn"] + 0.5), name
             assert 0.9 * net < row[circuit_sentences.DEAR_NET] - drag < 1.35 * net + 100.0, name
+
+
+def test_the_efficiency_of_the_measured_pump_is_that_of_its_law():
+    """At 1800 rpm and 100 bar, full: 3.19 N m beside 35.4 and 0.58 % of slip, 91 %; a fifth: 2.64 beside 7.07, 71 %."""
+    import circuits_compared
+
+    tables = load_system("measured-pump-control").tables
+    pump, oil, speed, drop = tables["pump"], tables["oil"], 60.0 * np.pi, 100e5
+    medium = Medium(density=oil.density, viscosity=oil.density * oil.viscosity_40)
+    slip, found = slip_flow(drop, medium, pump), {}
+    for setting in (1.0, 0.2):
+        flow, torque = setting * pump.displacement * speed, setting * pump.displacement * drop
+        drag = drag_torque(speed, drop, setting, medium, pump)
+        found[setting] = (1.0 - slip / flow) * torque / (torque + drag)
+        if setting == 1.0:
+            assert (drag, slip / flow) == pytest.approx((3.19, 0.0058), rel=1e-2)
+    said = re.search(
+        r"efficiency of (\d+) % at full displacement and (\d+) % at a fifth", circuits_compared.PAGE.read_text("utf-8")
+    )
+    assert [f"{100.0 * each:.0f}" for each in found.values()] == [*said.groups()]
 
 
 def test_the_map_says_what_its_numbers_say():
@@ -225,6 +260,45 @@ def test_a_use_is_as_slow_as_its_share_of_the_flow():
     (second,) = duty.further
     assert set(second.cycle.forces) == {-2e3} and max(second.cycle.positions) == pytest.approx(0.15)
     assert second.return_conductance == duty.return_conductance == pytest.approx(3.838e-7, rel=1e-3)
+
+
+def test_the_table_of_one_measured_pump_is_that_of_its_law():
+    """What the law adds at the mean pressure and flow of an ideal pump is what the pump with that law draws, within
+    2 %; and the sentence follows from the table."""
+    import circuits_compared
+    import circuits_measured
+
+    page = circuits_compared.PAGE.read_text("utf-8")
+    kept = circuits_measured.kept_powers(page)
+    assert tuple(kept) == circuits_measured.NAMES
+    assert kept["ideal-pump"] == pytest.approx(kept["measured-pump"], rel=0.02)
+    assert circuits_measured.with_said(page) == page != circuits_measured.with_said(page.replace("| 497 |", "| 697 |"))
+    assert circuits_measured.net_power(circuit("ideal-pump"), duty("triangle")) == pytest.approx(
+        kept["ideal-pump"][0], rel=0.011
+    )
+
+
+def test_the_measured_pump_drags_by_hand():
+    """Throttling on the triangle: C_f D P = 0.0537 3.537e-6 64.4e5 = 1.223 N m, 0.606 and 0.685 N m: 474 W at 1800 rpm
+    beside the 4240 W of its row, which a leak of a fixed pump does not change by more than its 83 W."""
+    import circuits_compared
+    import circuits_measured
+
+    kept = circuits_measured.kept_powers(circuits_compared.PAGE.read_text("utf-8"))
+    assert kept["throttle"][0] == pytest.approx(4240.0 + (1.223 + 0.606 + 0.685) * 60.0 * np.pi, abs=25.0)
+
+
+@pytest.mark.thorough
+def test_rows_of_one_measured_pump_are_what_their_command_writes():
+    """Of the rivals."""
+    import circuits_compared
+    import circuits_measured
+
+    kept = circuits_measured.kept_powers(circuits_compared.PAGE.read_text("utf-8"))
+    for name in circuits_measured.NAMES:
+        if circuit(name).begin is None:
+            made = [circuits_measured.net_power(circuit(name), duty(each)) for each in circuits_measured.DUTIES]
+            assert made == pytest.approx(kept[name], rel=0.011, abs=0.5), name
 
 
 @pytest.mark.slow

@@ -92,6 +92,7 @@ COLOURS = (
     Colour.PURPLE,
     Colour.TANK,
     Colour.INK,
+    Colour.TEAL,
     Colour.LOAD,
 )
 TRACES = (Colour.LOAD, Colour.INLET, Colour.GREEN, Colour.PURPLE, Colour.RED, Colour.OLIVE, Colour.TANK, Colour.RELIEF)

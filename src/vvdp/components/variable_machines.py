@@ -76,7 +76,7 @@ def variable_motor(
     It displaces s D omega, counted at the side that the oil comes from, with the torque s D (P_a - P_b).
     """
     drop = a.pressure - b.pressure
-    wear = Wear(slip_flow(drop, medium, values), drag_torque(shaft.speed, drop, medium, values))
+    wear = Wear(slip_flow(drop, medium, values), drag_torque(shaft.speed, drop, state.setting, medium, values))
     return _turning_machine(a, b, shaft.speed, Asked(setting, state.setting), wear, values)
 
 

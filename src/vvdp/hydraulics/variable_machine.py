@@ -39,7 +39,8 @@ class VariableMachine(Motor, SettingDrive):
     """A machine whose displacement is `displacement` times its setting, -1 to 1.
 
     Of the torque at full displacement, the share `pressure_friction` is lost. The losses of Wilson and Schloesser come
-    on top, by their numbers without unit: `laminar_slip`, `turbulent_slip`, `viscous_drag` and `kinetic_drag`.
+    on top, by their numbers without unit: `laminar_slip`, `turbulent_slip`, `viscous_drag` and `kinetic_drag`, with
+    `setting_drag` as the part of the last that is in proportion to the setting.
     """
 
     pressure_friction: Fraction = 0.0
@@ -47,6 +48,7 @@ class VariableMachine(Motor, SettingDrive):
     turbulent_slip: Ratio = 0.0
     viscous_drag: Ratio = 0.0
     kinetic_drag: Ratio = 0.0
+    setting_drag: Ratio = 0.0
 
     def check(self) -> None:
         Motor.check(self)
@@ -101,19 +103,24 @@ def slip_flow(pressure_drop: float, medium: Medium, machine: VariableMachine) ->
     return flow
 
 
-def drag_torque(shaft_speed: float, pressure_drop: float, medium: Medium, machine: VariableMachine) -> float:
-    """Torque against the speed [N m], whatever the setting.
+def drag_torque(
+    shaft_speed: float, pressure_drop: float, setting: float, medium: Medium, machine: VariableMachine
+) -> float:
+    """Torque against the speed [N m].
 
-    (b + C_v mu D) omega + (T_c + C_p D |dp|) sign(omega) + C_h rho D^(5/3) omega |omega|, the sign made smooth
+    (b + C_v mu D) omega + (T_c + C_p D |dp|) sign(omega) + (C_h + C_s |s|) rho D^(5/3) omega |omega|, the sign smooth
 
     shaft_speed    omega [rad/s]
     pressure_drop  dp between the ports [Pa]
+    setting        s, either way [1]
 
-    Source  wilson1949 (viscous drag, friction of pressure), schloesser1961 (kinetic drag)
+    Source  wilson1949 (viscous drag, friction of pressure), schloesser1961 (kinetic drag), pourmovahed1992 (that of the
+            setting)
     """
     D = machine.displacement
     pressing = machine.pressure_friction * D * abs(pressure_drop) * smooth_sign(shaft_speed, machine.coulomb_speed)
     viscous = machine.viscous_drag * medium.viscosity * D * shaft_speed
-    kinetic = machine.kinetic_drag * medium.density * D ** (5.0 / 3.0) * shaft_speed * abs(shaft_speed)
+    stirring = machine.kinetic_drag + machine.setting_drag * abs(setting)
+    kinetic = stirring * medium.density * D ** (5.0 / 3.0) * shaft_speed * abs(shaft_speed)
     torque: float = shaft_friction_torque(shaft_speed, machine) + pressing + viscous + kinetic
     return torque

@@ -21,6 +21,7 @@ class Colour(StrEnum):
     PURPLE = "#7a4fa3"
     RED = "#a3180c"
     OLIVE = "#b9a13c"
+    TEAL = "#1f9e9e"
     INK = "#1b1f24"
     FAINT = "#c9ced4"
 

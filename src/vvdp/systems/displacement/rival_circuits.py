@@ -42,8 +42,9 @@ RETURN = Sink("loss_return_W", "meter-out throttle")
 SWITCHING = Sink("loss_rotary_W", "PWM valve")
 LEAKAGE = Sink("loss_leakage_W", "leakage")
 PUMP_FRICTION = Sink("loss_pump_friction_W", "pump friction")
+PISTON_VALVES = Sink("loss_piston_valves_W", "piston valves")
 CHARGE = Sink("loss_charge_W", "charge relief")
-SINKS = (RELIEF, METERING, COMPENSATORS, RETURN, SWITCHING, LEAKAGE, PUMP_FRICTION, CHARGE)
+SINKS = (RELIEF, METERING, COMPENSATORS, RETURN, SWITCHING, LEAKAGE, PUMP_FRICTION, PISTON_VALVES, CHARGE)
 """Where power is lost before the rod, in the order in which it is shown."""
 
 
@@ -55,7 +56,8 @@ class RivalCircuit:
     `size(tables, duty, begin, rounds)` gives the tables that follow; `program` is that whose command has the reference.
     `begin` reports a run when control began, where that is not at once. `charge` gives the pressure below which, less
     a margin, its low side must not fall; None where nothing charges it. Where `shares` holds, one pump feeds all
-    cylinders of a duty, by the tables [second] and [third]; else each has a circuit of its own.
+    cylinders of a duty, by the tables [second] and [third]; else each has a circuit of its own. Where the losses of
+    its pump are `measured`, none of them is assumed.
     """
 
     name: str
@@ -67,6 +69,7 @@ class RivalCircuit:
     program: str = LOOP
     begin: Callable[[Run], float] | None = None
     shares: bool = False
+    measured: bool = False
 
 
 def start_of(tables: Tables, duty: Duty, level: float, supply: float | None = None) -> InitialCylinder:
@@ -166,12 +169,16 @@ def reservoir_pressure(tables: Tables) -> float:
 
 PUMP_LEAKAGE = ("pump.leakage", "pump.compression", "cylinder")
 PUMP_SINKS: Mapping[Sink, tuple[str, ...]] = {LEAKAGE: PUMP_LEAKAGE, PUMP_FRICTION: ("pump.friction",)}
-LOAD_SENSING_SINKS: Mapping[Sink, tuple[str, ...]] = {
+ONE_WAY_SINKS: Mapping[Sink, tuple[str, ...]] = {
     RELIEF: ("relief_valve",),
-    METERING: ("flow_valve.metering", "directional_valve.edges"),
-    COMPENSATORS: ("flow_valve.compensator",),
+    METERING: ("directional_valve.edges",),
     RETURN: ("directional_valve.return_throttle",),
     **PUMP_SINKS,
+}
+LOAD_SENSING_SINKS: Mapping[Sink, tuple[str, ...]] = {
+    **ONE_WAY_SINKS,
+    METERING: ("flow_valve.metering", "directional_valve.edges"),
+    COMPENSATORS: ("flow_valve.compensator",),
 }
 CLOSED_SINKS: Mapping[Sink, tuple[str, ...]] = {
     RELIEF: ("relief_valve_a", "relief_valve_b"),
@@ -182,9 +189,7 @@ FOUR_VALVES = tuple(f"{way}_valve_{side}" for way in ("supply", "return") for si
 FILLING = tuple(f"anti_cavitation_{where}" for where in ("supply", "a", "b"))
 
 MACHINE_SINKS: Mapping[Sink, tuple[str, ...]] = {
-    RELIEF: ("relief_valve",),
-    METERING: ("directional_valve.edges",),
-    RETURN: ("directional_valve.return_throttle",),
+    **ONE_WAY_SINKS,
     SWITCHING: (
         "valve.nozzle",
         "valve.centre_section",
@@ -197,7 +202,6 @@ MACHINE_SINKS: Mapping[Sink, tuple[str, ...]] = {
         "axial_stops",
     ),
     LEAKAGE: (*PUMP_LEAKAGE, "valve.leakage"),
-    PUMP_FRICTION: ("pump.friction",),
 }
 WHOLE_MACHINE = partial(
     RivalCircuit, system="displacement-control", sinks=MACHINE_SINKS, program=PROGRAM, begin=control_begin
@@ -240,12 +244,7 @@ CIRCUITS = (
         title="fixed pump of 40 lpm at the load's pressure, a throttle beside the cylinder lets the rest to the tank",
         system="bleed-off-control",
         size=_at_once(_size_one_way),
-        sinks={
-            RELIEF: ("relief_valve",),
-            METERING: ("bleed_valve", "directional_valve.edges"),
-            RETURN: ("directional_valve.return_throttle",),
-            **PUMP_SINKS,
-        },
+        sinks={**ONE_WAY_SINKS, METERING: ("bleed_valve", "directional_valve.edges")},
     ),
     RivalCircuit(
         name="constant-pressure",
@@ -269,10 +268,9 @@ CIRCUITS = (
         system="independent-valves",
         size=_at_once(_size_independent_valves),
         sinks={
-            RELIEF: ("relief_valve",),
+            **ONE_WAY_SINKS,
             METERING: ("supply_valve_a", "supply_valve_b"),
             RETURN: ("return_valve_a", "return_valve_b"),
-            **PUMP_SINKS,
         },
         shares=True,
     ),
@@ -282,10 +280,9 @@ CIRCUITS = (
         system="independent-units",
         size=_at_once(_size_independent_units),
         sinks={
-            RELIEF: ("relief_valve",),
+            **ONE_WAY_SINKS,
             METERING: tuple(f"supply_{side}_{number}" for side in "ab" for number in range(1, 6)),
             RETURN: tuple(f"return_{side}_{number}" for side in "ab" for number in range(1, 6)),
-            **PUMP_SINKS,
         },
         shares=True,
     ),
@@ -294,37 +291,36 @@ CIRCUITS = (
         title="fixed pump of 40 lpm, relief valve, one unit of five on/off valves that meters in, directional valve",
         system="flow-control-unit",
         size=_at_once(_size_one_way),
-        sinks={
-            RELIEF: ("relief_valve",),
-            METERING: (*(f"unit_{number}" for number in range(1, 6)), "directional_valve.edges"),
-            RETURN: ("directional_valve.return_throttle",),
-            LEAKAGE: ("pump", "cylinder"),
-        },
+        sinks={**ONE_WAY_SINKS, METERING: (*(f"unit_{number}" for number in range(1, 6)), "directional_valve.edges")},
     ),
     RivalCircuit(
         name="linear-valves",
         title="the machine's circuit with fast linear on/off valves at 75 Hz instead of the rotary one",
         system="linear-valves",
         size=_at_once(_size_one_way),
-        sinks={
-            RELIEF: ("relief_valve",),
-            METERING: ("directional_valve.edges",),
-            RETURN: ("directional_valve.return_throttle",),
-            SWITCHING: ("switching_valve",),
-            LEAKAGE: ("pump", "cylinder"),
-        },
+        sinks={**ONE_WAY_SINKS, SWITCHING: ("switching_valve",)},
     ),
     RivalCircuit(
         name="ideal-pump",
         title="ideal variable pump one way, directional valve, meter-out throttle",
         system="ideal-pump-control",
         size=_at_once(_size_one_way),
-        sinks={
-            RELIEF: ("relief_valve",),
-            METERING: ("directional_valve.edges",),
-            RETURN: ("directional_valve.return_throttle",),
-            LEAKAGE: ("pump_leakage", "cylinder"),
-        },
+        sinks={**ONE_WAY_SINKS, LEAKAGE: ("pump_leakage", "cylinder")},
+    ),
+    RivalCircuit(
+        name="measured-pump",
+        title="the same with a variable pump that has the losses of a measured one",
+        system="measured-pump-control",
+        size=_at_once(_size_one_way),
+        sinks=ONE_WAY_SINKS,
+        measured=True,
+    ),
+    RivalCircuit(
+        name="digital-pump",
+        title="the same with a pump of twelve pistons that deliver or idle one by one",
+        system="digital-pump-control",
+        size=_at_once(_size_one_way),
+        sinks={**ONE_WAY_SINKS, PISTON_VALVES: ("pump.breathing", "pump.actuation")},
     ),
     RivalCircuit(
         name="shuttle",
