@@ -21,17 +21,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.report.plot import (
-    axis_label,
-    column_unit,
-    field_colours,
-    field_grid,
-    field_steps,
-    line_columns,
-    line_label,
-    line_looks,
-    shown_values,
-)
+from vvdp.report.plot import field_colours, field_grid, field_steps
+from vvdp.report.shown import axis_label, column_unit, line_columns, line_label, line_looks, shown_values
 from vvdp.results.chart import Bars, Chart, Dots, Field, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
 
@@ -45,6 +36,7 @@ SCRIPTS = (
     "unpack.js",
     "format.js",
     "lines.js",
+    "ripple.js",
     "contents.js",
     "plot.js",
     "charts.js",

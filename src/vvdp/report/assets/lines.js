@@ -114,6 +114,7 @@ class Line {
     this.high = described.high === undefined ? null : column(described.high);
     this.isSorted = isAscending(this.x);
     this.isJoined = !["points", "stems"].includes(this.stroke);
+    this.canRipple = this.isSorted && this.low === null && ["-", "--", ":"].includes(this.stroke);
   }
 
   /** Lowest and highest x. */
