@@ -10,7 +10,7 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.display import DisplayUnit, plain
 from vvdp.report.drawing import STYLE, Drawn, draw_figure, empty_figure
-from vvdp.report.plot_lines import RIPPLE, draw_line, printed_point, rows_in_view
+from vvdp.report.plot_lines import RIPPLE, draw_flag, draw_line, printed_point, rows_in_view
 from vvdp.report.shown import ORDER, axis_label, column_unit, line_columns, line_label, line_looks, shown_values
 from vvdp.results.chart import Bars, Chart, Colour, Dots, Field, Level, Lines, Panel, Stroke
 from vvdp.results.result import Table
@@ -32,6 +32,8 @@ LETTERS, STROKE_LETTERS = 105, 7
 """Letters of the names of lines that stand in one row above panels across the page; a line's stroke is as wide as 7."""
 ROW, NAMED = 1.25, 0.17
 """Height of a row of panels on paper, with the words at its axes, and of a row of names above it [inch]."""
+MOST_TICKS = 5
+"""Steps between numbers at an axis of x of panels in rows, which are as narrow."""
 MOST_LETTERS = 24
 """Letters in a line of the words at an axis of y that is as short as panels in rows have it."""
 IN_PAIRS = (2, 4)
@@ -130,6 +132,8 @@ def _fill_rows(figure: "Figure", chart: Chart, tables: Mapping[str, Table]) -> N
             axes.set_xlabel("")
         else:
             axes.tick_params(axis="x", labelbottom=True)
+        if isinstance(panel, Lines) and not panel.x_log:
+            axes.locator_params(axis="x", nbins=MOST_TICKS)
         if chart.one_x and not common and isinstance(panel, Lines) and (names := _names(panel, table)):
             _legend(axes, panel, columns=_names_abreast(names, columns))
     for axes in grid.flat[count:]:
@@ -189,6 +193,9 @@ def _draw_panel(axes: "Axes", panel: Panel, table: Table, tables: Mapping[str, T
 
 def _names(panel: Lines, table: Table) -> tuple[str, ...]:
     names = tuple(line_label(line, table) for line in panel.lines)
+    first = panel.lines[0]
+    if names == (panel.label or ("" if first.table else table.columns[first.y].label),) and not panel.legend:
+        return ()  # the axis has the name already
     return names if len(set(names)) > 1 or panel.legend or any(line.label for line in panel.lines) else ()
 
 
@@ -214,8 +221,12 @@ def _common_legend(figure: "Figure", grid: Sequence["Axes"], panels: Sequence[Pa
 def _draw_lines(axes: "Axes", panel: Lines, table: Table, tables: Mapping[str, Table]) -> None:
     owners = [tables[line.table] if line.table else table for line in panel.lines]
     point = printed_point(axes, panel, owners)
-    for line, own, look in zip(panel.lines, owners, line_looks(panel), strict=True):
-        draw_line(axes, line, (own, rows_in_view(panel, line, own)), look, point)
+    for row, (line, own, look) in enumerate(zip(panel.lines, owners, line_looks(panel), strict=True)):
+        if line.stroke is Stroke.FLAG:
+            draw_flag(axes, line, own, look[0], row)
+            axes.set_yticks([])
+        else:
+            draw_line(axes, line, (own, rows_in_view(panel, line, own)), look, point)
     y = line_columns(panel, table, tables)
     x = (tables[panel.lines[0].table] if panel.lines[0].table else table).columns[panel.lines[0].x]
     for level in panel.levels:

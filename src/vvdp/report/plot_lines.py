@@ -24,6 +24,8 @@ PANEL = 6.26
 JOINED = (Stroke.SOLID, Stroke.DASHED, Stroke.DOTTED)
 CLOSEST = 2.0
 """Widths of a line within which the two strokes of a cycle leave no gap."""
+FLAG_HEIGHT = 0.7
+"""Height of the bar of a flag in a row of 1."""
 RIPPLE = "ripple"
 """Identifier of a band of cycles that are too close to be drawn."""
 
@@ -86,6 +88,15 @@ def draw_line(axes: "Axes", line: Line, of: tuple[Table, slice], look: tuple[str
         axes.plot(x, y, drawstyle="steps-post", **style)
     else:
         axes.plot(x, y, linestyle=stroke, **style)
+
+
+def draw_flag(axes: "Axes", line: Line, table: Table, colour: str, row: int) -> None:
+    """Draws a bar in a row, counted from below, while a flag is 1."""
+    x, y = (shown_values(table, key, line.rows) for key in (line.x, line.y))
+    kept = kept_places(x, y)
+    low, label = np.full(kept.size, row + 0.5 - 0.5 * FLAG_HEIGHT), line_label(line, table)
+    high = low + FLAG_HEIGHT * y[kept]
+    axes.fill_between(x[kept], low, high, step="post", facecolor=colour, linewidth=0.0, label=label)
 
 
 def _fill_band(axes: "Axes", x: Array, ends: tuple[Array, Array], colour: str) -> Any:

@@ -45,6 +45,10 @@ function drawLine(context, line, scale, ratio) {
   context.strokeStyle = context.fillStyle = line.colour;
   context.lineWidth = line.width * 1.4 * ratio;
   context.lineJoin = "bevel";
+  if (line.isFlag) {
+    drawFlag(context, line, scale, ratio);
+    return;
+  }
   if (line.low) drawBand(context, line, scale);
   const path = new Path2D();
   const thick = context.lineWidth;
@@ -93,6 +97,22 @@ class Pen {
   end() {
     this.isDown = false;
   }
+}
+
+/** A bar while a flag is 1; a short one is a pixel long. */
+function drawFlag(context, line, scale, ratio) {
+  const [foot, top] = [scale.y(line.foot), scale.y(line.top)];
+  let begin = null;
+  const end = (x) => {
+    if (begin !== null) context.fillRect(begin, top, Math.max(x - begin, ratio), foot - top);
+    begin = null;
+  };
+  line.walk(line.y, scale, (i) => {
+    const x = scale.x(line.x[i]);
+    if (line.y[i] !== 1) end(x);
+    else begin ??= x;
+  });
+  end(scale.x(line.x.at(-1)));
 }
 
 /** A pale band over close cycles; their mean is added to the path of the line. */
