@@ -14,7 +14,6 @@ from vvdp.base.kinds import (
     Force,
     Fraction,
     Mass,
-    Polytropic,
     Position,
     Pressure,
     SignedFraction,
@@ -41,6 +40,7 @@ from vvdp.control.displacement import (
 from vvdp.control.flow_split import FlowSplit
 from vvdp.control.pressure_modes import PressureBounds, PressureMode
 from vvdp.control.reference import Jerk, Reference, SignedAcceleration
+from vvdp.hydraulics.volume import GasExponent, GasPressure
 from vvdp.network.program import ProgramType
 from vvdp.programs.generic import GenericProgram
 
@@ -62,8 +62,8 @@ class KnownCylinder(Params):
     line_volume: Volume = 0.0
     hose_compliance: Compliance = 0.0
     gas_volume: Volume = 0.0
-    precharge_pressure: Pressure = 0.0
-    gas_exponent: Polytropic = 1.3
+    precharge_pressure: GasPressure = 0.0
+    gas_exponent: GasExponent = 1.3
 
 
 class DisplacementTable(

@@ -39,13 +39,13 @@ def run_charts(run: RecordedRun, series: Table) -> Iterator[Chart]:
     part = run.detail() if run.detail().periods else run.fine()
     ends = (float(run.times[part.rows[0]]), float(run.times[part.rows[-1]]))
     groups = _pressures(series)
-    if (shown := _shown(series, groups, part.rows)).panels:
+    if (shown := _moving_panels(series, groups, part.rows)).panels:
         seen = tuple(replace(panel, left=ends[0], right=ends[1]) for panel in shown.panels)
         yield _chart("detail", detail_words(run, part) + shown.flat, seen)
-    if (shown := _shown(series, groups)).panels:
+    if (shown := _moving_panels(series, groups)).panels:
         yield _chart("run", whole_words(run) + shown.flat, shown.panels)
     moved = [(what, [key for key in series.columns if key.startswith(f"{what}_")]) for what in MOTIONS]
-    if (shown := _shown(series, moved)).panels:
+    if (shown := _moving_panels(series, moved)).panels:
         yield _chart("motion", "Shafts and rods over the whole run." + shown.flat, shown.panels)
     for program in run.network.programs:
         yield from _program_chart(program, series)
@@ -102,18 +102,18 @@ def _program_chart(program: str, series: Table) -> Iterator[Chart]:
     moving = [key for key in mine if key not in still]
     kinds = dict.fromkeys(mine[key].kind for key in moving)
     groups = (("", [key for key in moving if mine[key].kind is kind]) for kind in kinds)
-    if (shown := _shown(series, groups)).panels:
+    if (shown := _moving_panels(series, groups)).panels:
         yield _chart(f"program-{program.replace('_', '-')}", words + shown.flat, shown.panels)
 
 
-class Shown(NamedTuple):
+class MovingPanels(NamedTuple):
     """Panels, and in words the series that would be flat in them."""
 
     panels: tuple[Lines, ...]
     flat: str
 
 
-def _shown(series: Table, groups: Groups, rows: Slice = slice(None)) -> Shown:
+def _moving_panels(series: Table, groups: Groups, rows: Slice = slice(None)) -> MovingPanels:
     """Panels of groups of series that move in these rows, flags in a panel of their own below."""
     panels: list[Lines] = []
     flat: list[str] = []
@@ -132,7 +132,7 @@ def _shown(series: Table, groups: Groups, rows: Slice = slice(None)) -> Shown:
     if flags:
         panels.append(flag_panel("time_s", flags, "flags"))
     words = (f" {what}: {'; '.join(names)}." for what, names in (("Nearly constant", flat), ("Zero", zero)) if names)
-    return Shown(tuple(panels), "".join(words))
+    return MovingPanels(tuple(panels), "".join(words))
 
 
 def _panel(series: Table, label: str, keys: Iterable[str]) -> Lines:
@@ -157,7 +157,7 @@ def split_by_range(values: Mapping[str, Array]) -> list[list[str]]:
     rest = sorted(ends, key=lambda key: ends[key][0] - ends[key][1])
     rest = [key for key in rest if ends[key][1] - ends[key][0] > still]
     if not rest:
-        return list(_divided(list(values)))
+        return list(_equal_parts(list(values)))
     parts: list[list[str]] = []
     while rest and len(parts) < MOST_PANELS:
         part = [rest[0]]
@@ -168,10 +168,10 @@ def split_by_range(values: Mapping[str, Array]) -> list[list[str]]:
                 part.append(key)
         rest = [key for key in rest if key not in part]
         parts.append([key for key in values if key in part])
-    return [each for part in parts for each in _divided(part)]
+    return [each for part in parts for each in _equal_parts(part)]
 
 
-def _divided(part: list[str]) -> Iterator[list[str]]:
+def _equal_parts(part: list[str]) -> Iterator[list[str]]:
     """A set in as few parts of one size as have at most `MOST_NAMED`; nothing of an empty one."""
     count = -(-len(part) // MOST_NAMED)
     for place in range(count):

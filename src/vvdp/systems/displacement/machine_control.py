@@ -11,7 +11,6 @@ from vvdp.base.kinds import (
     Force,
     Length,
     Mass,
-    Polytropic,
     Pressure,
     PressureDifference,
     Time,
@@ -30,6 +29,7 @@ from vvdp.control.flow_split import FlowSplit
 from vvdp.control.pressure_modes import PressureBounds
 from vvdp.control.reference import Rate, ReferenceFilter
 from vvdp.estimation.load_observer import LoadObserver
+from vvdp.hydraulics.volume import GasExponent, GasPressure
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
 from vvdp.programs.axial_loop import PROGRAM as AXIAL
@@ -77,8 +77,8 @@ class MachineBelief(Params):
     line_volume: Volume
     hose_compliance: Compliance
     gas_volume: Volume
-    precharge_pressure: Pressure
-    gas_exponent: Polytropic
+    precharge_pressure: GasPressure
+    gas_exponent: GasExponent
     return_conductance: FlowCoefficient
     load_force: Force
     relief_pressure: Pressure
