@@ -257,6 +257,11 @@ def read_text(entry: Any) -> str:
     return entry
 
 
+def _example(kind: Kind, of: Any) -> str:
+    """How a value is written, or a list of some."""
+    return f'["{kind.example}", ...]' if get_origin(of) is tuple else f'"{kind.example}"'
+
+
 def _setting(table: str, key: str) -> str:
     """A key of this table, or one that names its own."""
     return key if "." in key else f"{table}.{key}"
@@ -295,7 +300,7 @@ def build(
         elif key in table:
             continue
         elif key not in defaults:
-            example = f', for example "{kind.example}"' if kind else ""
+            example = f", for example {_example(kind, known[key])}" if kind else ""
             faults.append(fault_at(origin, name, f"missing key {key!r}{example}", key=f"{name}.{key}"))
         elif kind is not None:
             rows.append(Sourced(name, key, defaults[key], kind, status="assumed", note="default"))
@@ -376,7 +381,9 @@ def _list(fields: Mapping[str, Any], kind: Kind) -> tuple[float, ...]:
     match fields:
         case {"value": [*entries], **rest} if not rest:
             return tuple(parse(entry, kind) for entry in entries)
-    raise ParameterError(f"{', '.join(map(str, fields.values()))}; expected a list, for example [{kind.example!r}]")
+    raise ParameterError(
+        f"{', '.join(map(str, fields.values()))}; expected a list, for example {_example(kind, tuple[float, ...])}"
+    )
 
 
 def _signal(fields: Mapping[str, Any], kind: Kind) -> Signal:
