@@ -69,6 +69,22 @@ def test_every_fault_is_named_at_once():
     assert "10 bar" in str(problem.value)
 
 
+def test_what_the_dataset_has_can_be_drawn_by_its_name(run):
+    """Except series of several numbers, and those that are not over time alone."""
+    names = [name for name, series in run.to_xarray().items() if series.dims == ("time",)]
+    assert "states.inlet" in names and set(names) <= set(run.names)
+    (line,) = run.plot("states.inlet").axes[0].lines
+    assert np.isclose(line.get_ydata()[0], run.pressure("inlet")[0] / 1e5)
+
+
+@pytest.mark.parametrize("what", ["state", "output", "command"])
+def test_an_unknown_series_is_named(run, what):
+    with pytest.raises(ConfigError, match=rf"run: inlett: unknown {what}"):
+        getattr(run, what)("inlett")
+    with pytest.raises(ConfigError, match="run: inlett: unknown node; did you mean 'inlet'"):
+        run.pressure("inlett")
+
+
 CIRCUIT = """
 [nodes]
 tank = { type = "tank" }

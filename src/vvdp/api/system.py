@@ -48,7 +48,7 @@ class System(systems.System):
         ConfigError naming every fault.
         """
         known = {row.setting: row.kind for row in self.rows}
-        given = {path: value for table, values in tables.items() for path, value in self._given(table, values)}
+        given = {path: value for table, values in tables.items() for path, value in self._paths(table, values)}
         settings = [
             f"{key}={_checked_setting(self.name, key, value, known.get(setting_path(self.content, key)))}"
             for key, value in given.items()
@@ -79,7 +79,7 @@ class System(systems.System):
         done = run_system(system, progress=progress, stop=stop, say=lambda message: print(message, file=sys.stderr))
         return Run(**{each.name: getattr(done, each.name) for each in fields(done)})
 
-    def _given(self, table: str, values: Mapping[str, Value]) -> Iterator[tuple[str, Value]]:
+    def _paths(self, table: str, values: Mapping[str, Value]) -> Iterator[tuple[str, Value]]:
         """Each value with its path; those of a node, component, program or part may stand in a table of their own."""
         drawn = {**self.table.content.get(table, {}), **self.content.get(table, {})} if table in NAMED else {}
         for key, value in values.items():
