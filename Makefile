@@ -77,6 +77,8 @@ sbom: setup
 audit:
 	uv tool run pip-audit --strict --disable-pip --require-hashes -r requirements.lock
 
+# Material 9 needs MkDocs 1, and warns of MkDocs 2, which it will never support; the lock pins both. The plan: move to
+# Zensical, by the makers of Material, which reads mkdocs.yml, once it runs hooks and searches without a network.
 # The site goes into the package, where `vvdp docs` looks for it; a broken link or a page without a place fails.
 docs: setup
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build

@@ -69,6 +69,71 @@ def test_every_fault_is_named_at_once():
     assert "10 bar" in str(problem.value)
 
 
+def test_what_the_dataset_has_can_be_drawn_by_its_name(run):
+    """Except series of several numbers, and those that are not over time alone."""
+    names = [name for name, series in run.to_xarray().items() if series.dims == ("time",)]
+    assert "states.inlet" in names and set(names) <= set(run.names)
+    (line,) = run.plot("states.inlet").axes[0].lines
+    assert np.isclose(line.get_ydata()[0], run.pressure("inlet")[0] / 1e5)
+
+
+@pytest.mark.parametrize("what", ["state", "output", "command"])
+def test_an_unknown_series_is_named(run, what):
+    with pytest.raises(ConfigError, match=rf"run: inlett: unknown {what}"):
+        getattr(run, what)("inlett")
+    with pytest.raises(ConfigError, match="run: inlett: unknown node; did you mean 'inlet'"):
+        run.pressure("inlett")
+
+
+CIRCUIT = """
+[nodes]
+tank = { type = "tank" }
+line = { type = "volume", volume = "1 l", start = "10 bar" }
+
+[components]
+pump = { type = "flow-source", a = "tank", b = "line", flow = "10 lpm" }
+load = { type = "orifice", a = "line", b = "tank", area = "5 mm^2" }
+
+[run]
+until = "10 ms"
+"""
+
+
+def test_values_of_a_component_may_stand_in_a_table_of_their_own():
+    system = vvdp.loads(CIRCUIT)
+    one, two, three = (
+        system.with_values(components=given)
+        for given in (
+            {"load.area": "7 mm^2", "pump.flow": {"step": ["1 lpm", "2 lpm"], "at": "5 ms"}},
+            {"load": {"area": "7 mm^2"}, "pump": {"flow": {"step": ["1 lpm", "2 lpm"], "at": "5 ms"}}},
+            {"load": {"type": "orifice", "a": "line", "b": "tank", "area": "7 mm^2"}, "pump.flow": "1 lpm"},
+        )
+    )
+    assert [row.value for row in one.rows] == [row.value for row in two.rows] != [row.value for row in system.rows]
+    assert "load" in three.content["components"]
+    assert system.with_values(nodes={"line": {"volume": "2 l"}}).content["nodes"]["line"]["volume"] == "2 l"
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"load": {"aera": "7 mm^2"}}, "components.load.aera: unknown key; did you mean 'area'?"),
+        ({"laod": {"area": "7 mm^2"}}, "components.laod: unknown; did you mean 'load'?"),
+        ({"x": {"area": "7 mm^2"}}, "components.x: unknown; expected one of load, pump"),
+    ],
+)
+def test_a_wrong_name_in_a_table_is_named_with_its_key(given, message):
+    with pytest.raises(ConfigError) as problem:
+        vvdp.loads(CIRCUIT).with_values(components=given)
+    assert message in str(problem.value)
+
+
+def test_a_missing_list_is_asked_for_with_a_list():
+    text = CIRCUIT + '[programs.gap]\ntype = "table"\nreads = "line.pressure"\nvalues = ["1", "2"]\n'
+    with pytest.raises(ConfigError, match=r"missing key 'places', for example \[\"100 bar\", \.\.\.\]"):
+        vvdp.loads(text)
+
+
 def test_the_dataset_has_the_dimension_time_and_units(run):
     data = run.to_xarray()
     assert data.sizes["time"] == run.times.size

@@ -56,6 +56,16 @@ def test_every_listed_example_of_a_program_is_in_its_file(pages):
         assert {each.name for each in pages[kind].values if not each.usual} <= used.keys(), kind
 
 
+def test_every_listed_input_of_a_program_is_that_of_its_file(pages):
+    """No pressure stands as the example of an input of any quantity: `reads = "ram.position"`, unit "any"."""
+    for kind in PROGRAMS:
+        used = next(each for each in tomllib.loads(pages[kind].example)["programs"].values() if each["type"] == kind)
+        for each in (each for each in pages[kind].inputs if each.name in used):
+            assert tomllib.loads(f"example = {each.example}")["example"] == used[each.name], (kind, each.name)
+    (reads,) = pages["comparator"].inputs
+    assert (reads.example, reads.unit) == ('"ram.position"', "any")
+
+
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
 def test_examples_of_programs_load(file):
     assert loaded(file.read_text("utf-8"), file.name).circuit.network.programs

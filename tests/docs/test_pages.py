@@ -57,6 +57,20 @@ def test_every_command_of_every_page_is_one():
     )
 
 
+def test_every_command_has_its_time():
+    """Each in one row of the table, a group by its members or as a whole."""
+    page = (ROOT / "docs" / "command-line.md").read_text("utf-8")
+    table = page.partition("## How long commands take")[2].partition("\n## ")[0]
+    listed = re.findall(r"`([a-z][a-z -]*)`", "".join(line for line in table.splitlines() if line.startswith("| ")))
+    listed = [each for each in listed if each != "design"]  # the same as `design optimum`
+    assert len(listed) == len(set(listed))
+    known = typer.main.get_command(app).commands
+    assert {each.split()[0] for each in listed} == set(known) - {"completion"}
+    for name in ("design", "rig", "compare", "export"):
+        inner = {f"{name} {each}" for each in known[name].commands}
+        assert inner == {each for each in listed if each.startswith(f"{name} ")}, name
+
+
 def test_links_of_the_readme_lead_somewhere():
     """Those of the other pages are held by the build of the site."""
     links = LINK.findall(re.sub(r"```.*?```", "", README, flags=re.DOTALL))

@@ -10,7 +10,8 @@ from tests.cli.conftest import vvdp  # noqa: F401
 
 from vvdp.base.errors import ParameterError
 from vvdp.fitting.fitted import settings
-from vvdp.fitting.orifice import Restriction, fit_orifice, key_line, restriction_of
+from vvdp.fitting.orifice import WITHOUT_DIAMETER, Restriction, fit_orifice, key_line, restriction_of
+from vvdp.fitting.table import read_columns
 from vvdp.systems.library_examples import example_text
 
 RHO, AREA = 870.0, 5e-6
@@ -30,6 +31,27 @@ def test_by_hand():
     k, cd = (found.valve[key].interval.value for key in ("flow_coefficient", "discharge_coefficient"))
     assert k == pytest.approx(1.0 / 6e4 / np.sqrt(1e5), rel=1e-12)
     assert cd == pytest.approx(1.0 / 6e4 / (1e-6 * np.sqrt(2e5 / 870.0)), rel=1e-12) == pytest.approx(1.0992, rel=1e-4)
+
+
+def test_a_discharge_coefficient_that_no_orifice_has_is_a_warning():
+    """1.0992 as above, outside 0.3 to 1: the line for a file is that of K, and no component takes it."""
+    flow = np.array([1.0, 2.0, 3.0]) / 6e4
+    columns = {"flow": flow, "pressure_drop": 1e5 * np.array([1.0, 4.0, 9.0])}
+    found = fit_orifice(columns, Restriction(RHO, 1e-6))
+    (said,) = (each for each in found.findings if "C_d" in each.text)
+    assert said.text == "The table gives C_d = 1.099, outside 0.3 to 1, with an area of 1 mm²."
+    assert key_line(found).startswith("conductance")
+    with pytest.raises(ParameterError, match=r"^hole: The table gives C_d = 1\.099"):
+        fit_orifice(columns, Restriction(RHO, 1e-6, "mine", "hole"))
+    assert not fit_orifice(columns, Restriction(RHO, 2e-6)).findings
+
+
+@pytest.mark.parametrize("heading", ["Q [l/min];dp [bar]", "q (lpm);Δp [bar]", "Flow [lpm];pressure drop [bar]"])
+def test_usual_headings_of_flow_and_pressure_drop(heading, tmp_path):
+    (tmp_path / "bench.csv").write_text(f"{heading}\n5;0,42\n10;1,63\n20;6,4\n", encoding="utf-8")
+    columns = read_columns(tmp_path / "bench.csv", WITHOUT_DIAMETER)
+    assert columns["flow"] == pytest.approx([5.0 / 6e4, 10.0 / 6e4, 20.0 / 6e4])
+    assert columns["pressure_drop"] == pytest.approx([0.42e5, 1.63e5, 6.4e5])
 
 
 def test_exact_points_give_the_coefficient_without_width():

@@ -24,7 +24,7 @@ from vvdp.report.interactive import (
     live_head,
     pack_column,
 )
-from vvdp.report.plot import line_looks
+from vvdp.report.shown import line_looks
 from vvdp.results.chart import Bars, Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
 

@@ -27,6 +27,7 @@ def table():
         "time_s": Column(time, kinds.DURATION, "time"),
         "load_Pa": Column(load, kinds.PRESSURE_DIFFERENCE, "load"),
         "noise_Pa": Column(1e5 * noise, kinds.PRESSURE_DIFFERENCE, "noise"),
+        "walk_Pa": Column(1e3 * np.cumsum(noise), kinds.PRESSURE_DIFFERENCE, "walk"),
     }
     return Table(title="course", columns=columns)
 
@@ -59,12 +60,16 @@ def test_first_and_last_mark_are_whole(table, stroke):
     assert right > short["time_s"][-1]
 
 
-def test_a_long_run_is_a_light_picture(table):
-    """Lowest and highest of each of 400 parts, each step with one place (".6-79.1"): about 8 bytes a point."""
-    svg = draw_chart(chart_of(Line(x="time_s", y="noise_Pa")), {"run": table}).svg
+@pytest.mark.parametrize(("key", "least", "most"), [("walk_Pa", 5_000, 8_000), ("noise_Pa", 2_000, 3_500)])
+def test_a_long_run_is_a_light_picture(table, key, least, most):
+    """Lowest and highest of each of 400 parts, each step with one place (".6-79.1"): about 8 bytes a point.
+
+    Of noise a band with two sides, of which a point is 2.6 points of 451 wide: 347 points.
+    """
+    svg = draw_chart(chart_of(Line(x="time_s", y=key)), {"run": table}).svg
     assert len(svg) < 40_000
     paths = re.findall(r'\bd="([^"]*)"', svg)
-    assert 5_000 < max(len(path) for path in paths) < 8_000
+    assert least < max(len(path) for path in paths) < most
     assert not re.search(r"\.\d{3}", " ".join(paths))
 
 

@@ -1,7 +1,7 @@
 """Runs for scripts and notebooks."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from html import escape
 from pathlib import Path
@@ -17,7 +17,7 @@ from vvdp.runs.findings import badges
 from vvdp.runs.result import run_result
 from vvdp.runs.run import RecordedRun, open_run
 from vvdp.runs.simulate import recorded_run, save_run
-from vvdp.runs.tables import screen_listings
+from vvdp.runs.tables import record_table, screen_listings
 from vvdp.simulation.run import simulate
 from vvdp.systems.options import lasting
 from vvdp.systems.overview import warnings
@@ -55,10 +55,15 @@ class Run(RecordedRun):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What `plot` takes: names of charts and of series. `to_xarray` has everything that is recorded."""
+        """What `plot` takes: names of charts and of series, those of `to_xarray` included."""
         from vvdp.report.chosen import series_names
 
-        return (*self.result.charts, *series_names(self.result))
+        return (*self.result.charts, *series_names(self._drawable))
+
+    @cached_property
+    def _drawable(self) -> Result:
+        """The result with all that is recorded as a table, as `to_xarray` calls it."""
+        return replace(self.result, tables={**self.result.tables, "record": record_table(self.record)})
 
     def to_xarray(self) -> "xarray.Dataset":
         """All recorded series as a dataset with the dimension `time` [s]; `units` and `long_name` with each.
@@ -97,7 +102,7 @@ class Run(RecordedRun):
         from vvdp.report.chosen import chosen_chart
         from vvdp.report.plot import new_figure
 
-        result = self.result
+        result = self._drawable
         return new_figure(chosen_chart(result, names or tuple(result.charts)[:1]), result.tables)
 
     def carried_on(self, system: System, *, until: str | float, stop: Callable[[], bool] | None = None) -> "Run":

@@ -2,7 +2,7 @@
 
 import json
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from html import escape
 from pathlib import Path
@@ -12,7 +12,7 @@ from vvdp.api.run import Run
 from vvdp.base import kinds
 from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.kinds import Kind
-from vvdp.base.tables import parsed_table, with_settings
+from vvdp.base.tables import nearest, parsed_table, with_settings
 from vvdp.runs.simulate import run_system
 from vvdp.systems import system as systems
 from vvdp.systems.drawn_parts import setting_path
@@ -21,9 +21,11 @@ from vvdp.systems.options import lasting, without_other_position
 if TYPE_CHECKING:
     from pint import Quantity
 
-Value = float | str | list[float] | Mapping[str, object]
+Value = float | str | list[float] | Mapping[str, Any]
 """A number [SI, pressures absolute], a text with its unit, a list of numbers, or a signal as in a file."""
 
+NAMED = ("nodes", "components", "programs", "parts")
+"""Tables of a drawn circuit that hold a table for each name."""
 TYPED = "text"
 """The name of a system that comes from no file."""
 PUBLIC = ("assumptions", "circuit", "name", "rows", "run", "title", "uncertainties", "with_values")
@@ -39,11 +41,14 @@ class System(systems.System):
 
         >>> system.with_values(operation={"duty_ratio": 0.4, "oil_temperature": "50 degC"})
 
+        >>> system.with_values(components={"pump": {"displacement": "20 cc/rev"}, "relief.cracking_pressure": "90 bar"})
+
         A number is SI, and a pressure absolute; a text has its unit, and so has a quantity of pint. A value that a part
-        offers is `parts={"supply.displacement": ...}`. Raises ConfigError naming every fault.
+        offers is `parts={"supply.displacement": ...}`. A table with its `type` replaces what the file has. Raises
+        ConfigError naming every fault.
         """
         known = {row.setting: row.kind for row in self.rows}
-        given = {f"{table}.{key}": value for table, values in tables.items() for key, value in values.items()}
+        given = {path: value for table, values in tables.items() for path, value in self._paths(table, values)}
         settings = [
             f"{key}={_checked_setting(self.name, key, value, known.get(setting_path(self.content, key)))}"
             for key, value in given.items()
@@ -73,6 +78,17 @@ class System(systems.System):
             system = _public(self.read_from(lasting(self.table, text)))
         done = run_system(system, progress=progress, stop=stop, say=lambda message: print(message, file=sys.stderr))
         return Run(**{each.name: getattr(done, each.name) for each in fields(done)})
+
+    def _paths(self, table: str, values: Mapping[str, Value]) -> Iterator[tuple[str, Value]]:
+        """Each value with its path; those of a node, component, program or part may stand in a table of their own."""
+        drawn = {**self.table.content.get(table, {}), **self.content.get(table, {})} if table in NAMED else {}
+        for key, value in values.items():
+            if table not in NAMED or "." in key or not isinstance(value, Mapping) or "type" in value:
+                yield f"{table}.{key}", value
+            elif key not in drawn:
+                raise ConfigError([Fault(self.name, 0, f"{table}.{key}", f"unknown{nearest(key, drawn)}")])
+            else:
+                yield from ((f"{table}.{key}.{inner}", each) for inner, each in value.items())
 
     def __dir__(self) -> list[str]:
         return [*PUBLIC]

@@ -50,6 +50,36 @@ def default_values(cls: type) -> dict[str, Any]:
     return {f.name: f.default for f in dataclasses.fields(cls) if f.default is not dataclasses.MISSING}
 
 
+@dataclasses.dataclass(frozen=True)
+class Idle:
+    """Of a field, in its annotation: it has no effect while all of these values are 0.
+
+    They are fields of its class, or `table.key` of another table of the file.
+    """
+
+    factors: tuple[str, ...]
+
+
+def without_effect(*factors: str) -> Idle:
+    """That a field has no effect while these are 0: `Annotated[Count, without_effect("ripple_amplitude")]`."""
+    return Idle(factors)
+
+
+def idle_fields(cls: type) -> dict[str, tuple[str, ...]]:
+    """The fields of a class that have no effect while others are 0, with the names of those."""
+    return _idle_fields(cls)
+
+
+@cache
+def _idle_fields(cls: type) -> dict[str, tuple[str, ...]]:
+    found: dict[str, tuple[str, ...]] = {}
+    for name, hint in get_type_hints(cls, include_extras=True).items():
+        for each in getattr(hint, "__metadata__", ()):
+            if isinstance(each, Idle):
+                found[name] = each.factors
+    return found
+
+
 @dataclass_transform(frozen_default=True, kw_only_default=True)
 class Params:
     """Base of every parameter class. A subclass is made a frozen, keyword-only dataclass by being written down.

@@ -23,7 +23,7 @@ from vvdp.base import signal as signals
 from vvdp.base.display import value_text
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
 from vvdp.base.kinds import ANGLE, FREQUENCY, TIME, Kind
-from vvdp.base.params import Params, default_values, field_kinds, field_types
+from vvdp.base.params import Params, default_values, field_kinds, field_types, idle_fields
 from vvdp.base.rules import refused_field
 from vvdp.base.signal import Signal
 from vvdp.base.units import parse, parsed_difference
@@ -52,6 +52,8 @@ class Sourced:
     note: str = ""
     range: tuple[float, float] | None = None
     """Between which values [SI] it lies, where the file states this."""
+    idle_at: tuple[str, ...] = ()
+    """Settings that make it have no effect while all of them are 0."""
 
     @property
     def setting(self) -> str:
@@ -259,6 +261,16 @@ def read_text(entry: Any) -> str:
     return entry
 
 
+def _example(kind: Kind, of: Any) -> str:
+    """How a value is written, or a list of some."""
+    return f'["{kind.example}", ...]' if get_origin(of) is tuple else f'"{kind.example}"'
+
+
+def _setting(table: str, key: str) -> str:
+    """A key of this table, or one that names its own."""
+    return key if "." in key else f"{table}.{key}"
+
+
 def read_flag(entry: Any) -> bool:
     """True or false. Raises ParameterError."""
     if not isinstance(entry, bool):
@@ -292,10 +304,12 @@ def build(
         elif key in table:
             continue
         elif key not in defaults:
-            example = f', for example "{kind.example}"' if kind else ""
+            example = f", for example {_example(kind, known[key])}" if kind else ""
             faults.append(fault_at(origin, name, f"missing key {key!r}{example}", key=f"{name}.{key}"))
         elif kind is not None:
             rows.append(Sourced(name, key, defaults[key], kind, status="assumed", note="default"))
+    idle = {key: tuple(_setting(name, each) for each in factors) for key, factors in idle_fields(cls).items()}
+    rows = [dataclasses.replace(row, idle_at=idle[row.key]) if row.key in idle else row for row in rows]
     if len(faults) > before:
         return None, rows
     values: dict[str, Any] = {key: row.value for key, row in given.items()}
@@ -371,7 +385,9 @@ def _list(fields: Mapping[str, object], kind: Kind) -> tuple[float, ...]:
     match fields:
         case {"value": [*entries], **rest} if not rest:
             return tuple(parse(entry, kind) for entry in entries)
-    raise ParameterError(f"{', '.join(map(str, fields.values()))}; expected a list, for example [{kind.example!r}]")
+    raise ParameterError(
+        f"{', '.join(map(str, fields.values()))}; expected a list, for example {_example(kind, tuple[float, ...])}"
+    )
 
 
 def _signal(fields: Mapping[str, Any], kind: Kind) -> Signal:

@@ -49,7 +49,7 @@ class Named:
     ] = None
     fuse: Annotated[bool, typer.Option("--fuse", help="Fuse inlet-pressure edges into the estimate.")] = False
     sections: Annotated[
-        int | None, typer.Option("--sections", metavar="N", help="PWM periods per revolution (default: 3).")
+        int | None, typer.Option("--sections", metavar="N", help="PWM periods per revolution of a rotary valve.")
     ] = None
     output_rate: Annotated[
         str | None, typer.Option("--output-rate", metavar="RATE", help="Output sample rate (default: 1 kHz).")
@@ -103,7 +103,7 @@ def estimate(
     files: Files,
     output: Output,
 ) -> None:
-    """Estimate the spool's angle and speed from a measured log.
+    """Estimate angle and speed of a shaft, such as a valve's spool, from a measured log.
 
     Name the channel with --wave, --counts or --edges, or in a config file. Ctrl-C keeps the results so far.
     """

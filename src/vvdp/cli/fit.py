@@ -33,7 +33,7 @@ class _Law(NamedTuple):
 class Law:
     """Options: the law that is fitted."""
 
-    law: Annotated[str, typer.Option("--law", metavar="LAW", help="One of orifice, drop, jet, leakage.")]
+    law: Annotated[str, typer.Option("--law", metavar="LAW", help="One of orifice, drop, jet, leakage.")] = ORIFICE
     part: Annotated[str, typer.Option("--part", metavar="PART", help="What drops: one of centre, nozzle, outlet.")] = (
         "centre"
     )

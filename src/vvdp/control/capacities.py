@@ -16,7 +16,6 @@ from vvdp.base.kinds import (
     FlowCoefficient,
     Kind,
     Mass,
-    Polytropic,
     Position,
     Pressure,
     ViscousFriction,
@@ -25,7 +24,7 @@ from vvdp.base.kinds import (
 from vvdp.base.params import Params, field_values
 from vvdp.base.rules import POSITIVE, field_text, refuse, require_less, require_positive
 from vvdp.base.select import clip, maximum, select
-from vvdp.hydraulics.volume import Vessel, wall_capacity
+from vvdp.hydraulics.volume import GasExponent, GasPressure, Vessel, wall_capacity
 
 HYDRAULIC_STIFFNESS = Kind("hydraulic stiffness", "N/m", 0.0, 1e15, "3e6 N/m")
 FORCE_PER_VOLUME = Kind("force per volume", "N/m^3", -1e15, 1e15, "1e9 N/m^3")
@@ -94,8 +93,8 @@ class LineBelief(Params):
     line_volume: Volume
     hose_compliance: Compliance
     gas_volume: Volume
-    precharge_pressure: Pressure
-    gas_exponent: Polytropic
+    precharge_pressure: GasPressure
+    gas_exponent: GasExponent
 
 
 def cylinder_model(belief: CylinderBelief, ends: CylinderEnds, line: LineBelief, tank_pressure: float) -> CylinderModel:

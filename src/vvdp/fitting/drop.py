@@ -9,7 +9,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.display import number
 from vvdp.base.kinds import FLOW, LENGTH, NUMBER, PRESSURE_DIFFERENCE
 from vvdp.fitting.fitted import Coefficient, Fitted, Host, Interval, around, around_log, power_of, valve_value
-from vvdp.fitting.table import Quantity
+from vvdp.fitting.table import DROP_COLUMN, FLOW_COLUMN, Quantity
 from vvdp.fluid.oil import density
 from vvdp.numerics.least_squares import Fit, fit
 from vvdp.numerics.power_laws import drop_laws, power_columns
@@ -18,8 +18,8 @@ from vvdp.results.result import Column, Finding, Grade, Table
 from vvdp.valve.branch import turbulent_drops
 
 COLUMNS = {
-    "flow": Quantity(FLOW),
-    "pressure_drop": Quantity(PRESSURE_DIFFERENCE),
+    "flow": FLOW_COLUMN,
+    "pressure_drop": DROP_COLUMN,
     "diameter": Quantity(LENGTH, is_optional=True),
 }
 Valued = dict[str, Coefficient]

@@ -11,7 +11,7 @@ from vvdp.base.display import number
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import CONDUCTANCE, FLOW, NUMBER, PRESSURE_DIFFERENCE, TEMPERATURE
 from vvdp.fitting.fitted import Coefficient, Fitted, Host, Interval, around, around_log, power_of, valve_value
-from vvdp.fitting.table import Quantity
+from vvdp.fitting.table import DROP_COLUMN, Quantity
 from vvdp.fluid.oil import film_viscosity
 from vvdp.numerics.least_squares import Fit, fit
 from vvdp.numerics.power_laws import power_columns, power_law
@@ -20,7 +20,7 @@ from vvdp.results.result import Column, Finding, Grade, Table
 from vvdp.valve.leakage import leakage_conductance
 
 COLUMNS = {
-    "pressure_drop": Quantity(PRESSURE_DIFFERENCE),
+    "pressure_drop": DROP_COLUMN,
     "leakage": Quantity(FLOW),
     "temperature": Quantity(TEMPERATURE, is_optional=True),
 }

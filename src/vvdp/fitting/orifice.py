@@ -19,6 +19,7 @@ from vvdp.hydraulics.orifice import Orifice
 from vvdp.network.network import Network
 from vvdp.network.nodes import HydraulicNode
 from vvdp.numerics.least_squares import fit
+from vvdp.results.result import Finding, Grade
 
 WITHOUT_DIAMETER = {key: quantity for key, quantity in COLUMNS.items() if key != "diameter"}
 SHOWN = replace(FLOW_COEFFICIENT, example="2 lpm/bar^0.5")
@@ -78,7 +79,8 @@ def _has_conductance(values: Params) -> bool:
 def fit_orifice(columns: Mapping[str, Array], known: Restriction) -> Fitted:
     """K of Q = K sqrt(dp), each point by its relative distance, and C_d = K sqrt(rho/2)/A if the area is known.
 
-    Raises ParameterError for fewer than three points.
+    A C_d that no orifice has is a warning. Raises ParameterError for fewer than three points, and for such a C_d if a
+    component is to take it.
     """
     flow, drop = columns["flow"], columns["pressure_drop"]
     mean = fit([np.ones_like(flow)], np.log(flow) - 0.5 * np.log(drop))
@@ -87,11 +89,28 @@ def fit_orifice(columns: Mapping[str, Array], known: Restriction) -> Fitted:
     if known.area:
         cd = power_of(k, float(np.sqrt(0.5 * known.density)) / known.area, 1.0)
         values[CD] = Coefficient(cd, DISCHARGE_COEFFICIENT, "discharge coefficient")
+        if not _is_plausible(cd.value):
+            found = fit_drop(columns, values)
+            return replace(found, findings=(*found.findings, _implausible(cd.value, known)))
     return fit_drop(columns, values)
+
+
+def _is_plausible(cd: float) -> bool:
+    return DISCHARGE_COEFFICIENT.low <= cd <= DISCHARGE_COEFFICIENT.high
+
+
+def _implausible(cd: float, known: Restriction) -> Finding:
+    """The warning of a C_d that no orifice has. Raises ParameterError if a component is to take it."""
+    ends = f"{DISCHARGE_COEFFICIENT.low:g} to {DISCHARGE_COEFFICIENT.high:g}"
+    text = f"The table gives C_d = {cd:.3f}, outside {ends}, with an area of {with_unit(known.area or 0.0, AREA)}."
+    remedy = "Check the area, the density and the units of the table."
+    if known.part:
+        raise ParameterError(f"{known.part}: {text} {remedy}")
+    return Finding(title="Discharge coefficient not plausible", grade=Grade.WARNING, text=text, remedy=remedy)
 
 
 def key_line(found: Fitted) -> str:
     """The line of a system file with the coefficient that was fitted."""
-    key = CD if CD in found.valve else K
+    key = CD if CD in found.valve and _is_plausible(found.valve[CD].interval.value) else K
     unit = "" if key == CD else f" {SHOWN.unit}"
     return f'{KEYS[key]} = "{found.valve[key].interval.value:.4g}{unit}"'

@@ -12,7 +12,7 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.display import key_suffix
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
-from vvdp.base.kinds import Kind
+from vvdp.base.kinds import FLOW, PRESSURE_DIFFERENCE, Kind
 from vvdp.base.rules import POSITIVE
 from vvdp.base.tables import closest_word
 from vvdp.base.units import parse
@@ -26,12 +26,17 @@ MOST_FAULTS = 10
 class Quantity:
     """What a column may hold: its kind, whether it can be missing, and the words that stand for numbers, if any.
 
-    Values are above 0, or of `words` alone.
+    Values are above 0, or of `words` alone. `also` are further headings, in capitals or not.
     """
 
     kind: Kind
     is_optional: bool = False
     words: Mapping[str, float] | None = None
+    also: tuple[str, ...] = ()
+
+
+FLOW_COLUMN = Quantity(FLOW, also=("q", "flow_rate", "volume_flow"))
+DROP_COLUMN = Quantity(PRESSURE_DIFFERENCE, also=("dp", "δp", "delta_p", "pressure_difference"))
 
 
 class _Place(NamedTuple):
@@ -45,7 +50,8 @@ class _Place(NamedTuple):
 def read_columns(path: Path, wanted: Mapping[str, Quantity]) -> dict[str, Array]:
     """The columns of a CSV file that are `wanted`, by name [SI]; an optional one that is missing is left out.
 
-    A heading is the name with its unit in brackets, `flow [lpm]`, or as in the tables of vvdp, `flow_m3_s`. Fields are
+    A heading is the name with its unit in brackets, `flow [lpm]`, or as in the tables of vvdp, `flow_m3_s`; a symbol or
+    synonym does as well (`Q [l/min]`). Fields are
     parted by commas, semicolons (numbers may then have a decimal comma) or tabs; lines that begin with # are left out.
     Other columns are left out, but for one whose heading is nearly that of a column that is missing. Raises ConfigError
     with the line and heading of every fault.
@@ -97,7 +103,8 @@ def _places(path: Path, head: tuple[int, Sequence[str]], wanted: Mapping[str, Qu
     found, faults = {}, []
     for name, quantity in wanted.items():
         suffix = key_suffix(quantity.kind)
-        mine = [_Place(k, headings[k].strip(), unit) for k, text, unit in read if text == name]
+        names = (name, *quantity.also)
+        mine = [_Place(k, headings[k].strip(), unit) for k, text, unit in read if text.casefold() in names]
         if suffix:
             mine += [_Place(k, headings[k].strip(), quantity.kind.unit) for k, text, _ in read if text == name + suffix]
         if len(mine) > 1:

@@ -3,11 +3,15 @@
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
+from typing import Annotated, TypeAlias
+
 import numpy as np
 
 from vvdp.base.kinds import Coupling, Force, FrictionTorque, Speed, Velocity, ViscousFriction
-from vvdp.base.params import Params
+from vvdp.base.params import Params, without_effect
 from vvdp.base.rules import field_text, refuse, require_less, require_positive
+
+DryVelocity: TypeAlias = Annotated[Velocity, without_effect("coulomb_friction", "breakaway_friction")]
 
 
 class RodFriction(Params):
@@ -20,8 +24,8 @@ class RodFriction(Params):
     viscous_friction: ViscousFriction
     coulomb_friction: Force = 0.0
     breakaway_friction: Force = 0.0
-    stribeck_velocity: Velocity = 0.1
-    coulomb_velocity: Velocity = 0.01
+    stribeck_velocity: DryVelocity = 0.1
+    coulomb_velocity: DryVelocity = 0.01
 
     def check(self) -> None:
         F_c, F_s = self.coulomb_friction, self.breakaway_friction

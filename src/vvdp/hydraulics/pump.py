@@ -3,12 +3,12 @@
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from vvdp.base.kinds import Conductance, Count, Displacement, Fraction, FrictionTorque
-from vvdp.base.params import Params
+from vvdp.base.params import Params, without_effect
 from vvdp.base.select import minimum, select
 from vvdp.fluid.mixture import FluidState
 
@@ -25,7 +25,7 @@ class Pump(Params):
     displacement: Displacement
     leakage_conductance: Conductance
     ripple_amplitude: Fraction = 0.0
-    ripple_count: Count = 9.0
+    ripple_count: Annotated[Count, without_effect("ripple_amplitude")] = 9.0
     friction_torque: FrictionTorque
     dead_volume: Displacement = 0.0
     precompression: Fraction = 1.0

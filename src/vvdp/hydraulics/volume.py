@@ -3,11 +3,13 @@
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
+from typing import Annotated, TypeAlias
+
 import numpy as np
 
 from vvdp.base.conservation import Stored
 from vvdp.base.kinds import Compliance, Polytropic, Pressure, Volume
-from vvdp.base.params import Params
+from vvdp.base.params import Params, without_effect
 from vvdp.base.powers import power
 from vvdp.base.rules import field_text, refuse
 from vvdp.base.select import select
@@ -20,6 +22,10 @@ NODES, WEIGHTS = (tuple(map(float, 0.5 * column)) for column in np.polynomial.le
 NODES = tuple(0.5 + node for node in NODES)
 
 
+GasPressure: TypeAlias = Annotated[Pressure, without_effect("gas_volume")]
+GasExponent: TypeAlias = Annotated[Polytropic, without_effect("gas_volume")]
+
+
 class Vessel(Params):
     """Everything at one pressure: oil at the reference pressure, 1/B of its elastic walls, gas behind a bladder.
 
@@ -30,8 +36,8 @@ class Vessel(Params):
     oil_volume: Volume
     hose_compliance: Compliance
     gas_volume: Volume
-    precharge_pressure: Pressure
-    gas_exponent: Polytropic
+    precharge_pressure: GasPressure
+    gas_exponent: GasExponent
 
     def check(self) -> None:
         if self.oil_volume <= 0.0:

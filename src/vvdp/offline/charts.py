@@ -110,7 +110,7 @@ def wave_figure(excerpt: Excerpt, unit: str, *, automatic: bool) -> Figure:
     few = excerpt.times.size < 60 * max(excerpt.edges.times.size, 1)
     level, band = f"{plain(excerpt.level, 4)} {unit}".strip(), f"{plain(excerpt.band, 3)} {unit}".strip()
     caption = (
-        "The wave as it was recorded, over the last turns of a stretch of the log. Line: the threshold, "
+        "The wave as it was recorded, over the last revolutions of a stretch of the log. Line: the threshold, "
         f"{'midway between its plateaus' if automatic else 'fixed'}, {level}; band: an edge counts once the wave has "
         f"left it (±{band}). Dots: edges as they were placed."
     )
@@ -154,7 +154,7 @@ def speed_figure(file: Any, sums: Sums) -> Figure:
     backward = " Time runs backwards in this log: pieces of it lie over one another." if sums.tally.backward else ""
     mean, scatter = with_unit(sums.rows.speed.mean, SPEED, 5), with_unit(sums.rows.speed.deviation, SPEED, 3)
     caption = (
-        f"Speed of the spool over the whole log; mean {mean}, standard deviation {scatter}. Dark: the estimate; band: "
+        f"Speed of the shaft over the whole log; mean {mean}, standard deviation {scatter}. Dark: the estimate; band: "
         "plus and minus two of its standard deviations. Grey: each sector over the time that it took, which noise of "
         f"the edges alone spreads widely. Gaps: without edges there is no estimate.{backward}"
     )
@@ -163,7 +163,7 @@ def speed_figure(file: Any, sums: Sums) -> Figure:
 
 
 def speed_detail(file: Any, stretch: Stretch, sections: int) -> Figure:
-    """The speed over a stretch of some turns, of a spool with so many PWM periods per revolution."""
+    """The speed over a stretch of some revolutions; `sections` are the PWM periods in one of a valve, 0 without."""
     clock = short_clock(stretch.begin, stretch.end)
     rows, edges = _rows_within(file, "", stretch), _rows_within(file, "edges/", stretch)
     t, speed, deviation = (file[name][rows] for name in ("time", "speed", "speed_deviation"))
@@ -182,10 +182,11 @@ def speed_detail(file: Any, stretch: Stretch, sections: int) -> Figure:
         )
         dashed = " Dashed: smoothed, given the edges before and after."
     thousand = 1000.0 * display_unit(SPEED).scale
+    frequency = with_unit(thousand * sections / TURN, FREQUENCY)
+    of_valve = f" {with_unit(thousand, SPEED)} is a PWM frequency of {frequency}." if sections else ""
     caption = (
-        "Speed over some turns. Grey: each sector over the time that it took. Dark: the estimate; band: plus and minus "
-        f"two of its standard deviations.{dashed} "
-        f"{with_unit(thousand, SPEED)} is a PWM frequency of {with_unit(thousand * sections / TURN, FREQUENCY)}."
+        "Speed over some revolutions. Grey: each sector over the time that it took. Dark: the estimate; band: plus and "
+        f"minus two of its standard deviations.{dashed}{of_valve}"
     )
     panel = _speed_panel(lines, speed, deviation, sectors.speeds)
     chart = Chart(name="speed-detail", caption=caption, table="detail-course", panels=(panel,), height=2.7)
@@ -373,7 +374,7 @@ def pressure_figure(portion: Portion) -> Figure:
     clock = short_clock(float(portion.times[0]), float(portion.times[-1]))
     pressure = Column(portion.values, PRESSURE_LEVEL, "inlet pressure")
     table = data_table("Inlet pressure as recorded", {"since_s": clock.column(portion.times), "pressure_Pa": pressure})
-    caption = "Inlet pressure (gauge) over some turns."
+    caption = "Inlet pressure (gauge) over some revolutions."
     chart = Chart(name="pressure", caption=caption, table="pressure-course", panels=(PRESSURE_PANEL,), height=2.2)
     return Figure(chart, {"pressure-course": table})
 

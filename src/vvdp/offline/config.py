@@ -101,7 +101,13 @@ class Estimation:
     smooth: bool = False
     fit: bool = False  # take acceleration_density and edge_variance from the log
     largest_deceleration: float | None = None  # of the spool by drive and friction, rad/s^2; None: from its speed
+    sections_given: bool = False  # the PWM periods of a valve
     sectors_assumed: bool = False  # neither sectors nor widths were given
+
+    @property
+    def is_of_valve(self) -> bool:
+        """Whether the shaft is known to be the spool of a rotary valve: by its sections or its inlet pressure."""
+        return self.sections_given or self.pressure is not None
 
     @property
     def wheel(self) -> CodeWheel:
@@ -288,6 +294,7 @@ def _estimation(given: _Given) -> Estimation | None:
         source=source,
         filter=chosen,
         sections=given.values["valve"].get("sections", DEFAULT_SECTIONS),
+        sections_given="sections" in given.values["valve"],
         **given.pick("log", ("time", "time_unit", "sample_rate")),
         begin=begin,
         end=end,

@@ -57,13 +57,14 @@ def _config_lines(wanted: Estimation, channels: Sequence[ChannelInfo], place: st
         yield f"{name} = {shown}".ljust(46) + f"# {FILTER_WORDS.get(name, kind.name)}"
     yield ""
     yield "[valve]"
-    yield f"sections = {wanted.sections}".ljust(30) + "# PWM periods in a turn of the spool"
+    off = "" if wanted.sections_given else "# "
+    yield f"{off}sections = {wanted.sections}".ljust(30) + "# PWM periods in a revolution of a rotary valve's spool"
     hardest = _amount(wanted.largest_deceleration, "rad/s^2")
     yield from _optional(
         "largest_deceleration",
         hardest,
         '"3000 rad/s^2"',
-        "of the spool; by default speed, at least 155 rad/s, over 28 ms",
+        "of the shaft; by default speed, at least 155 rad/s, over 28 ms",
     )
     yield ""
     yield from _pressure_lines(wanted.pressure)
@@ -84,7 +85,7 @@ FILTER_WORDS = {
     "manoeuvre_density": "in place of acceleration_density while the speed changes",
     "manoeuvre_gate": "sum of innovations from which it does",
     "manoeuvre_edges": "fading over so many edges",
-    "index_turns": "turns that have to agree about the index; 0 where there is none",
+    "index_turns": "revolutions that have to agree about the index; 0 where there is none",
 }
 
 

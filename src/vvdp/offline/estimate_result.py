@@ -22,14 +22,14 @@ AT_ONCE = 1_000_000
 ROWS: Mapping[str, tuple[str, str]] = {
     "time": ("s", "time, uniform within a piece of the record"),
     "piece": ("1", "piece of the record; the filter starts again with each"),
-    "angle": ("rad", "spool angle, unwrapped; it falls while the spool turns backwards"),
-    "angle_in_turn": ("rad", "spool angle within the turn"),
-    "speed": ("rad/s", "spool speed, negative backwards; a mean over a PWM period unless the filter has its ripple"),
-    "angle_deviation": ("rad", "standard deviation of the spool angle"),
+    "angle": ("rad", "shaft angle, unwrapped; it falls while the shaft turns backwards"),
+    "angle_in_turn": ("rad", "shaft angle within the revolution"),
+    "speed": ("rad/s", "shaft speed, negative backwards; without its ripple unless the filter has one"),
+    "angle_deviation": ("rad", "standard deviation of the shaft angle"),
     "speed_deviation": ("rad/s", "standard deviation of that speed"),
     "pwm_frequency": ("Hz", "PWM frequency"),
-    "standstill": ("1", "probability that the spool stands still"),
-    "settled": ("1", "1 where the row counts in means: after the first two turns of a piece"),
+    "standstill": ("1", "probability that the shaft stands still"),
+    "settled": ("1", "1 where the row counts in means: after the first two revolutions of a piece"),
 }
 PRESSURE_ROW = {"inlet_pressure": ("Pa", "inlet pressure (absolute)")}
 FUSED_ROWS = {
@@ -39,8 +39,8 @@ FUSED_ROWS = {
     "pressure_lag": ("s", "lag of the pressure's wave, estimated where `lag_deviation` is above 0"),
 }
 SMOOTHED: Mapping[str, tuple[str, str]] = {
-    "smoothed_angle": ("rad", "spool angle given the whole record, unwrapped"),
-    "smoothed_speed": ("rad/s", "spool speed given the whole record"),
+    "smoothed_angle": ("rad", "shaft angle given the whole record, unwrapped"),
+    "smoothed_speed": ("rad/s", "shaft speed given the whole record"),
     "smoothed_angle_deviation": ("rad", "standard deviation of the smoothed angle"),
     "smoothed_speed_deviation": ("rad/s", "standard deviation of the smoothed speed"),
 }
@@ -56,7 +56,7 @@ EDGES: Mapping[str, tuple[str, str]] = {
     "innovation": ("rad", "by how much the edge differs from what was expected; NaN where it was not used"),
     "innovation_deviation": ("rad", "by how much it was expected to differ"),
     "normalised_innovation": ("1", "innovation over its deviation"),
-    "settled": ("1", "1 after the first two turns of a piece"),
+    "settled": ("1", "1 after the first two revolutions of a piece"),
 }
 
 

@@ -38,41 +38,42 @@ WHEEL = (
         "speed is an alias: {aliases} make the same samples as {pace}.",
         "Sample faster, ten times for each sector."),
     Rule("odd_kind", "Edges of one kind only",
-        "By their index {passing} edges pass in a turn, not {described}: rising edges only, or falling ones "
+        "By their index {passing} edges pass in a revolution, not {described}: rising edges only, or falling ones "
         "({likelier}). The speed is {described_to_passing:g} times what is shown.",
-        "Log all edges: an odd number of them in a turn cannot be followed.", Grade.BAD),
+        "Log all edges: an odd number of them in a revolution cannot be followed.", Grade.BAD),
     Rule("even_kind", "Edges of one kind only",
-        "By their index {passing} edges pass in a turn, not {described}: rising edges only, or falling ones "
-        "({likelier}); {passing} edges a turn were taken.",
+        "By their index {passing} edges pass in a revolution, not {described}: rising edges only, or falling ones "
+        "({likelier}); {passing} edges per revolution were taken.",
         "Nothing to do, if that is so. " + LOOK_AT_SHIFT),
     Rule("other_sectors", "Another number of sectors",
-        "By their index {passing} edges pass in a turn, not {described} ({likelier}); {passing} sectors were taken.",
+        "By their index {passing} edges pass in a revolution, not {described} ({likelier}); {passing} sectors were "
+        "taken.",
         "Give --sectors {passing}, if that is so. " + LOOK_AT_SHIFT),
     Rule("assumed", "Sectors assumed",
-        "No number of sectors was given: {sectors} sectors were assumed, {sectors} edges a turn. Were rising edges "
-        "alone logged, {half} a turn, the speed is twice what is shown; with another number of edges a turn it is "
+        "No number of sectors was given: {sectors} sectors were assumed, {sectors} edges per revolution. Were rising "
+        "edges alone logged, {half} per revolution, the speed is twice what is shown; with another number it is "
         "{sectors} over that number times what is shown.",
         "Count the bright and dark sectors of the wheel and give --sectors."),
     Rule("index_lost", "Index not found",
-        "{index_lost}. So nothing confirms that {described} edges pass in a turn: with half or twice as many the speed "
-        "is twice or half of what is shown.",
+        "{index_lost}. So nothing confirms that {described} edges pass in a revolution: with half or twice as many the "
+        "speed is twice or half of what is shown.",
         "Look at index_shift or widths, at the number of sectors ({described}), and whether rising and falling edges "
         "were both logged.", Grade.BAD),
     Rule("inverted", "The wave is inverted",
         "By the index of the wheel rising edges are falling ones ({likelier}); they were exchanged.",
         "{upright}An index on an edge of the other polarity looks the same; then nothing is to be done."),
-    Rule("backwards", "The spool turns backwards",
-        "The edges follow each other in mirrored order ({likelier}): the spool turns backwards, the angle falls, and "
+    Rule("backwards", "The shaft turns backwards",
+        "The edges follow each other in mirrored order ({likelier}): the shaft turns backwards, the angle falls, and "
         "the speed is negative.",
-        "An index that is shifted the other way looks the same: if the spool turns forward, give an index_shift of "
+        "An index that is shifted the other way looks the same: if the shaft turns forward, give an index_shift of "
         "{mirrored_shift:.3g}, or the widths in the other order."),
-    Rule("reversals", "The spool reversed",
-        "At about {it:.4g} s the spool reversed: from there on the edges follow each other in mirrored order.",
+    Rule("reversals", "The shaft reversed",
+        "At about {it:.4g} s the shaft reversed: from there on the edges follow each other in mirrored order.",
         "Angle and speed have the sign of the direction."),
-    Rule("more_reversals", "The spool reversed", "And {more_reversals} times more.", "See piece and speed."),
+    Rule("more_reversals", "The shaft reversed", "And {more_reversals} times more.", "See piece and speed."),
     Rule("slow_passages", "Perhaps turned back",
-        "At about {slow_passages} the spool nearly stood still: the wheel cannot show whether it turned back.",
-        "Speed and angle are those of a spool that turns on. A wheel with an index would show."),
+        "At about {slow_passages} the shaft nearly stood still: the wheel cannot show whether it turned back.",
+        "Speed and angle are those of a shaft that turns on. A wheel with an index would show."),
 )
 """What the speed stands on, before everything else: which wheel it was, which way it turned, aliases."""
 CLOCK = (
@@ -83,18 +84,18 @@ CLOCK = (
 )
 RECORD = (
     Rule("lost_sensor", "Sensor lost",
-        "The sensor gave no edges {lost_sensor}. To stand still, the spool would have to stop from {lost_speed} and to "
+        "The sensor gave no edges {lost_sensor}. To stand still, the shaft would have to stop from {lost_speed} and to "
         "start again within one sector each, with {needed} rad/s^2. It is taken to have turned on (probability "
         "{lost_chance} or more). The revolutions in that time follow from the speed; their standard deviation is up to "
         "{lost_turns:.2g}.",
-        "Check the sensor and its cable. If the spool really stopped, give a largest_deceleration in [valve]."),
+        "Check the sensor and its cable. If the shaft really stopped, give a largest_deceleration in [valve]."),
     Rule("standstills", "Standstill",
-        "The spool stood still {standstills}.",
+        "The shaft stood still {standstills}.",
         "Nothing to do, if so. A sensor that falls silent looks the same."),
     Rule("interruptions", "Interrupted", "{it}", "Run it again.", Grade.BAD),
     Rule("unsettled", "Too short",
-        "{edges:edges} {edges:is} less than two turns of {sectors}: the filter has not settled, and means are over all "
-        "that there is.",
+        "{edges:edges} {edges:is} less than two revolutions of {sectors}: the filter has not settled, and means are "
+        "over all that there is.",
         "Take a longer record.", Grade.BAD),
     Rule("unchecked", "The settings were not checked",
         "{edges:edges} {edges:is} fewer than the {fewest_checked} that a check needs: how far speed and angle may be "
@@ -115,11 +116,11 @@ RECORD = (
     Rule("started_anew", "Pauses without edges",
         "The filter was started {started_anew:times}: without an edge it can go on for {bridge:.3g} s at the mean "
         "speed, until three deviations of its angle reach half a sector.",
-        "Between pieces the spool is stated to stand where the last row has it; in a gap of the record the estimate is "
-        "NaN, and turns that passed there are only guessed."),
+        "Between pieces the shaft is stated to stand where the last row has it; in a gap of the record the estimate is "
+        "NaN, and revolutions that passed there are only guessed."),
     Rule("left_out", "Edges left out",
         "{left_out:edges} {left_out:is} too isolated to give a speed.",
-        "Nothing to do, if the spool was at rest."),
+        "Nothing to do, if the shaft was at rest."),
     Rule("doubled", "Double edges",
         "{doubled:edges} came much sooner after another than edges do there; {doubled:it was|they were} taken as "
         "{doubled:a bounce|bounces}.",
@@ -170,14 +171,14 @@ SETTINGS = (
         "states {stated_error}; with these {fitted_error}.",
         'Use --fit, or in the config [filter] acceleration_density = "{q} rad^2/s^3" and edge_variance = "{R} rad^2".'),
     Rule("ripple", "A ripple of the speed, or an uneven wheel",
-        "{ripple}. The filter models neither: its speed is the mean over a ripple. The spool's own goes {swing} up "
+        "{ripple}. The filter models neither: its speed is the mean over a ripple. The shaft's own goes {swing} up "
         "and down, which is part of the standard deviation of the speed.",
         "Use --fit, which takes it for a ripple, or in the config [filter] ripple_order = {ripple_order}, "
         'ripple_variance = {ripple_variance:.3g} and ripple_drift = "{ripple_drift:.3g} 1/s"; if it is the wheel, its '
         "widths."),
     Rule("ripple_unseen", "A ripple cannot be seen whole",
         "What repeats with every turn is taken for the wheel's. It may be a ripple as well: at {sections} per turn it "
-        "takes more than {nyquist} edges in a turn to see it whole, and the wheel has {wheel_edges}.",
+        "takes more than {nyquist} edges per revolution to see it whole, and the wheel has {wheel_edges}.",
         "Take the speed for its mean over a ripple, or a wheel with more sectors."),
 )
 DOUBT = (
@@ -216,7 +217,7 @@ NO_RESULT = (
         "{found}, but time runs backwards there, {backward} times", "{needed}, and in the order of time"),
     Rule("few_steps", "", "{found}, in only {left_out} steps", "{needed}, so read the counter faster"),
     Rule("apart", "",
-        "{found}, {apart:.4g} s apart on average: the spool is not rotating",
+        "{found}, {apart:.4g} s apart on average: the shaft is not rotating",
         "look at the unit of the times ({needed} with less than {longest:g} s between them)"),
     Rule("too_few", "", "{found}", "{needed}"),
 )

@@ -63,10 +63,10 @@ QUANTITIES: Mapping[str, tuple[Kind, str]] = {
     "not_numbers": (COUNT, "samples that are not numbers"),
     "backward_times": (COUNT, "places where time runs backwards"),
     "pieces": (COUNT, "pieces of the record"),
-    "spool_speed_mean_rad_s": (SPEED, "spool speed, mean"),
-    "spool_speed_std_rad_s": (SPEED, "spool speed, standard deviation"),
-    "spool_speed_min_rad_s": (SPEED, "spool speed, lowest"),
-    "spool_speed_max_rad_s": (SPEED, "spool speed, highest"),
+    "spool_speed_mean_rad_s": (SPEED, "shaft speed, mean"),
+    "spool_speed_std_rad_s": (SPEED, "shaft speed, standard deviation"),
+    "spool_speed_min_rad_s": (SPEED, "shaft speed, lowest"),
+    "spool_speed_max_rad_s": (SPEED, "shaft speed, highest"),
     "settled": (FLAG, "filter settled"),
     "pwm_frequency_mean_Hz": (FREQUENCY, "PWM frequency, mean"),
     "angle_deviation_mean_rad": (ANGLE, "standard deviation of the angle, mean"),
@@ -87,7 +87,7 @@ QUANTITIES: Mapping[str, tuple[Kind, str]] = {
     "acceleration_density_fitted_rad2_s3": (ACCELERATION_DENSITY, "acceleration noise that fits the log best"),
     "edge_variance_fitted_rad2": (ANGULAR_VARIANCE, "variance of an edge's angle that fits the log best"),
     "likelihood_gain": (NUMBER, "logarithm of the likelihood gained by these"),
-    "ripple_order_fitted": (COUNT, "ripples of the speed in a turn, found"),
+    "ripple_order_fitted": (COUNT, "ripples of the speed per revolution, found"),
     "ripple_amplitude_fitted": (RATIO, "amplitude of the speed's ripple over the mean speed, found"),
     "ripple_amplitude_fitted_error": (RATIO, "standard error of that amplitude"),
     "settings_fit": (FLAG, "settings of the filter fit the log"),
@@ -104,6 +104,8 @@ QUANTITIES: Mapping[str, tuple[Kind, str]] = {
     "pressure_max_inlet_Pa": (GAUGE_PRESSURE, "inlet pressure, highest"),
 }
 """Kind and label of every number; `docs/keys.md` says what they mean."""
+OF_VALVES = ("pwm_frequency_mean_Hz",)
+"""Numbers that are listed for the spool of a rotary valve only."""
 IN_CHANNEL_UNIT = ("threshold", "threshold_suggested", "wave_swing", "wave_noise")
 LISTED: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "speed-numbers": ("Speed", (
@@ -149,7 +151,8 @@ def estimate_result(outcome: Outcome) -> Result:
     """Everything that is to be said and drawn of an estimation."""
     values = {key: np.nan if value is None else float(value) for key, value in outcome.summary.items()}
     numbers = numbers_of(values, QUANTITIES)
-    listings = dict(_listings(numbers, outcome.wave_unit))
+    listed = {key: each for key, each in numbers.items() if outcome.wanted.is_of_valve or key not in OF_VALVES}
+    listings = dict(_listings(listed, outcome.wave_unit))
     polarity_known = isinstance(outcome.wanted.source, Wave) or _has_falling(outcome.wanted)
     wheel = wheel_table(outcome.sums, polarity_known=polarity_known)
     tables = {TABLE: wheel, RIPPLES: ripple_table(outcome.sums.explained)}
@@ -182,7 +185,8 @@ def _figures(outcome: Outcome) -> Iterator[Figure]:
     if excerpt is not None and excerpt.times.size and isinstance(wanted.source, Wave):
         yield wave_figure(excerpt, outcome.wave_unit, automatic=wanted.source.comparator.level is None)
     yield speed_figure(outcome.file, sums)
-    yield speed_detail(outcome.file, seen_stretch(outcome.file, excerpt, sums.tally.sectors), wanted.sections)
+    periods = wanted.sections if wanted.is_of_valve else 0
+    yield speed_detail(outcome.file, seen_stretch(outcome.file, excerpt, sums.tally.sectors), periods)
     if sums.edges.nis.count:
         yield innovation_figure(outcome.file, sums)
     if wanted.pressure is not None:
@@ -220,7 +224,9 @@ def _conditions(outcome: Outcome) -> dict[str, str]:
 def _speed_meant(wanted: Estimation) -> str:
     """Which speed is estimated, in words."""
     order = wanted.filter.ripple_order
-    return f"of the instant, {plain(order)} ripples a turn" if order > 0.0 else "mean over a PWM period"
+    if order > 0.0:
+        return f"of the instant, {plain(order)} ripples per revolution"
+    return "mean over a PWM period" if wanted.is_of_valve else "without its ripple"
 
 
 def _badges(outcome: Outcome) -> Iterator[Badge]:
@@ -262,11 +268,12 @@ def _in_words(outcome: Outcome, frequency: Number) -> str:
         if sums.rows.speed.count
         else "The record is too short for the filter to settle."
     )
+    is_of_valve = outcome.wanted.is_of_valve
+    of_valve = f", which is a PWM frequency of {with_unit(frequency.value, FREQUENCY)}" if is_of_valve else ""
     return (
-        f"In {with_unit(sums.tally.measured, DURATION)}, {passed}{missed}. The spool turned at "
-        f"{with_unit(speed.mean, SPEED, 5)} on average, standard deviation {with_unit(speed.deviation, SPEED, 3)}, "
-        f"which is a PWM frequency of {with_unit(frequency.value, FREQUENCY)}. "
-        f"{settled}{_granted_words(outcome)}"
+        f"In {with_unit(sums.tally.measured, DURATION)}, {passed}{missed}. The shaft turned at "
+        f"{with_unit(speed.mean, SPEED, 5)} on average, standard deviation {with_unit(speed.deviation, SPEED, 3)}"
+        f"{of_valve}. {settled}{_granted_words(outcome)}"
     )
 
 
@@ -275,7 +282,7 @@ def _granted_words(outcome: Outcome) -> str:
     n = outcome.sums.tally.sectors
     if outcome.summary["index_found"]:
         return ""
-    return f" That {n} edges pass in a turn, rising and falling ones, is assumed: such a wheel does not show it."
+    return f" That {n} edges pass per revolution, rising and falling ones, is assumed: such a wheel does not show it."
 
 
 def _sections(listings: tuple[str, ...], charts: tuple[str, ...], outcome: Outcome) -> tuple[Section, ...]:

@@ -73,8 +73,8 @@ def wheel_figure(table: Table, wheel: CodeWheel) -> Figure:
         else "all within their errors and left out"
     )
     caption = (
-        "By how much each edge of the wheel lies further on than it should (right), mean over all turns; band: two "
-        "standard errors. The mean of all is zero, since no angle is known from outside. Rising (even) and falling "
+        "By how much each edge of the wheel lies further on than it should (right), mean over all revolutions; band: "
+        "two standard errors. The mean of all is zero, since no angle is known from outside. Rising (even) and falling "
         "edges apart: the threshold is off. One wave over the turn: the wheel is eccentric. One edge alone: dirt, a "
         f"damaged sector, or an index. Left: the wheel, with dark sectors hatched and the offsets {drawn}."
     )

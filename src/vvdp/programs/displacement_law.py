@@ -10,7 +10,6 @@ from vvdp.base.kinds import (
     Flow,
     Force,
     Fraction,
-    Polytropic,
     Position,
     Pressure,
     SignedFraction,
@@ -42,6 +41,7 @@ from vvdp.control.displacement import (
 from vvdp.control.flow_split import FlowSplit
 from vvdp.control.pressure_modes import PressureBounds, PressureMode
 from vvdp.control.reference import Jerk, Reference, SignedAcceleration
+from vvdp.hydraulics.volume import GasExponent, GasPressure
 from vvdp.network.program import ProgramType
 from vvdp.programs.generic import GenericProgram
 
@@ -53,8 +53,8 @@ class KnownCylinder(CylinderBelief, CylinderEnds, LineBelief):
     line_volume: Volume = 0.0
     hose_compliance: Compliance = 0.0
     gas_volume: Volume = 0.0
-    precharge_pressure: Pressure = 0.0
-    gas_exponent: Polytropic = 1.3
+    precharge_pressure: GasPressure = 0.0
+    gas_exponent: GasExponent = 1.3
 
 
 class DisplacementTable(

@@ -57,6 +57,8 @@ THIRD_RATE = Kind("third derivative of the command", "1/s^3", -LARGEST, LARGEST,
 """Kinds that stand for those of a circuit; their units are those of a fraction that follows a pressure."""
 INPUTS = (INPUT, SECOND, THIRD, FOURTH)
 """Kinds of what is read; a program that reads several quantities gives each input its own."""
+OF_ANY_QUANTITY = frozenset({*INPUTS, OUTPUT, GAIN, OUTPUT_RATE, SECOND_RATE, THIRD_RATE})
+"""All that stand for others."""
 
 Plain = Annotated[float, PLAIN]
 Input = Annotated[float, INPUT]

@@ -111,7 +111,8 @@ def _panels(result: Result, name: str) -> tuple[Panel, ...]:
 
 
 def _suggestion(result: Result, name: str) -> str:
-    return suggestion(name, [*result.charts, *series_names(result)]) or "; `vvdp plot DIR --list` shows all names"
+    known = [*result.charts, *series_names(result)]
+    return suggestion(name, known) or "; `vvdp plot DIR --list` or `run.names` shows all names"
 
 
 def series_labels(result: Result) -> Iterator[tuple[str, str, str]]:

@@ -21,17 +21,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.report.plot import (
-    axis_label,
-    column_unit,
-    field_colours,
-    field_grid,
-    field_steps,
-    line_columns,
-    line_label,
-    line_looks,
-    shown_values,
-)
+from vvdp.report.plot import field_colours, field_grid, field_steps
+from vvdp.report.plot_lines import FLAG_HEIGHT
+from vvdp.report.shown import axis_label, column_unit, line_columns, line_label, line_looks, shown_values
 from vvdp.results.chart import Bars, Chart, Dots, Field, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
 
@@ -45,6 +37,7 @@ SCRIPTS = (
     "unpack.js",
     "format.js",
     "lines.js",
+    "ripple.js",
     "contents.js",
     "plot.js",
     "charts.js",
@@ -222,11 +215,20 @@ def _describe_lines(panel: Lines, table: Table, tables: Mapping[str, Table], col
         "x": _describe_axis([x], panel.x_label, (panel.left, panel.right), is_log=panel.x_log),
         "y": _describe_axis(y, panel.label, (panel.low, panel.high), is_log=panel.y_log),
         "lines": [
-            _describe_line(line, look, tables[line.table] if line.table else table, columns)
-            for line, look in zip(panel.lines, line_looks(panel), strict=True)
+            _describe_line(line, look, tables[line.table] if line.table else table, columns) | _row(line, row)
+            for row, (line, look) in enumerate(zip(panel.lines, line_looks(panel), strict=True))
         ],
         "levels": levels,
     }
+
+
+def _row(line: Line, row: int) -> dict[str, float]:
+    """Lower and upper edge of the bar of a flag."""
+    return (
+        {"foot": row + 0.5 - 0.5 * FLAG_HEIGHT, "top": row + 0.5 + 0.5 * FLAG_HEIGHT}
+        if line.stroke is Stroke.FLAG
+        else {}
+    )
 
 
 def _describe_axis(

@@ -7,28 +7,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vvdp.base.arrays import Array, Rows
-from vvdp.base.display import DisplayUnit, display_unit, plain
+from vvdp.base.arrays import Array
+from vvdp.base.display import DisplayUnit, plain
 from vvdp.report.drawing import STYLE, Drawn, draw_figure, empty_figure
-from vvdp.results.chart import Bars, Chart, Colour, Dots, Field, Level, Line, Lines, Panel, Stroke
-from vvdp.results.result import Column, Table
+from vvdp.report.plot_lines import RIPPLE, draw_flag, draw_line, printed_point, rows_in_view
+from vvdp.report.shown import ORDER, axis_label, column_unit, line_columns, line_label, line_looks, shown_values
+from vvdp.results.chart import Bars, Chart, Colour, Dots, Field, Level, Lines, Panel, Stroke
+from vvdp.results.result import Table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-ORDER = (Colour.LOAD, Colour.INLET, Colour.TANK, Colour.RELIEF, Colour.GREEN, Colour.RED, Colour.PURPLE, Colour.OLIVE)
-"""Colours of lines that have none of their own."""
-STROKES = (Stroke.SOLID, Stroke.DASHED, Stroke.DOTTED)
 WITH_MARKS = (Stroke.POINTS, Stroke.MARKED, Stroke.STEMS)
 """Strokes that would be cut in half at the edge of a panel."""
 MOST_ABOVE = 6
 """Names of lines that stand above a panel; more stand beside it."""
-MOST_POINTS = 800
-"""Points of a printed line; of more, the lowest and highest of each part are drawn.
-
-A panel is 6.26 inches wide at most, and a line 1.3 points: 347 lines beside each other fill it, so 400 parts show all.
-"""
+CLOSE_CYCLES = "A band with a line in it: cycles too close to be drawn, from lowest to highest, and their mean."
 BESIDE = 4
 """Names of bars that stand beside each other above a panel."""
 LEFT, RIGHT, BELOW, ABOVE, GAP, LETTER = 0.72, 0.12, 0.42, 0.2, 0.08, 0.062
@@ -37,6 +32,8 @@ LETTERS, STROKE_LETTERS = 105, 7
 """Letters of the names of lines that stand in one row above panels across the page; a line's stroke is as wide as 7."""
 ROW, NAMED = 1.25, 0.17
 """Height of a row of panels on paper, with the words at its axes, and of a row of names above it [inch]."""
+MOST_TICKS = 5
+"""Steps between numbers at an axis of x of panels in rows, which are as narrow."""
 MOST_LETTERS = 24
 """Letters in a line of the words at an axis of y that is as short as panels in rows have it."""
 IN_PAIRS = (2, 4)
@@ -46,8 +43,15 @@ EDGE = 0.07
 
 
 def draw_chart(chart: Chart, tables: Mapping[str, Table]) -> Drawn:
-    """The printed figure of a chart over the tables of its result."""
-    return draw_figure(chart.name, chart.caption, chart.height, lambda figure: fill_figure(figure, chart, tables))
+    """The printed figure of a chart over the tables of its result; its caption explains bands of close cycles."""
+    has_ripple: list[bool] = []
+
+    def fill(figure: "Figure") -> None:
+        fill_figure(figure, chart, tables)
+        has_ripple.append(bool(figure.findobj(lambda each: each.get_gid() == RIPPLE)))
+
+    drawn = draw_figure(chart.name, chart.caption, chart.height, fill)
+    return replace(drawn, caption=f"{chart.caption} {CLOSE_CYCLES}".strip()) if has_ripple[0] else drawn
 
 
 def paper_chart(chart: Chart, tables: Mapping[str, Table]) -> Chart:
@@ -128,6 +132,8 @@ def _fill_rows(figure: "Figure", chart: Chart, tables: Mapping[str, Table]) -> N
             axes.set_xlabel("")
         else:
             axes.tick_params(axis="x", labelbottom=True)
+        if isinstance(panel, Lines) and not panel.x_log:
+            axes.locator_params(axis="x", nbins=MOST_TICKS)
         if chart.one_x and not common and isinstance(panel, Lines) and (names := _names(panel, table)):
             _legend(axes, panel, columns=_names_abreast(names, columns))
     for axes in grid.flat[count:]:
@@ -185,76 +191,11 @@ def _draw_panel(axes: "Axes", panel: Panel, table: Table, tables: Mapping[str, T
         axes.set_title(panel.title, loc="right" if isinstance(panel, Lines) else "left", pad=4.0)
 
 
-def line_label(line: Line, table: Table) -> str:
-    """What a line is called; one of another table than that of its panel has a label of its own."""
-    return line.label or table.columns[line.y].label
-
-
-def line_columns(panel: Lines, table: Table, tables: Mapping[str, Table]) -> list[Column]:
-    """The columns of y that a panel draws."""
-    return [(tables[line.table] if line.table else table).columns[line.y] for line in panel.lines]
-
-
-def axis_label(columns: Sequence[Column], label: str = "") -> str:
-    """What stands at an axis: `label`, or what the columns have in common, with the unit."""
-    labels = list(dict.fromkeys(column.label for column in columns))
-    kind = columns[0].kind
-    words = label or (labels[0] if len(labels) == 1 else kind.name if kind else "")
-    return words + column_unit(columns[0]).bracketed_symbol
-
-
-def line_looks(panel: Lines) -> list[tuple[str, Stroke]]:
-    """Colour and stroke of each line: one without a colour takes the next that is free, once all are taken dashed."""
-    own = {line.colour for line in panel.lines}
-    free = [colour for colour in ORDER if colour not in own] or list(ORDER)
-    looks: list[tuple[str, Stroke]] = []
-    turns = iter(range(len(panel.lines)))
-    for line in panel.lines:
-        if line.colour:
-            looks.append((line.colour, line.stroke))
-            continue
-        turn, place = divmod(next(turns), len(free))
-        stroke = STROKES[turn % len(STROKES)] if line.stroke is Stroke.SOLID else line.stroke
-        looks.append((free[place], stroke))
-    return looks
-
-
-def kept_places(x: Array, y: Array, most: int = MOST_POINTS) -> Rows:
-    """Places of at most about `most` points of a line that looks the same: lowest and highest in each stretch of x.
-
-    Stretches are of one length, however densely they are recorded. Where x runs back, points count instead. A gap of y
-    stays a gap.
-    """
-    if y.size <= most:
-        return np.arange(y.size)
-    runs_on = bool(np.all(np.diff(x) >= 0.0)) and x[-1] > x[0]  # False for nan too
-    along = (x - x[0]) / (x[-1] - x[0]) if runs_on else np.linspace(0.0, 1.0, y.size)
-    begins = np.unique((along * (most // 2)).astype(int).clip(max=most // 2 - 1), return_index=True)[1]
-    sizes = np.diff(np.append(begins, y.size))
-    kept = [np.zeros(1, int), np.full(1, y.size - 1), np.flatnonzero(np.isnan(y))]
-    for sign in (1.0, -1.0):
-        filled = np.where(np.isfinite(y), sign * y, np.inf)
-        least = np.repeat(np.fmin.reduceat(filled, begins), sizes)
-        places = np.flatnonzero(filled == least)
-        stretch = np.repeat(np.arange(begins.size), sizes)[places]
-        kept.append(places[np.unique(stretch, return_index=True)[1]])
-    return np.unique(np.concatenate(kept))
-
-
-def column_unit(column: Column) -> DisplayUnit:
-    """The unit in which a column is shown."""
-    return display_unit(column.kind) if column.kind else DisplayUnit("", 1.0, 0.0)
-
-
-def shown_values(table: Table, key: str, rows: tuple[int, ...] = ()) -> Array:
-    """A column in the unit in which it is shown, at `rows` or all."""
-    values = np.asarray(table[key], float)
-    shown: Array = column_unit(table.columns[key]).from_si(values[list(rows)] if rows else values)
-    return shown
-
-
 def _names(panel: Lines, table: Table) -> tuple[str, ...]:
     names = tuple(line_label(line, table) for line in panel.lines)
+    first = panel.lines[0]
+    if names == (panel.label or ("" if first.table else table.columns[first.y].label),) and not panel.legend:
+        return ()  # the axis has the name already
     return names if len(set(names)) > 1 or panel.legend or any(line.label for line in panel.lines) else ()
 
 
@@ -278,9 +219,14 @@ def _common_legend(figure: "Figure", grid: Sequence["Axes"], panels: Sequence[Pa
 
 
 def _draw_lines(axes: "Axes", panel: Lines, table: Table, tables: Mapping[str, Table]) -> None:
-    for line, look in zip(panel.lines, line_looks(panel), strict=True):
-        own = tables[line.table] if line.table else table
-        _draw_line(axes, line, own, look, _rows_in_view(panel, line, own))
+    owners = [tables[line.table] if line.table else table for line in panel.lines]
+    point = printed_point(axes, panel, owners)
+    for row, (line, own, look) in enumerate(zip(panel.lines, owners, line_looks(panel), strict=True)):
+        if line.stroke is Stroke.FLAG:
+            draw_flag(axes, line, own, look[0], row)
+            axes.set_yticks([])
+        else:
+            draw_line(axes, line, (own, rows_in_view(panel, line, own)), look, point)
     y = line_columns(panel, table, tables)
     x = (tables[panel.lines[0].table] if panel.lines[0].table else table).columns[panel.lines[0].x]
     for level in panel.levels:
@@ -307,41 +253,6 @@ def _log_scale(axes: "Axes") -> None:
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: plain(value, 3)))
     axes.xaxis.set_minor_formatter(NullFormatter())
-
-
-def _rows_in_view(panel: Lines, line: Line, table: Table) -> slice:
-    """The rows of a line between the given ends of x and one beyond each, so that points are not spent outside."""
-    x = np.asarray(table[line.x], float)
-    if line.rows or np.any(np.diff(x) < 0.0) or np.any(np.isnan(x)):
-        return slice(None)
-    first = 0 if panel.left is None else max(int(np.searchsorted(x, panel.left)) - 1, 0)
-    last = x.size if panel.right is None else int(np.searchsorted(x, panel.right, "right")) + 1
-    return slice(first, last)
-
-
-def _draw_line(axes: "Axes", line: Line, table: Table, look: tuple[str, Stroke], rows: slice) -> None:
-    colour, stroke = look
-    x, y = (shown_values(table, key, line.rows)[rows] for key in (line.x, line.y))
-    label, spec = line_label(line, table), axes.get_subplotspec()
-    most = MOST_POINTS // (spec.get_gridspec().ncols if spec else 1)
-    if line.low:
-        low, high = (shown_values(table, key, line.rows)[rows] for key in (line.low, line.high))
-        kept = np.union1d(kept_places(x, low, most), kept_places(x, high, most))
-        axes.fill_between(x[kept], low[kept], high[kept], facecolor=colour, alpha=0.25, linewidth=0.0)
-    if stroke is Stroke.STEMS:
-        axes.vlines(x, 0.0, y, color=colour, linewidth=line.width, label=label)
-        return
-    kept = kept_places(x, y, most)
-    x, y = x[kept], y[kept]
-    style: dict[str, Any] = {"color": colour, "linewidth": line.width, "label": label}
-    if stroke is Stroke.POINTS:
-        axes.plot(x, y, linestyle="none", marker="o", markersize=3.2, **style)
-    elif stroke is Stroke.MARKED:
-        axes.plot(x, y, marker="o", markersize=3.0, **style)
-    elif stroke is Stroke.STEPS:
-        axes.plot(x, y, drawstyle="steps-post", **style)
-    else:
-        axes.plot(x, y, linestyle=stroke, **style)
 
 
 def _draw_level(axes: "Axes", level: Level, unit: DisplayUnit) -> None:

@@ -38,6 +38,8 @@ class Stroke(StrEnum):
     """Joined, with a mark at each point."""
     STEMS = "stems"
     """Upright from zero, as the lines of a spectrum."""
+    FLAG = "flag"
+    """A bar in a row of its own while the value is 1, nothing while it is 0; for panels of nothing else."""
 
 
 SHADES = ("#a9cce4", "#6aaed6", "#2f6ea3", "#0b3c6f", "#061d38")
@@ -114,6 +116,14 @@ class Lines:
     """What the names of the lines stand for; with it they are listed beside the panel."""
     equal: bool = False
     """Whether a unit of x is as long as one of y."""
+
+
+def flag_panel(x: str, flags: Mapping[str, str], label: str = "", table: str = "") -> Lines:
+    """A panel of flags over a column, keys with their labels: the first in the lowest row."""
+    lines = tuple(Line(x=x, y=key, label=name, stroke=Stroke.FLAG) for key, name in flags.items())
+    return Lines(
+        lines=lines, label=label, table=table, low=0.0, high=float(len(lines)), height=0.15 + 0.12 * len(lines)
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

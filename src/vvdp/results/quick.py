@@ -2,8 +2,10 @@
 
 from collections.abc import Sequence
 
-from vvdp.results.chart import Chart, Line, Lines, Stroke
-from vvdp.results.result import Table
+import numpy as np
+
+from vvdp.results.chart import Chart, Line, Lines, Stroke, flag_panel
+from vvdp.results.result import Column, Table
 
 TIME = "time_s"
 FEW = 60
@@ -23,8 +25,15 @@ def drawable(table: Table) -> list[str]:
     return [key for key, column in table.columns.items() if x and key != x and column.kind is not None]
 
 
+def is_flag(column: Column) -> bool:
+    """Whether a column without unit has the values 0 and 1 and no others."""
+    return column.kind is not None and column.kind.unit == "1" and set(np.unique(column.values)) == {0.0, 1.0}
+
+
 def quick_panel(name: str, table: Table, key: str) -> Lines:
     """A column of the table called `name` over its abscissa."""
+    if is_flag(table.columns[key]):
+        return flag_panel(abscissa(table), {key: table.columns[key].label}, table=name)
     stroke = Stroke.MARKED if table.rows <= FEW else Stroke.SOLID
     return Lines(lines=(Line(x=abscissa(table), y=key, stroke=stroke),), table=name)
 

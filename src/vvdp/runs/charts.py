@@ -1,15 +1,17 @@
 """The figures of any circuit's run, as data over its table of series."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
+from vvdp.base.arrays import Array, Rows
 from vvdp.base.display import with_unit
 from vvdp.base.kinds import FLOW, GAUGE_PRESSURE, NUMBER
-from vvdp.results.chart import Bars, Chart, Colour, Level, Line, Lines, Panel, Stroke
-from vvdp.results.result import Table
+from vvdp.results.chart import Bars, Chart, Colour, Level, Line, Lines, Panel, Stroke, flag_panel
+from vvdp.results.quick import is_flag
+from vvdp.results.result import Column, Table
 from vvdp.runs.run import Detail, RecordedRun
 from vvdp.sensing.encoder import FOR_GOOD
 from vvdp.systems.faults import NamedFault
@@ -20,8 +22,14 @@ SERIES = "series"
 """Name of the table that holds what is recorded."""
 MOTIONS = ("speed", "position", "velocity")
 """What the names of columns of motions begin with."""
-MOST_LINES = 24
-"""Most lines of one panel."""
+MOST_NAMED, MOST_PANELS = 6, 2
+"""Lines of a panel, whose names stand above it, and sets of series of one quantity, by their range."""
+FLAT = 0.05
+"""Share of the height of a panel below which a series is flat beside another."""
+STILL = 1e-3
+"""Share of the largest value of a quantity below which a series counts as constant."""
+Slice: TypeAlias = slice | Rows
+"""Rows of a series."""
 
 
 def run_charts(run: RecordedRun, series: Table) -> Iterator[Chart]:
@@ -30,13 +38,15 @@ def run_charts(run: RecordedRun, series: Table) -> Iterator[Chart]:
         return
     part = run.detail() if run.detail().periods else run.fine()
     ends = (float(run.times[part.rows[0]]), float(run.times[part.rows[-1]]))
-    if panels := tuple(_panels(series, _pressures(series))):
-        seen = tuple(replace(panel, left=ends[0], right=ends[1]) for panel in panels)
-        yield _chart("detail", detail_words(run, part), seen)
-        yield _chart("run", whole_words(run), panels)
+    groups = _pressures(series)
+    if (shown := _moving_panels(series, groups, part.rows)).panels:
+        seen = tuple(replace(panel, left=ends[0], right=ends[1]) for panel in shown.panels)
+        yield _chart("detail", detail_words(run, part) + shown.flat, seen)
+    if (shown := _moving_panels(series, groups)).panels:
+        yield _chart("run", whole_words(run) + shown.flat, shown.panels)
     moved = [(what, [key for key in series.columns if key.startswith(f"{what}_")]) for what in MOTIONS]
-    if motion := tuple(_panels(series, moved)):
-        yield _chart("motion", "Shafts and rods over the whole run.", motion)
+    if (shown := _moving_panels(series, moved)).panels:
+        yield _chart("motion", "Shafts and rods over the whole run." + shown.flat, shown.panels)
     for program in run.network.programs:
         yield from _program_chart(program, series)
 
@@ -92,15 +102,80 @@ def _program_chart(program: str, series: Table) -> Iterator[Chart]:
     moving = [key for key in mine if key not in still]
     kinds = dict.fromkeys(mine[key].kind for key in moving)
     groups = (("", [key for key in moving if mine[key].kind is kind]) for kind in kinds)
-    if panels := tuple(_panels(series, groups)):
-        yield _chart(f"program-{program.replace('_', '-')}", words, panels)
+    if (shown := _moving_panels(series, groups)).panels:
+        yield _chart(f"program-{program.replace('_', '-')}", words + shown.flat, shown.panels)
 
 
-def _panels(series: Table, groups: Groups) -> Iterator[Lines]:
+class MovingPanels(NamedTuple):
+    """Panels, and in words the series that would be flat in them."""
+
+    panels: tuple[Lines, ...]
+    flat: str
+
+
+def _moving_panels(series: Table, groups: Groups, rows: Slice = slice(None)) -> MovingPanels:
+    """Panels of groups of series that move in these rows, flags in a panel of their own below."""
+    panels: list[Lines] = []
+    flat: list[str] = []
+    zero: list[str] = []
+    flags: dict[str, str] = {}
     for label, keys in groups:
-        lines = (Line(x="time_s", y=key, label=series.columns[key].label) for key in keys[:MOST_LINES])
-        if keys:
-            yield Lines(lines=tuple(lines), label=label)
+        flags |= {key: series.columns[key].label for key in keys if is_flag(series.columns[key])}
+        values = {key: np.asarray(series[key][rows], float) for key in keys if key not in flags}
+        parts = split_by_range(values)
+        panels += (_panel(series, label, part) for part in parts)
+        drawn = {key for part in parts for key in part}
+        least = STILL * max((float(abs(each).max()) for each in values.values()), default=0.0)
+        for key in (key for key in values if key not in drawn):
+            column, is_zero = series.columns[key], float(abs(values[key]).max()) <= least
+            (zero if is_zero else flat).append(column.label if is_zero else _in_words(column, values[key]))
+    if flags:
+        panels.append(flag_panel("time_s", flags, "flags"))
+    words = (f" {what}: {'; '.join(names)}." for what, names in (("Nearly constant", flat), ("Zero", zero)) if names)
+    return MovingPanels(tuple(panels), "".join(words))
+
+
+def _panel(series: Table, label: str, keys: Iterable[str]) -> Lines:
+    return Lines(lines=tuple(Line(x="time_s", y=key, label=series.columns[key].label) for key in keys), label=label)
+
+
+def _in_words(column: Column, values: Array) -> str:
+    """The label of a series with its lowest and highest value, or with one where they do not differ in print."""
+    kind = column.kind or NUMBER
+    low, high = (with_unit(float(end), kind, 3) for end in (values.min(), values.max()))
+    return f"{column.label} {low}" if low == high else f"{column.label} {low} to {high}"
+
+
+def split_by_range(values: Mapping[str, Array]) -> list[list[str]]:
+    """Series that one panel can show, in at most two sets; what would be flat in both is in none.
+
+    A series is flat where its range is below `FLAT` of the ends of its panel, or below `STILL` of the largest value of
+    all; where all are still, they are one set. Sets of more than `MOST_NAMED` are divided.
+    """
+    ends = {key: (float(each.min()), float(each.max())) for key, each in values.items()}
+    still = STILL * max((max(-low, high) for low, high in ends.values()), default=0.0)
+    rest = sorted(ends, key=lambda key: ends[key][0] - ends[key][1])
+    rest = [key for key in rest if ends[key][1] - ends[key][0] > still]
+    if not rest:
+        return list(_equal_parts(list(values)))
+    parts: list[list[str]] = []
+    while rest and len(parts) < MOST_PANELS:
+        part = [rest[0]]
+        for key in rest[1:]:
+            together = [ends[each] for each in (*part, key)]
+            room = max(high for _, high in together) - min(low for low, _ in together)
+            if all(high - low >= FLAT * room for low, high in together):
+                part.append(key)
+        rest = [key for key in rest if key not in part]
+        parts.append([key for key in values if key in part])
+    return [each for part in parts for each in _equal_parts(part)]
+
+
+def _equal_parts(part: list[str]) -> Iterator[list[str]]:
+    """A set in as few parts of one size as have at most `MOST_NAMED`; nothing of an empty one."""
+    count = -(-len(part) // MOST_NAMED)
+    for place in range(count):
+        yield part[place * len(part) // count : (place + 1) * len(part) // count]
 
 
 def with_faults(chart: Chart, faults: Iterable[NamedFault]) -> Chart:

@@ -4,12 +4,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from vvdp.base.arrays import Array, Rows
+from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.manifest import Directory, open_directory
+from vvdp.base.tables import nearest
 from vvdp.network.network import Network
 from vvdp.network.nodes import HydraulicNode, Junction, OilVolume
 from vvdp.results.result import Number
@@ -20,6 +22,7 @@ from vvdp.systems.overview import flow_ports, inside, period
 from vvdp.systems.quantities import summary_numbers
 from vvdp.systems.system import System, saved_system
 
+T = TypeVar("T")
 SHOWN_PERIODS = 3
 WITHOUT_MARKS = 0.05
 """Length of the detailed figures where no period was passed [s]."""
@@ -39,6 +42,13 @@ class Detail:
     def periods(self) -> int:
         """Whole periods among the rows."""
         return max(self.marks.size - 1, 0)
+
+
+def _member(known: Mapping[str, T], name: str, what: str) -> T:
+    """A member by its name. Raises ConfigError, with what was perhaps meant, if there is none."""
+    if name not in known:
+        raise ConfigError([Fault("run", 0, name, f"unknown {what}{nearest(name, known)}")])
+    return known[name]
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,15 +94,15 @@ class RecordedRun:
 
     def state(self, path: str) -> Array:
         """A recorded state over `times` [SI]."""
-        return self.record.states[path].values
+        return _member(self.record.states, path, "state").values
 
     def output(self, name: str) -> Array:
         """A recorded output over `times` [SI]."""
-        return self.record.outputs[name].values
+        return _member(self.record.outputs, name, "output").values
 
     def command(self, path: str) -> Array:
         """A recorded command, as "program.field", over `times` [SI]."""
-        return self.record.commands[path].values
+        return _member(self.record.commands, path, "command").values
 
     def memory(self, path: str) -> Array:
         """What a program remembered, as "program.field", over `times` [SI]."""
@@ -107,8 +117,7 @@ class RecordedRun:
 
     def pressure(self, node: str) -> Array:
         """The gauge pressure of a hydraulic node over `times` [Pa]."""
-        found = self.network.nodes[node]
-        assert isinstance(found, HydraulicNode)
+        found = _member({k: v for k, v in self.network.nodes.items() if isinstance(v, HydraulicNode)}, node, "node")
         absolute = self.state(node) if isinstance(found, OilVolume) else self.output(f"{node}_pressure")
         return absolute - found.oil.reference_pressure
 

@@ -7,14 +7,6 @@ from vvdp.base.tables import Sourced
 
 MOST_NAMED = 3
 """So many tables are named; the others are added up."""
-IDLE: Mapping[str, tuple[str, ...]] = {
-    "ripple_count": ("ripple_amplitude",),
-    "precharge_pressure": ("gas_volume",),
-    "gas_exponent": ("gas_volume",),
-    "stribeck_velocity": ("coulomb_friction", "breakaway_friction"),
-    "coulomb_velocity": ("coulomb_friction", "breakaway_friction"),
-}
-"""Values that are multiplied by nothing where all of these of their table are 0."""
 
 
 def assumed_rows(rows: Sequence[Sourced]) -> tuple[Sourced, ...]:
@@ -27,12 +19,11 @@ def assumed_rows(rows: Sequence[Sourced]) -> tuple[Sourced, ...]:
 
 
 def is_idle(row: Sourced, values: Mapping[str, float]) -> bool:
-    """Whether a value has no effect because others of its table are 0.
+    """Whether a value has no effect because others are 0, as its class declares (`base.params.without_effect`).
 
     values  of all rows, by table and key [SI]
     """
-    factors = IDLE.get(row.key, ())
-    return bool(factors) and all(values.get(f"{row.table}.{key}") == 0.0 for key in factors)
+    return bool(row.idle_at) and all(values.get(setting) == 0.0 for setting in row.idle_at)
 
 
 def assumed_words(rows: Sequence[Sourced]) -> str:

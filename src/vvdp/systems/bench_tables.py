@@ -1,5 +1,7 @@
 """The tables of the test rigs of the rotary valve that are not a component's."""
 
+from typing import Annotated, TypeAlias
+
 from vvdp.base.kinds import (
     Angle,
     AreaSignal,
@@ -13,7 +15,7 @@ from vvdp.base.kinds import (
     TemperatureSignal,
     Velocity,
 )
-from vvdp.base.params import Params
+from vvdp.base.params import Params, without_effect
 from vvdp.hydraulics.orifice import Orifice
 from vvdp.valve.validity import CAVITATION_PRESSURE
 
@@ -54,13 +56,16 @@ class Limits(Params):
     largest_velocity: Velocity = LARGEST_VELOCITY
 
 
+MotorSpeed: TypeAlias = Annotated[SpeedSignal, without_effect("spool_drive.coupling")]
+
+
 class DutyOperation(Params):
     """What is prescribed from outside, with the spool's axial position given as a duty ratio."""
 
     pump_speed: SpeedSignal
     oil_temperature: TemperatureSignal
     duty_ratio: DutySignal
-    spool_motor_speed: SpeedSignal
+    spool_motor_speed: MotorSpeed
     tank_pressure: PressureSignal
 
 
@@ -70,7 +75,7 @@ class AxialOperation(Params):
     pump_speed: SpeedSignal
     oil_temperature: TemperatureSignal
     axial_position: PositionSignal
-    spool_motor_speed: SpeedSignal
+    spool_motor_speed: MotorSpeed
     tank_pressure: PressureSignal
 
 

@@ -14,7 +14,6 @@ from vvdp.base.kinds import (
     Compliance,
     Kind,
     Mass,
-    Polytropic,
     Position,
     Pressure,
     PressureSignal,
@@ -40,7 +39,7 @@ from vvdp.base.tables import (
 from vvdp.components.library import COMPONENTS, UsualOil
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.heat import HeatBalance
-from vvdp.hydraulics.volume import Vessel
+from vvdp.hydraulics.volume import GasExponent, GasPressure, Vessel
 from vvdp.network.assembly import Assembly, InnerCircuit
 from vvdp.network.component import Component
 from vvdp.network.network import ROOM_TEMPERATURE, Network
@@ -84,8 +83,8 @@ class VesselTable(Params):
     start: Pressure
     hose_compliance: Compliance = 0.0
     gas_volume: Volume = 0.0
-    precharge_pressure: Pressure = 1e5
-    gas_exponent: Polytropic = 1.3
+    precharge_pressure: GasPressure = 1e5
+    gas_exponent: GasExponent = 1.3
 
 
 class StartPressure(Params):

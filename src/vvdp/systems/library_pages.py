@@ -27,6 +27,7 @@ from vvdp.network.nodes import kind_of_node
 from vvdp.network.program import ProgramType
 from vvdp.programs.generic import GenericProgram
 from vvdp.programs.library import PROGRAMS
+from vvdp.programs.quantities import OF_ANY_QUANTITY
 from vvdp.systems.library_examples import FOLDER, example_text, example_values, toml_text
 from vvdp.systems.plausibility import LARGEST_TRANSITION
 
@@ -136,7 +137,7 @@ def _program_page(kind: str, program: ProgramType | GenericProgram) -> LibraryPa
     own = program.type if isinstance(program, GenericProgram) else program
     given, settings = example_values(kind), [own.settings] if own.settings else []
     reads = [
-        _value(name, each, {}, own.defaults.get(name), kind)
+        _value(name, each, given, own.defaults.get(name), kind)
         for name, each in field_kinds(own.reading).items()
         if name != "time"
     ]
@@ -185,7 +186,7 @@ def _value(name: str, kind: Kind | None, given: Mapping[str, object], usual: Any
     return Described(
         name=name,
         meaning=meaning_of(name, kind, of),
-        unit=kind.display_unit or "1",
+        unit="any" if kind in OF_ANY_QUANTITY else kind.display_unit or "1",
         example=toml_text(given.get(name, plain)),
         usual="none" if is_limit else shown,
     )

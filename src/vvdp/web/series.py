@@ -9,7 +9,7 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.network.nodes import HydraulicNode
 from vvdp.report.interactive import is_live
-from vvdp.report.plot import column_unit
+from vvdp.report.shown import column_unit
 from vvdp.results.chart import Chart, Lines
 from vvdp.results.result import Result, Table
 from vvdp.runs.charts import SERIES

@@ -14,7 +14,7 @@ from vvdp.report.circuit import graph_of
 from vvdp.report.diagram import diagram
 from vvdp.report.drawing import INK
 from vvdp.report.interactive import Placed
-from vvdp.report.plot import column_unit
+from vvdp.report.shown import column_unit
 from vvdp.results.result import Column, Table
 from vvdp.runs.run import RecordedRun
 from vvdp.runs.tables import series_table

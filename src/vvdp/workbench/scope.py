@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from vvdp.report.chosen import series_names
-from vvdp.report.plot import column_unit
+from vvdp.report.shown import column_unit
 from vvdp.results.chart import Chart, Lines
 from vvdp.results.quick import TIME, abscissa, quick_panel, stacked_chart
 from vvdp.results.result import Result, Table

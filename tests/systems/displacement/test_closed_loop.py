@@ -109,11 +109,15 @@ def test_phases_come_in_order_and_are_drawn_under_every_course():
     line = run.state.line[phases == PRECHARGE]
     assert before[-1] - before[0] < 1.0 and np.max(line) < 101325.0 + 7.0 * BAR
     system = load_system(SPRING)
-    charts = [chart for chart, _ in system.extras.charts(record_of(run))]
+    drawn = list(system.extras.charts(record_of(run)))
+    charts, machine = [chart for chart, _ in drawn], drawn[0][1]
     assert {"machine-motion", "machine-pressures", "machine-actuation", "axial-control"} <= {c.name for c in charts}
     for chart in charts:
         if chart.name != "axial-pollution":
-            assert chart.panels[-1].lines[0].y == "phase" and PHASES[4] in chart.caption
+            lines, table = chart.panels[-1].lines, machine
+            assert [line.label for line in lines] == list(PHASES[:5])
+            assert [bool(table[line.y][-1]) for line in lines] == [False] * 4 + [True]
+            assert np.all(sum(table[line.y] for line in lines) == 1.0)
 
 
 class TestWhatFails:

@@ -1,5 +1,8 @@
 "use strict";
 
+/** As in `plot.py`: widths of a line within which the two strokes of a cycle leave no gap. */
+const CLOSEST = 2;
+
 /** Lines over x: what a plot of them asks of its content. */
 class LinesContent {
   constructor(described, column) {
@@ -42,6 +45,10 @@ function drawLine(context, line, scale, ratio) {
   context.strokeStyle = context.fillStyle = line.colour;
   context.lineWidth = line.width * 1.4 * ratio;
   context.lineJoin = "bevel";
+  if (line.isFlag) {
+    drawFlag(context, line, scale, ratio);
+    return;
+  }
   if (line.low) drawBand(context, line, scale);
   const path = new Path2D();
   const thick = context.lineWidth;
@@ -54,8 +61,18 @@ function drawLine(context, line, scale, ratio) {
     });
   } else if (line.isJoined) {
     const trace = line.isSorted ? new Trace(path, line.stroke === "steps", fill) : new Pen(path);
-    line.walk(line.y, scale, (i) => trace.add(scale.x(line.x[i]), scale.y(line.y[i])));
+    const rows = [];
+    line.walk(line.y, scale, (i) => rows.push(i));
+    const places = rows.map((i) => scale.x(line.x[i]));
+    const close = line.canRipple ? closeCycles(line, rows, places, CLOSEST * thick) : [];
+    let next = 0;
+    rows.forEach((i, k) => {
+      if (k >= close[next]?.last) next += 1;
+      if (k > close[next]?.first) trace.end();
+      else trace.add(places[k], scale.y(line.y[i]));
+    });
     trace.end();
+    for (const part of close) drawCycles(context, path, part, scale);
   }
   context.setLineDash((DASHES[line.stroke] ?? []).map((length) => length * ratio));
   context.stroke(path);
@@ -82,6 +99,37 @@ class Pen {
   }
 }
 
+/** A bar while a flag is 1; a short one is a pixel long. */
+function drawFlag(context, line, scale, ratio) {
+  const [foot, top] = [scale.y(line.foot), scale.y(line.top)];
+  let begin = null;
+  const end = (x) => {
+    if (begin !== null) context.fillRect(begin, top, Math.max(x - begin, ratio), foot - top);
+    begin = null;
+  };
+  line.walk(line.y, scale, (i) => {
+    const x = scale.x(line.x[i]);
+    if (line.y[i] !== 1) end(x);
+    else begin ??= x;
+  });
+  end(scale.x(line.x.at(-1)));
+}
+
+/** A pale band over close cycles; their mean is added to the path of the line. */
+function drawCycles(context, path, { points }, scale) {
+  const band = new Path2D();
+  for (const { x, high } of points) band.lineTo(x, scale.y(high));
+  for (const { x, low } of points.slice().reverse()) band.lineTo(x, scale.y(low));
+  fillPale(context, band);
+  points.forEach(({ x, mean }, i) => (i === 0 ? path.moveTo(x, scale.y(mean)) : path.lineTo(x, scale.y(mean))));
+}
+
+function fillPale(context, path) {
+  context.globalAlpha = 0.25;
+  context.fill(path);
+  context.globalAlpha = 1;
+}
+
 function drawBand(context, line, scale) {
   const sides = [line.high, line.low].map((values) => {
     const points = [];
@@ -93,9 +141,7 @@ function drawBand(context, line, scale) {
   });
   const path = new Path2D();
   [...sides[0], ...sides[1].reverse()].forEach(([x, y]) => path.lineTo(x, y));
-  context.globalAlpha = 0.25;
-  context.fill(path);
-  context.globalAlpha = 1;
+  fillPale(context, path);
 }
 
 function drawMarks(context, line, scale, ratio) {

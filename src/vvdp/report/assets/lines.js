@@ -114,6 +114,8 @@ class Line {
     this.high = described.high === undefined ? null : column(described.high);
     this.isSorted = isAscending(this.x);
     this.isJoined = !["points", "stems"].includes(this.stroke);
+    this.isFlag = this.stroke === "flag";
+    this.canRipple = this.isSorted && this.low === null && ["-", "--", ":"].includes(this.stroke);
   }
 
   /** Lowest and highest x. */
@@ -149,7 +151,7 @@ class Line {
   between(values, x) {
     const last = rowOf(this.x, x, true) - 1;
     if (last < 0 || x > this.x.at(-1)) return NaN;
-    if (this.stroke === "steps" || last === this.x.length - 1 || this.x[last] === x) return values[last];
+    if (this.isFlag || this.stroke === "steps" || last === this.x.length - 1 || this.x[last] === x) return values[last];
     const part = (x - this.x[last]) / (this.x[last + 1] - this.x[last]);
     return values[last] + part * (values[last + 1] - values[last]);
   }

@@ -72,7 +72,7 @@ class Plot {
         y: { distr: y.log ? 3 : 1, range: () => this.#yRange() },
       },
       series: [{}, { scale: "y", points: { show: false }, paths: () => null }],
-      axes: [this.isAboveAnother ? { ...axis({ scale: "x" }, x, 8), label: undefined, values: () => [] } : axis({ scale: "x" }, x, 32), axis({ scale: "y" }, y, 62)],
+      axes: [this.isAboveAnother ? { ...axis({ scale: "x" }, x, 8), label: undefined, values: () => [] } : axis({ scale: "x" }, x, 32), { ...axis({ scale: "y" }, y, 62), ...(this.content.lines.every((line) => line.isFlag) ? { values: () => [] } : {}) }],
       hooks: { draw: [() => this.#draw()], setSelect: [(u) => this.#select(u)], setCursor: [() => this.#point()] },
     };
   }
@@ -270,7 +270,7 @@ class Plot {
     this.values.forEach((value, i) => {
       const { line, text, isPoint } = this.#valueAt(found?.[i], i);
       value.textContent = found ? (isPoint ? `${text} at ${this.along(found[i].x)}` : text) : "";
-      this.#placeDot(this.dots[i], found && line.isOn && !this.isField ? found[i] : null);
+      this.#placeDot(this.dots[i], found && line.isOn && !this.isField && !line.isFlag ? found[i] : null);
     });
     const words = this.isField ? `${this.along(x)}, ${withUnit(formatNumber(y), this.described.y.unit)}` : this.along(x);
     this.where.textContent = found ? words : "";

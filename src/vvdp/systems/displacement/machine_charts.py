@@ -2,15 +2,14 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.kinds import COUNT, DURATION, DUTY_RATIO, FLOW, FRACTION, POSITION, PRESSURE_LEVEL, SIGNED_FRACTION, Kind
+from vvdp.base.kinds import DURATION, DUTY_RATIO, FLAG, FLOW, FRACTION, POSITION, PRESSURE_LEVEL, SIGNED_FRACTION, Kind
 from vvdp.control.pressure_modes import PressureBounds
-from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
+from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke, flag_panel
 from vvdp.results.result import Column, Table
 from vvdp.systems.displacement.machine_control import SAMPLE_PERIOD
 from vvdp.systems.displacement.machine_loop import PROGRAM
@@ -22,8 +21,6 @@ if TYPE_CHECKING:
 
 TABLE = "machine"
 """Name of the table that holds what is drawn."""
-NAMED = 0.02
-"""Share of a run that a phase has to last to be named in a picture."""
 Columns = dict[str, tuple[Array, Kind, str]]
 
 
@@ -38,7 +35,7 @@ def machine_columns(record: "Record") -> Columns:
     pressures = {f"{name}_Pa": record.states[name].values for name in ("chamber_a", "chamber_b", "line")}
     return {
         "time_s": (times, DURATION, "time"),
-        "phase": (shown["phase"], COUNT, "phase"),
+        **{f"phase_{PHASES[n]}": ((shown["phase"] == n) * 1.0, FLAG, PHASES[n]) for n in phases_of(record)},
         "position_m": (position, POSITION, "position"),
         "wanted_m": (shown["wanted"], POSITION, "cycle"),
         "reference_m": (shown["reference"], POSITION, "filtered reference"),
@@ -56,45 +53,35 @@ def machine_charts(record: "Record", bounds: PressureBounds) -> Iterator[tuple[C
     """Course, pressures and actuation of a run."""
     columns = machine_columns(record)
     table = Table(title="Displacement control", columns={k: Column(*of) for k, of in columns.items()}, is_data=True)
-    times, is_controlled = record.times, columns["phase"][0] == CONTROL
+    times, is_controlled = record.times, record.commands[f"{PROGRAM}.phase"].values == CONTROL
     begin = times[is_controlled][0] if np.any(is_controlled) else np.inf
     rows = tuple(np.flatnonzero(is_controlled & (times >= begin + SETTLED)).tolist())
     for chart in (motion_chart(rows), pressure_chart(bounds), actuation_chart()):
         yield chart, table
 
 
-def phase_levels(record: "Record") -> tuple[Level, ...]:
-    """Where each phase that lasts begins, and what it is called."""
-    phases, times = record.commands[f"{PROGRAM}.phase"].values, record.times
-    begins = [0, *(np.flatnonzero(np.diff(phases)) + 1).tolist(), times.size]
-    least = NAMED * (times[-1] - times[0])
-    return tuple(
-        Level(value=float(times[i]), label=PHASES[int(phases[i])], upright=True)
-        for i, j in pairwise(begins)
-        if times[min(j, times.size - 1)] - times[i] >= least
-    )
+def phases_of(record: "Record") -> list[int]:
+    """The numbers of the phases that a run goes through."""
+    return sorted({int(phase) for phase in record.commands[f"{PROGRAM}.phase"].values})
 
 
-def with_phases(chart: Chart, levels: tuple[Level, ...]) -> Chart:
-    """A chart over time with the phases of the machine under it; `levels` say where each begins."""
-    phase = Line(x="time_s", y="phase", stroke=Stroke.STEPS, colour=Colour.INK)
-    band = Lines(lines=(phase,), levels=levels, table=TABLE, low=-0.5, high=len(PHASES) - 0.5, height=0.5)
-    numbers = ", ".join(f"{number} {word}" for number, word in enumerate(PHASES))
+def with_phases(chart: Chart, record: "Record") -> Chart:
+    """A chart over time with a panel of the phases of the machine."""
+    words = [PHASES[n] for n in phases_of(record)]
+    panel = flag_panel("time_s", {f"phase_{word}": word for word in words}, "phase", TABLE)
     return replace(
         chart,
-        caption=f"{chart.caption} Below the phase: {numbers}.",
-        panels=(*chart.panels, band),
+        caption=f"{chart.caption} With the phases of the machine.",
+        panels=(*chart.panels, panel),
         height=chart.height + 1.0,
     )
 
 
-def charts_with_phases(
-    charts: Iterable[tuple[Chart, Table]], levels: tuple[Level, ...]
-) -> Iterator[tuple[Chart, Table]]:
-    """Charts with the phases under those that are drawn over time."""
+def charts_with_phases(charts: Iterable[tuple[Chart, Table]], record: "Record") -> Iterator[tuple[Chart, Table]]:
+    """Charts, those over time with the phases of the machine."""
     for chart, table in charts:
         is_course = all(isinstance(p, Lines) and all(line.x == "time_s" for line in p.lines) for p in chart.panels)
-        yield (with_phases(chart, levels) if is_course else chart), table
+        yield (with_phases(chart, record) if is_course else chart), table
 
 
 def motion_chart(rows: tuple[int, ...]) -> Chart:

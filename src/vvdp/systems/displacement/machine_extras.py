@@ -12,7 +12,7 @@ from vvdp.results.chart import Chart
 from vvdp.results.result import Table
 from vvdp.simulation.values import leaves
 from vvdp.systems.displacement.cycle import reference_period
-from vvdp.systems.displacement.machine_charts import charts_with_phases, machine_charts, phase_levels
+from vvdp.systems.displacement.machine_charts import charts_with_phases, machine_charts
 from vvdp.systems.displacement.machine_loop import PROGRAM
 from vvdp.systems.displacement.machine_power import POWERS, mean_powers, whole_periods
 from vvdp.systems.displacement.machine_tally import TALLY, MachineTally
@@ -114,13 +114,12 @@ class MachineExtras(Extras):
     def charts(self, record: "Record") -> "Iterable[tuple[Chart, Table]]":
         """The cylinder's course, pressures, what is asked of the drives; then those of the axial drive; the phase
         under all that are drawn over time."""
-        levels = phase_levels(record)
-        yield from charts_with_phases(machine_charts(record, self.tables["pressure_bounds"]), levels)
+        yield from charts_with_phases(machine_charts(record, self.tables["pressure_bounds"]), record)
         network = self.system.circuit.network
         axial = network.programs[AXIAL]
         if axial.type.report is not None and axial.period is not None:
             report = axial.type.report(network, AXIAL, axial.period)
-            yield from charts_with_phases(report.charts(record), levels)
+            yield from charts_with_phases(report.charts(record), record)
 
 
 SATURATED = 0.2

@@ -13,7 +13,7 @@ from vvdp.base.kinds import (
 )
 from vvdp.base.params import Params
 from vvdp.systems.axial_tables import InitialChamber, InitialPosition
-from vvdp.systems.bench_tables import InitialSupply
+from vvdp.systems.bench_tables import InitialSupply, MotorSpeed
 
 
 class MachineOperation(Params):
@@ -21,7 +21,7 @@ class MachineOperation(Params):
     direction of its position, temperature and pressure of the tank."""
 
     pump_speed: SpeedSignal
-    spool_motor_speed: SpeedSignal
+    spool_motor_speed: MotorSpeed
     load_force: ForceSignal
     oil_temperature: TemperatureSignal
     tank_pressure: PressureSignal
