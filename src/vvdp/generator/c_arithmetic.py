@@ -1,5 +1,13 @@
 """Operations that C leaves undefined or does otherwise than the language, as short functions in C99."""
 
+SELDOM = """\
+/* Functions that take little of the time: their code is short rather than fast. */
+#ifdef __GNUC__
+#define SELDOM __attribute__((cold))
+#else
+#define SELDOM
+#endif
+"""
 HELPERS = {
     "add64": """\
 /* a + b, which wraps around beyond 64 bits. */
