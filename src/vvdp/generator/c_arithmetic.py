@@ -125,6 +125,27 @@ static inline bool fits_shift64(int64_t a, int64_t places)
     return places >= 0 && places < 64;
 }
 """,
+    "has_fused": """\
+/* On x86-64, which functions to call is chosen when they are loaded: a processor multiplies and adds with one rounding
+   far faster than the C library, and the compiler may not know that it can. Both have the same bits. */
+#if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__FMA__)
+#include <cpuid.h>
+#define FUSED __attribute__((target("fma")))
+#define INLINED static inline __attribute__((always_inline))
+static inline bool has_fused(void)
+{
+    unsigned a, b, c, d, low, high;
+    const unsigned wanted = bit_FMA | bit_AVX | bit_OSXSAVE;
+    if (!__get_cpuid(1, &a, &b, &c, &d) || (c & wanted) != wanted) {
+        return false;
+    }
+    __asm__ volatile("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
+    return (low & 6u) == 6u; /* the system keeps the registers */
+}
+#else
+#define INLINED static inline
+#endif
+""",
 }
 """By name, in the order in which they are written; none needs another."""
 

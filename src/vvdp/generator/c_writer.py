@@ -255,7 +255,7 @@ def _shown_reason(reason: str) -> str:
 def _source(shared: Shared, visible: int, functions: list[str], supplied: list[str]) -> str:
     heads = ["#include <float.h>\n#include <math.h>\n#include <stddef.h>\n#include <string.h>\n"]
     heads = [f'#include "{shared.prefix}.h"\n\n{heads[0]}', GUARD]
-    words = set(re.findall(r"\w+", "\n".join(functions)))
+    words = set(re.findall(r"\w+", "\n".join([*supplied, *functions])))
     helpers = [SELDOM] * ("SELDOM" in words) + [text for name, text in HELPERS.items() if name in words]
     rooms = {"take_reals": ("double", "reals"), "take_wholes": ("int64_t", "wholes")}
     for name, (kind, free) in rooms.items():
