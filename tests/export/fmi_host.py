@@ -22,6 +22,13 @@ class Callbacks2(ctypes.Structure):
                 ("finished", ctypes.c_void_p), ("environment", ctypes.c_void_p))  # fmt: skip
 
 
+def token_of(made):
+    """What an FMU is known by."""
+    text = made.entries["modelDescription.xml"].decode()
+    word = "instantiationToken" if made.fmi == 3 else "guid"
+    return text.partition(f'{word}="')[2].partition('"')[0]
+
+
 class Host:
     """An instance of an FMU; `said` is what it has logged."""
 
@@ -37,12 +44,7 @@ class Host:
         names = [each.name for each in made.model.variables]
         self.references = {name: number for number, name in enumerate(names, 1)}
         self.said, self.time, self.has_events = list[str](), 0.0, has_events
-        self.instance = self._instance(self._token(made) if token is None else token)
-
-    def _token(self, made):
-        text = made.entries["modelDescription.xml"].decode()
-        word = "instantiationToken" if self.fmi == 3 else "guid"
-        return text.partition(f'{word}="')[2].partition('"')[0]
+        self.instance = self._instance(token_of(made) if token is None else token)
 
     def _instance(self, token):
         """A new instance of the library; None if it refuses."""
