@@ -38,18 +38,21 @@ static double NAME(ARGUMENTS)
 """
 """A function by the instruction of the processor where it has one, else by that of the C library."""
 FUNCTION = """\
-INLINED int64_t bits_of(double x)
+typedef union {
+    double number;
+    uint64_t bits;
+} number_and_bits;
+
+INLINED uint64_t bits_of(double x)
 {
-    int64_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits;
+    const number_and_bits both = {.number = x};
+    return both.bits;
 }
 
-INLINED double float_of(int64_t bits)
+INLINED double float_of(uint64_t bits)
 {
-    double x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
+    const number_and_bits both = {.bits = bits};
+    return both.number;
 }
 
 /* The binary logarithm of 1 + r over r, for small r. */
@@ -65,11 +68,11 @@ EXP2_SERIES}
 /* x to the power of y: 2 to the power of y times the binary logarithm of x, which is a sum of two numbers. */
 INLINED double NAME_text(double x, double y)
 {
-    const int64_t above = (int64_t)((uint64_t)bits_of(x) - UINT64_C(FIRST));
-    const int64_t exponent = above >= 0 ? above >> 52 : ~(~above >> 52);
-    const uint64_t place = ((uint64_t)above >> LOG_SHIFT) & LOG_MASK;
-    const double m = float_of((int64_t)((uint64_t)bits_of(x) - ((uint64_t)exponent << 52)));
-    const double k = (double)exponent;
+    const uint64_t above = bits_of(x) - UINT64_C(FIRST);
+    const uint64_t exponent = (above + (UINT64_C(1) << 63)) >> 52; /* and 2048, so that it is positive */
+    const uint64_t place = (above >> LOG_SHIFT) & UINT64_C(LOG_MASK);
+    const double m = float_of(bits_of(x) - ((exponent - UINT64_C(2048)) << 52));
+    const double k = (double)(int64_t)exponent - 2048.0;
     const double r = fma(m, reciprocals[place], -1.0);
     const double rough = k + logarithms[place];
     const double series = log2_series(r);
@@ -79,14 +82,14 @@ INLINED double NAME_text(double x, double y)
     const double lost = fma(y, high, -e);
     const double shifted = e + ROUNDING;
     const double rest = fma(y, low, lost) + (e - (shifted - ROUNDING));
-    const uint64_t steps = (uint64_t)bits_of(shifted);
-    const double root = roots[steps & ROOT_MASK];
+    const uint64_t steps = bits_of(shifted);
+    const double root = roots[steps & UINT64_C(ROOT_MASK)];
     const double part = fma(root, rest * exp2_series(rest), root);
     if (!(x > SMALLEST && x < INFINITY && fabs(e) < 1000.0)) {
         return pow(x, y);
     }
     const uint64_t whole = (steps & ~UINT64_C(ROOT_MASK)) << ROOT_SHIFT;
-    return float_of((int64_t)((uint64_t)bits_of(part) + whole));
+    return float_of(bits_of(part) + whole);
 }
 """
 """The function, with capitals for what `in_place` sets."""

@@ -13,28 +13,32 @@ HELPERS = {
 /* a + b, which wraps around beyond 64 bits. */
 static inline int64_t add64(int64_t a, int64_t b)
 {
-    return (int64_t)((uint64_t)a + (uint64_t)b);
+    const uint64_t sum = (uint64_t)a + (uint64_t)b;
+    return (int64_t)sum;
 }
 """,
     "sub64": """\
 /* a - b, which wraps around beyond 64 bits. */
 static inline int64_t sub64(int64_t a, int64_t b)
 {
-    return (int64_t)((uint64_t)a - (uint64_t)b);
+    const uint64_t difference = (uint64_t)a - (uint64_t)b;
+    return (int64_t)difference;
 }
 """,
     "mul64": """\
 /* a * b, which wraps around beyond 64 bits. */
 static inline int64_t mul64(int64_t a, int64_t b)
 {
-    return (int64_t)((uint64_t)a * (uint64_t)b);
+    const uint64_t product = (uint64_t)a * (uint64_t)b;
+    return (int64_t)product;
 }
 """,
     "neg64": """\
 /* -a, which is itself for the lowest number. */
 static inline int64_t neg64(int64_t a)
 {
-    return (int64_t)(0u - (uint64_t)a);
+    const uint64_t negative = UINT64_C(0) - (uint64_t)a;
+    return (int64_t)negative;
 }
 """,
     "floor_mod64": """\
@@ -82,7 +86,7 @@ static inline int64_t shr64(int64_t a, int64_t places)
 static inline int64_t cut64(double x)
 {
     if (!(x >= -9223372036854775808.0)) {
-        return x < 0.0 ? INT64_MIN : 0;
+        return x < 0.0 ? -INT64_MAX - 1 : 0;
     }
     return x < 9223372036854775808.0 ? (int64_t)x : INT64_MAX;
 }
@@ -134,7 +138,12 @@ static inline bool fits_shift64(int64_t a, int64_t places)
 #define INLINED static inline __attribute__((always_inline))
 static inline bool has_fused(void)
 {
-    unsigned a, b, c, d, low, high;
+    unsigned a = 0u;
+    unsigned b = 0u;
+    unsigned c = 0u;
+    unsigned d = 0u;
+    unsigned low;
+    unsigned high;
     const unsigned wanted = bit_FMA | bit_AVX | bit_OSXSAVE;
     if (!__get_cpuid(1, &a, &b, &c, &d) || (c & wanted) != wanted) {
         return false;
