@@ -60,7 +60,8 @@ static inline int64_t floor_div64(int64_t a, int64_t b)
         return 0;
     }
     if (b == -1) {
-        return (int64_t)(0u - (uint64_t)a);
+        const uint64_t negative = UINT64_C(0) - (uint64_t)a;
+        return (int64_t)negative;
     }
     const int64_t rest = a % b;
     return a / b - (int64_t)(rest != 0 && (rest < 0) != (b < 0));
