@@ -67,14 +67,14 @@ class Host:
         """The status of a function by its name without the version."""
         return getattr(self.library, f"fmi{self.fmi}{name}")(ctypes.c_void_p(self.instance), *arguments)
 
-    def begin(self, start=0.0):
+    def begin(self, start=0.0, tolerance=None):
         """Initialises; the worst status."""
+        zero, wanted = ctypes.c_double(0.0), ctypes.c_double(tolerance or 0.0)
         if self.fmi == 3:
-            arguments = (False, ctypes.c_double(0.0), ctypes.c_double(start), False, ctypes.c_double(0.0))
+            arguments = (tolerance is not None, wanted, ctypes.c_double(start), False, zero)
             found = [self.call("EnterInitializationMode", *arguments)]
         else:
-            zero = ctypes.c_double(0.0)
-            found = [self.call("SetupExperiment", 0, zero, ctypes.c_double(start), 0, zero)]
+            found = [self.call("SetupExperiment", int(tolerance is not None), wanted, ctypes.c_double(start), 0, zero)]
             found += [self.call("EnterInitializationMode")]
         return max(*found, self.call("ExitInitializationMode"))
 
