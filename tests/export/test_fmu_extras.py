@@ -2,8 +2,6 @@
 
 import io
 import re
-import shutil
-import sys
 from functools import cache
 from pathlib import Path
 
@@ -90,14 +88,6 @@ def test_the_reference_result_has_the_bits_of_the_binary(fmi, tmp_path):
         found.append(host.get(*names[1:]))
     host.close()
     assert np.array(found).tobytes() == expected[:, 1:].tobytes()
-
-
-@pytest.mark.skipif(shutil.which("gcc") is None or sys.platform != "linux", reason="sizes are those of gcc for Linux")
-def test_the_binary_is_small(monkeypatch):
-    """At most 110 kB, as asked of the FMU of `prototype`."""
-    monkeypatch.setenv("CC", "gcc")
-    made = fmu(fmu_model(load_system("prototype")), 3)
-    assert made.facts["binary_bytes"] < 110_000
 
 
 def test_what_runs_seldom_is_told_to_the_compiler():
