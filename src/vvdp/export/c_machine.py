@@ -213,8 +213,8 @@ def facade_text(machine: CMachine) -> str:
     name = machine.name
     includes = ["math.h", "stddef.h", "stdint.h", "string.h"]
     parts = [f'#include "{name}.h"\n', *(f"#include <{each}>" for each in includes), f'\n#include "{name}_core.h"\n']
-    for key, numbers in _first_numbers(machine).items():
-        parts.append(f"{_head(key)}\n{numbers_text(numbers)}\n}};\n")
+    for key, first in _first_numbers(machine).items():
+        parts.append(f"{_head(key)}\n{numbers_text(first)}\n}};\n")
     rows = "\n".join(parameter_lines(machine))
     parts.append(
         f"/* Parameters, with their keys; values over time have four numbers. */\n{_head('parameters')}\n{rows}"
