@@ -22,6 +22,13 @@ class Callbacks2(ctypes.Structure):
                 ("finished", ctypes.c_void_p), ("environment", ctypes.c_void_p))  # fmt: skip
 
 
+def token_of(made):
+    """What an FMU is known by."""
+    text = made.entries["modelDescription.xml"].decode()
+    word = "instantiationToken" if made.fmi == 3 else "guid"
+    return text.partition(f'{word}="')[2].partition('"')[0]
+
+
 class Host:
     """An instance of an FMU; `said` is what it has logged."""
 
@@ -37,12 +44,7 @@ class Host:
         names = [each.name for each in made.model.variables]
         self.references = {name: number for number, name in enumerate(names, 1)}
         self.said, self.time, self.has_events = list[str](), 0.0, has_events
-        self.instance = self._instance(self._token(made) if token is None else token)
-
-    def _token(self, made):
-        text = made.entries["modelDescription.xml"].decode()
-        word = "instantiationToken" if self.fmi == 3 else "guid"
-        return text.partition(f'{word}="')[2].partition('"')[0]
+        self.instance = self._instance(token_of(made) if token is None else token)
 
     def _instance(self, token):
         """A new instance of the library; None if it refuses."""
@@ -65,14 +67,14 @@ class Host:
         """The status of a function by its name without the version."""
         return getattr(self.library, f"fmi{self.fmi}{name}")(ctypes.c_void_p(self.instance), *arguments)
 
-    def begin(self, start=0.0):
+    def begin(self, start=0.0, tolerance=None):
         """Initialises; the worst status."""
+        zero, wanted = ctypes.c_double(0.0), ctypes.c_double(tolerance or 0.0)
         if self.fmi == 3:
-            arguments = (False, ctypes.c_double(0.0), ctypes.c_double(start), False, ctypes.c_double(0.0))
+            arguments = (tolerance is not None, wanted, ctypes.c_double(start), False, zero)
             found = [self.call("EnterInitializationMode", *arguments)]
         else:
-            zero = ctypes.c_double(0.0)
-            found = [self.call("SetupExperiment", 0, zero, ctypes.c_double(start), 0, zero)]
+            found = [self.call("SetupExperiment", int(tolerance is not None), wanted, ctypes.c_double(start), 0, zero)]
             found += [self.call("EnterInitializationMode")]
         return max(*found, self.call("ExitInitializationMode"))
 

@@ -15,8 +15,10 @@ from tests.export.test_model_exchange import made
 
 from vvdp.export.fmu_model import INPUT
 from vvdp.simulation.layout import vectors
+from vvdp.simulation.parts import outputs_part
 from vvdp.simulation.symbols import Op
-from vvdp.systems.system import load_system
+from vvdp.simulation.trace import trace
+from vvdp.systems.system import load_system, shipped_systems
 
 __all__ = ["pytestmark"]
 
@@ -168,6 +170,13 @@ def test_they_are_those_of_casadi(name, solver):
         assert ((np.abs(found - expected) <= 1e-10 * size) | ~known).all()
         shares.append(known.mean())
     assert np.mean(shares) > 0.9
+
+
+@pytest.mark.thorough
+def test_all_shipped_circuits_provide_them():
+    for name in (*shipped_systems(), *shipped_systems("practice")):
+        system = load_system(name)
+        assert trace(system.model, system.case).outputs and trace(system.model, system.case, outputs_part).outputs, name
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

@@ -1,8 +1,6 @@
 """FMUs in FMPy: no problem is found in the description, and all states have the bits of a run."""
 
 import importlib
-import re
-from pathlib import Path
 
 import fmpy
 import fmpy.validation as validation
@@ -86,10 +84,3 @@ def test_libcosim_has_the_same_bits(path):
     names = [each.name for each in made("prototype", 2).model.variables]
     found = last.last_real_values(number, [1 + names.index(each) for each in paths])
     assert np.array(found).tobytes() == run.final[: len(paths)].tobytes()
-
-
-def test_an_fmu_is_as_large_as_the_page_says():
-    page = (Path(__file__).parents[2] / "docs" / "fmu-export.md").read_text("utf-8")
-    most = int(re.search(r"FMU of `prototype` has less than (\d+) kB", page)[1])
-    extras = 7_000  # icon, reference result and diagram, see `test_fmu_extras`
-    assert len(made("prototype", 3).content) + extras < 1000 * most

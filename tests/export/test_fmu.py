@@ -17,7 +17,7 @@ from tests.generator.c_way import compilers
 from vvdp.base.errors import ConfigError
 from vvdp.export.fmu import fmu
 from vvdp.export.fmu_binary import compile_binary
-from vvdp.export.fmu_model import FIXED, INPUT, TUNABLE, fmu_model
+from vvdp.export.fmu_model import FIXED, INPUT, TUNABLE, Guest, fmu_model
 from vvdp.export.fmu_sources import source_files
 from vvdp.export.fmu_units import display_name, unit_lines
 from vvdp.generator.binding import is_fused
@@ -259,6 +259,13 @@ def test_wrong_calls_are_refused(fmi, host, tmp_path):
     assert "initialised" in one.said[-1]
     assert one.begin(start=1.0) == ERROR
     assert any("start time must be 0 s" in words for words in one.said)
+    for tolerance in (-1e-6, 1.0, float("nan")):
+        assert one.call("Reset") == OK
+        assert one.begin(tolerance=tolerance) == ERROR
+        assert any("tolerance must be between 0 and 1" in words for words in one.said[-3:])
+    assert one.call("Reset") == OK
+    assert one.begin(tolerance=1e-4) == OK
+    assert one.begin() == ERROR
     stranger = Host(made("prototype", fmi), tmp_path / "x", token="another")
     assert stranger.instance is None
     assert "another FMU" in stranger.said[-1]
@@ -266,6 +273,33 @@ def test_wrong_calls_are_refused(fmi, host, tmp_path):
     assert ended.call("Terminate") == OK
     assert ended.step(PERIOD) == ERROR
     assert ended.put({"load.area": 4e-6}) == ERROR
+
+
+ABILITIES = {
+    "modelIdentifier": "test_nothing_is_wrong_and_no_state_differs",
+    "canGetAndSetFMUState": "test_a_state_continues_in_another_instance",
+    "canSerializeFMUState": "test_a_state_continues_in_another_process",
+    "canHandleVariableCommunicationStepSize": "test_steps_beside_the_samples_stay_near_the_run",
+    "hasEventMode": "test_the_clock_ticks_at_the_first_event_after_each_period",
+    "needsCompletedIntegratorStep": "test_states_that_cannot_be_are_refused",
+    "providesDirectionalDerivatives": "test_they_are_differences_of_the_rates",
+}
+"""By what a description declares, in the spelling of FMI 3, a test that uses it."""
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_all_that_is_declared_has_a_test(fmi):
+    text = "".join(each.read_text("utf-8") for each in Path(__file__).parent.glob("test_*.py"))
+    known = {name.lower().rstrip("s") for name in ABILITIES}
+    guest = fmu(fmu_model(load_system("accumulator-charging"), guest=Guest()), fmi)
+    for one in (made("prototype", fmi), guest):
+        root = ET.fromstring(one.entries["modelDescription.xml"])
+        declared = {
+            name for kind in ("CoSimulation", "ModelExchange") for each in root.iter(kind) for name in each.attrib
+        }
+        assert {name.lower().rstrip("s") for name in declared} <= known
+        assert len(declared) >= 4
+    assert [test for test in ABILITIES.values() if f"def {test}(" not in text] == []
 
 
 def test_a_run_that_cannot_go_on_says_why(host):

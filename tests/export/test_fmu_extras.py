@@ -1,6 +1,7 @@
 """What an FMU holds besides its description and code: terminals, icon, and a reference result."""
 
 import io
+import re
 from functools import cache
 from pathlib import Path
 
@@ -87,3 +88,12 @@ def test_the_reference_result_has_the_bits_of_the_binary(fmi, tmp_path):
         found.append(host.get(*names[1:]))
     host.close()
     assert np.array(found).tobytes() == expected[:, 1:].tobytes()
+
+
+def test_what_runs_seldom_is_told_to_the_compiler():
+    """The rates and the explicit stepper are made fast, sampled programs and the stiff method short."""
+    source = whole("prototype", 3).entries["sources/prototype_machine_core.c"].decode()
+    heads = re.findall(r"^(SELDOM )?static (?!inline|const)[\w ]+?\*?(\w+?)_f\d+\(", source, re.M)
+    seldom = {name: bool(mark) for mark, name in heads}
+    assert not any(seldom[name] for name in ("rates", "circuit", "rotary_valve", "explicit_step"))
+    assert all(seldom[name] for name in ("step", "event_filter_step", "stiff_step", "conditions", "first_change"))

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.export.fmi_host import OK, Host
+from tests.export.fmi_host import OK, Host, token_of
 
 from vvdp.base.errors import ConfigError
 from vvdp.export.fmu import fmu
@@ -49,11 +49,9 @@ def run_by_host(folder, target, emulator):
     aim = f"{target.processor}-{TARGETS[target.system]}"
     libraries = [] if end else ["-ldl"]
     run_zig(folder, ["cc", "-target", aim, "-std=gnu99", "-O1", "-o", f"host{end}", "fmi_host.c", *libraries])
-    text = made().entries["modelDescription.xml"].decode()
-    token = text.partition('instantiationToken="')[2].partition('"')[0]
     model = made().model
     numbers = [str(each) for each in (PERIOD, STEPS, 1 + len(model.settables), len(model.outputs))]
-    command = [*emulator, str(folder / f"host{end}"), str(folder / f"fmu{target.end}"), token, *numbers]
+    command = [*emulator, str(folder / f"host{end}"), str(folder / f"fmu{target.end}"), token_of(made()), *numbers]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True)
     bits = np.array([int(line, 16) for line in done.stdout.split()], np.uint64)
     return bits.view(float).reshape(STEPS, -1)

@@ -322,3 +322,50 @@ def is_found():
 @needs_compiler
 def test_what_finds_faults_finds_none_without_one():
     assert not is_found()
+
+
+def inner(x):
+    """Half of a number."""
+    return 0.5 * x
+
+
+def busy(x):
+    """What runs often."""
+    return inner(x) + 1.0
+
+
+def idle(x):
+    """What runs seldom."""
+    return x - 1.0
+
+
+def both(x):
+    """An entry that calls either."""
+    return busy(x) + idle(x)
+
+
+def test_what_does_not_run_often_is_told():
+    """What is called by a function that runs often runs often; entries are never marked."""
+    unit = Unit()
+    unit.add(both, [FLOAT], "both")
+    source = write_c(verify(unit.module()), "m", often=("busy",)).source
+    heads = re.findall(r"^(SELDOM |)(?:static )?double (\w+?)(?:_f\d+)?\(", source, re.M)
+    assert {name: bool(mark) for mark, name in heads} == {"inner": False, "busy": False, "idle": True, "m_both": False}
+    assert "SELDOM" not in write_c(verify(unit.module()), "m").source
+
+
+def four_of(x):
+    """A loop of four rounds, and one of six."""
+    total = 0.0
+    for i in range(4):
+        total += x * i
+    for i in range(6):
+        total -= x + i
+    return total
+
+
+@pytest.mark.parametrize(("unrolled", "loops"), [(8, 0), (4, 1), (3, 2)])
+def test_loops_are_written_out_up_to_the_asked_number_of_rounds(unrolled, loops):
+    unit = Unit(Options(unrolled=unrolled))
+    unit.add(four_of, [FLOAT], "four_of")
+    assert write_c(verify(unit.module()), "m").source.count("for (int64_t") == loops

@@ -34,6 +34,8 @@ STATUS = (
     "BELOW_ZERO",
 )  # fmt: skip
 """What the loop answers, by number."""
+OFTEN = ("rates", "explicit_step")
+"""What takes most of the time of a run."""
 LAST_MARKS = 2
 """Marks for which there is room by default."""
 GIVEN = {
@@ -124,7 +126,7 @@ def c_machine(system: System, more: guest.Entries = NONE) -> CMachine:
         name=name,
         system=system,
         module=module,
-        core=write_c(module, f"{name}_core", C_INTRINSICS),
+        core=write_c(module, f"{name}_core", C_INTRINSICS, OFTEN),
         rooms=rooms,
         tables=found,
         begun=start_run(found, system.stepping),
@@ -211,9 +213,8 @@ def facade_text(machine: CMachine) -> str:
     name = machine.name
     includes = ["math.h", "stddef.h", "stdint.h", "string.h"]
     parts = [f'#include "{name}.h"\n', *(f"#include <{each}>" for each in includes), f'\n#include "{name}_core.h"\n']
-    kept = {key: each for key, each in machine.content.items() if each.size}
-    for key in [key for key in kept if key not in ("parameters", "lowest", "highest")]:
-        parts.append(f"static const double first_{key}[] = {{\n{numbers_text(kept[key])}\n}};\n")
+    for key, first in _first_numbers(machine).items():
+        parts.append(f"{_head(key)}\n{numbers_text(first)}\n}};\n")
     rows = "\n".join(parameter_lines(machine))
     parts.append(
         f"/* Parameters, with their keys; values over time have four numbers. */\n{_head('parameters')}\n{rows}"
@@ -225,6 +226,13 @@ def facade_text(machine: CMachine) -> str:
         numbers = ", ".join(map(str, np.ravel(each).tolist())) or "0"
         parts.append(wrap(f"static const int64_t pattern_{key}[] = {{{numbers}}};") + "\n")
     return "\n".join([*parts, _start(machine), _run(machine), _outputs(machine)])
+
+
+def _first_numbers(machine: CMachine) -> dict[str, Array]:
+    """What a machine keeps at its start besides parameters, up to the last number whose bits are not 0."""
+    kept = {key: each for key, each in machine.content.items() if key not in ("parameters", "lowest", "highest")}
+    used = {key: np.flatnonzero(each.view(np.int64)) for key, each in kept.items()}
+    return {key: each[: used[key][-1] + 1] for key, each in kept.items() if used[key].size}
 
 
 def _head(key: str) -> str:
@@ -263,10 +271,11 @@ def parameter_places(case: Case) -> Iterator[tuple[int, str, int]]:
 def _start(machine: CMachine) -> str:
     name = machine.name
     lines = [f"void {name}_start({name}_machine *machine)", "{", "    memset(machine, 0, sizeof *machine);"]
-    for key, each in machine.content.items():
+    kept = {*_first_numbers(machine), "parameters"}
+    for key in machine.content:
         source = "state" if key in ("lowest", "highest") else key
-        if each.size:
-            lines.append(f"    memcpy(machine->{key}, first_{source}, sizeof machine->{key});")
+        if source in kept:
+            lines.append(f"    memcpy(machine->{key}, first_{source}, sizeof first_{source});")
     return "\n".join([*lines, "}", ""])
 
 

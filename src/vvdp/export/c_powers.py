@@ -1,7 +1,8 @@
 """Powers and exponentials as C99, from the tables and series of `simulation.in_place`, with the same bits.
 
-`fma` is called by name: a compiler makes one instruction of it where the processor has one, and the C library works it
-out elsewhere, with the same result. Compiled code has these bits on processors with fused operations only.
+`fma` is called by name: a compiler makes one instruction of it where it may, and the C library works it out elsewhere,
+with the same result. On x86-64 this is chosen when the code is loaded. Compiled code has these bits on processors with
+fused operations only.
 """
 
 import re
@@ -10,39 +11,68 @@ from collections.abc import Sequence
 from vvdp.simulation import in_place
 from vvdp.simulation.lane_math import EXP_SERIES
 
-FUNCTION = """\
-static int64_t bits_of(double x)
+CHOICE = """\
+#ifdef FUSED
+FUSED static double NAME_fused(ARGUMENTS)
 {
-    int64_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits;
+    return NAME_text(VALUES);
 }
 
-static double float_of(int64_t bits)
+static double NAME_plain(ARGUMENTS)
 {
-    double x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
+    return NAME_text(VALUES);
+}
+
+__attribute__((used)) static double (*NAME_choice(void))(ARGUMENTS)
+{
+    return has_fused() ? NAME_fused : NAME_plain;
+}
+
+static double NAME(ARGUMENTS) __attribute__((ifunc("NAME_choice")));
+#else
+static double NAME(ARGUMENTS)
+{
+    return NAME_text(VALUES);
+}
+#endif
+"""
+"""A function by the instruction of the processor where it has one, else by that of the C library."""
+FUNCTION = """\
+typedef union {
+    double number;
+    uint64_t bits;
+} number_and_bits;
+
+INLINED uint64_t bits_of(double x)
+{
+    const number_and_bits both = {.number = x};
+    return both.bits;
+}
+
+INLINED double float_of(uint64_t bits)
+{
+    const number_and_bits both = {.bits = bits};
+    return both.number;
 }
 
 /* The binary logarithm of 1 + r over r, for small r. */
-static double log2_series(double r)
+INLINED double log2_series(double r)
 {
 LOG2_SERIES}
 
 /* 2 to the power of rest, minus 1, over rest. */
-static double exp2_series(double rest)
+INLINED double exp2_series(double rest)
 {
 EXP2_SERIES}
 
 /* x to the power of y: 2 to the power of y times the binary logarithm of x, which is a sum of two numbers. */
-static double NAME(double x, double y)
+INLINED double NAME_text(double x, double y)
 {
-    const int64_t above = (int64_t)((uint64_t)bits_of(x) - UINT64_C(FIRST));
-    const int64_t exponent = above >= 0 ? above >> 52 : ~(~above >> 52);
-    const uint64_t place = ((uint64_t)above >> LOG_SHIFT) & LOG_MASK;
-    const double m = float_of((int64_t)((uint64_t)bits_of(x) - ((uint64_t)exponent << 52)));
-    const double k = (double)exponent;
+    const uint64_t above = bits_of(x) - UINT64_C(FIRST);
+    const uint64_t exponent = (above + (UINT64_C(1) << 63)) >> 52; /* and 2048, so that it is positive */
+    const uint64_t place = (above >> LOG_SHIFT) & UINT64_C(LOG_MASK);
+    const double m = float_of(bits_of(x) - ((exponent - UINT64_C(2048)) << 52));
+    const double k = (double)(int64_t)exponent - 2048.0;
     const double r = fma(m, reciprocals[place], -1.0);
     const double rough = k + logarithms[place];
     const double series = log2_series(r);
@@ -52,23 +82,22 @@ static double NAME(double x, double y)
     const double lost = fma(y, high, -e);
     const double shifted = e + ROUNDING;
     const double rest = fma(y, low, lost) + (e - (shifted - ROUNDING));
-    const uint64_t steps = (uint64_t)bits_of(shifted);
-    const double root = roots[steps & ROOT_MASK];
+    const uint64_t steps = bits_of(shifted);
+    const double root = roots[steps & UINT64_C(ROOT_MASK)];
     const double part = fma(root, rest * exp2_series(rest), root);
     if (!(x > SMALLEST && x < INFINITY && fabs(e) < 1000.0)) {
         return pow(x, y);
     }
     const uint64_t whole = (steps & ~UINT64_C(ROOT_MASK)) << ROOT_SHIFT;
-    return float_of((int64_t)((uint64_t)bits_of(part) + whole));
+    return float_of(bits_of(part) + whole);
 }
 """
 """The function, with capitals for what `in_place` sets."""
 
 
-def c_powers(name: str = "vvdp_power") -> str:
+def c_powers() -> str:
     """The C text of `power` as a static function."""
     words = {
-        "NAME": name,
         "LOG2_SERIES": _polynomial("r", in_place.LOG2_SERIES),
         "EXP2_SERIES": _polynomial("rest", in_place.EXP2_SERIES),
         "FIRST": str(in_place.FIRST),
@@ -84,23 +113,30 @@ def c_powers(name: str = "vvdp_power") -> str:
         _table("logarithms", in_place.LOGARITHMS, "The binary logarithms of those numbers."),
         _table("roots", in_place.ROOTS, f"2 to the power of i/{1 << in_place.EXP_BITS}."),
     )
-    return "\n".join([*tables, re.sub(r"\b[A-Z][A-Z_0-9]+\b", lambda m: words.get(m[0], m[0]), FUNCTION)])
+    text = re.sub(r"\b[A-Z][A-Z_0-9]+\b", lambda m: words.get(m[0], m[0]), FUNCTION)
+    return "\n".join([*tables, text.replace("NAME", "vvdp_power"), _choice("vvdp_power", ("x", "y"))])
 
 
-def c_expm1(name: str = "vvdp_expm1") -> str:
+def _choice(name: str, arguments: Sequence[str]) -> str:
+    text = CHOICE.replace("NAME", name).replace("ARGUMENTS", ", ".join(f"double {each}" for each in arguments))
+    return text.replace("VALUES", ", ".join(arguments))
+
+
+def c_expm1() -> str:
     """The C text of `expm1` as a static function."""
-    return f"""\
+    text = f"""\
 /* (e to the power of x, minus 1, minus x) over x squared, for small x. */
-static double exp_series(double x)
+INLINED double exp_series(double x)
 {{
 {_polynomial("x", EXP_SERIES)}}}
 
 /* e to the power of x, minus 1. */
-static double {name}(double x)
+INLINED double vvdp_expm1_text(double x)
 {{
     return fabs(x) < {in_place.SMALL!r} ? fma(x * x, exp_series(x), x) : expm1(x);
 }}
 """
+    return "\n".join([text, _choice("vvdp_expm1", ("x",))])
 
 
 def _table(name: str, values: Sequence[float], words: str) -> str:

@@ -28,6 +28,10 @@ TARGETS = {LINUX: "linux-gnu.2.17", WINDOWS: "windows-gnu", DARWIN: "macos"}
 
 SMALL = ("-fvisibility=hidden", "-fno-asynchronous-unwind-tables")
 """C has no exceptions, so that nothing needs tables for them."""
+CORE = "_core.c"
+"""How the file ends that takes the time of a run; the others are compiled to be small."""
+PACKED = ("-Wl,-z,noseparate-code",)
+"""Lets code and constants share pages of memory, so that the file has no gaps; the linker of zig does not know it."""
 
 
 def platforms_named(names: Sequence[str], fmi: int) -> tuple[Platform, ...]:
@@ -65,12 +69,20 @@ def compile_binary(sources: Mapping[str, str], flags: Sequence[str], target: Pla
         folder = Path(name)
         for each, text in sources.items():
             (folder / each).write_text(text, "utf-8")
-        files = [each for each in sources if each.endswith(".c")]
-        words = [*flags, "-O2", *SMALL, "-fPIC", "-shared", "-s", "-o", "fmu.bin", *files, "-lm"]
-        if found is None:
-            run_zig(folder, ["cc", "-target", f"{target.processor}-{TARGETS[target.system]}", *words])
-        else:
-            done = subprocess.run([found, *words], cwd=folder, capture_output=True, text=True, check=False)
-            if done.returncode:
-                raise RunError(f"{found} failed: {done.stderr.strip()[-600:]}")
+        others = [each for each in sources if each.endswith(".c") and not each.endswith(CORE)]
+        core = next(each for each in sources if each.endswith(CORE))
+        packed = PACKED if found and target.system == LINUX else ()
+        whole = ["-shared", "-s", *packed, "-o", "fmu.bin", "core.o", *others, "-lm"]
+        for words in (["-O2", "-c", "-o", "core.o", core], ["-Os", *whole]):
+            _compile(folder, [*flags, *SMALL, "-fPIC", *words], found, target)
         return Path(found).name if found else "ziglang", (folder / "fmu.bin").read_bytes()
+
+
+def _compile(folder: Path, words: Sequence[str], found: str | None, target: Platform) -> None:
+    """Runs a compiler in a folder, that of ziglang if none was found."""
+    if found is None:
+        run_zig(folder, ["cc", "-target", f"{target.processor}-{TARGETS[target.system]}", *words])
+        return
+    done = subprocess.run([found, *words], cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RunError(f"{found} failed: {done.stderr.strip()[-600:]}")

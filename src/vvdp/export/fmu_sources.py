@@ -111,22 +111,25 @@ def _guest_sizes(model: FmuModel) -> str:
 
 def tables_text(model: FmuModel) -> str:
     """The tables of variables."""
-    settables, followers = [], []
+    settables, followers, names, begin = [], [], [], 0
     for number, each in enumerate(model.settables):
         numbers = ", ".join(constant(FLOAT, x) for x in (each.start, each.low, each.high))
-        settables.append(f"    {{{json.dumps(each.name)}, {numbers}, {ROLES.get(each.role, 'FMU_TUNABLE')}}},")
+        settables.append(f"    {{{numbers}, {ROLES.get(each.role, 'FMU_TUNABLE')}, {begin}}},")
+        names.append(f'    "{each.name}\\0"')
+        begin += len(each.name) + 1
         for own in each.followers:
-            operation = f"{OPERATIONS[own.operation]}, {constant(FLOAT, own.constant)}"
-            followers.append(f"    {{{number}, {VECTORS[own.vector]}, {own.place}, {operation}}},")
+            place = f"{constant(FLOAT, own.constant)}, {own.place}, {number}"
+            followers.append(f"    {{{place}, {VECTORS[own.vector]}, {OPERATIONS[own.operation]}}},")
     shown = (*model.outputs, *model.inner)
     outputs = [f"    {{{VECTORS[each.vector]}, {each.place}}}, /* {each.key} */" for each in shown]
     parts = ['/* Variables in the order of their references. */\n#include "fmu.h"\n']
     for kind, rows, none in (
-        ("fmu_settable", settables, '    {"", 0.0, 0.0, 0.0, FMU_FIXED},'),
-        ("fmu_follower", followers, "    {-1, FMU_PARAMETERS, 0, FMU_ADD, 0.0},"),
+        ("fmu_settable", settables, "    {0.0, 0.0, 0.0, FMU_FIXED, 0},"),
+        ("fmu_follower", followers, "    {0.0, 0, 0, FMU_PARAMETERS, FMU_ADD},"),
         ("fmu_output", outputs, "    {FMU_STATE, 0},"),
     ):
         parts.append("\n".join([f"const {kind} {kind}s[] = {{", *(rows or [none]), "};\n"]))
+    parts.append("\n".join(["const char fmu_names[] =", *(names or ['    ""'])]) + ";\n")
     if model.machine.is_guest:
         nominals = numbers_text(model.machine.tables.scale[: len(model.carried)])
         parts.append(f"const double fmu_nominals[] = {{\n{nominals}\n}};\n")

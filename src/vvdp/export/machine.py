@@ -13,8 +13,9 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.generator.kinds import Address, Kind, Known
+from vvdp.generator.source import LanguageError
 from vvdp.generator.tree import Module
-from vvdp.generator.unit import Unit
+from vvdp.generator.unit import Options, Unit
 from vvdp.generator.verify import verify
 from vvdp.simulation import guest, loop
 from vvdp.simulation.dialect import model_options
@@ -43,6 +44,8 @@ from vvdp.simulation.text import Place, told_size, write
 LENGTH = re.compile(r"int\((\w)\[([^\]]+)\]\)")
 """A length, or the place of an array, as the texts of `simulation.parts` read it from a vector."""
 NONE: guest.Entries = {}
+FEW = 4
+"""Rounds of a loop that are written out, so that the text is short."""
 SUM = re.compile(r"\s+([\w, ]+) = ([\w +*,]+)")
 """A line that calculates places from others."""
 
@@ -55,13 +58,22 @@ def machine_module(model: Model, case: Case, more: guest.Entries = NONE) -> Modu
     exchanges values with a model outside.
     """
     refuse_partners(model.partners, "exported code")
-    known, unit = _functions(model, case), Unit(model_options())
-    for name, (function, kinds) in {"run": (loop.run, loop.RUN), **more}.items():
-        handed = parameters_of(function, kinds)
-        unit.add(function, [Known(known[each]) if isinstance(k, Address) else k for each, k in handed.items()], name)
-    shown = outputs_part(model, case, shapes=False)
-    unit.add(_with_lengths(shown, {"p": vectors(case).params}), shown.kinds, "outputs")
-    return verify(unit.module())
+    known, shown = _functions(model, case), outputs_part(model, case, shapes=False)
+    outputs = _with_lengths(shown, {"p": vectors(case).params})
+
+    def read(options: Options) -> Module:
+        unit = Unit(options)
+        for name, (function, kinds) in {"run": (loop.run, loop.RUN), **more}.items():
+            handed = parameters_of(function, kinds)
+            types = [Known(known[each]) if isinstance(kind, Address) else kind for each, kind in handed.items()]
+            unit.add(function, types, name)
+        unit.add(outputs, shown.kinds, "outputs")
+        return verify(unit.module())
+
+    try:
+        return read(replace(model_options(), unrolled=FEW))
+    except LanguageError:  # what is chosen by its number, as one of several functions, needs known numbers
+        return read(model_options())
 
 
 def parameters_of(function: Callable[..., Any], kinds: Sequence[Kind]) -> dict[str, Kind]:

@@ -23,8 +23,6 @@ from vvdp.generator.values import (
     type_of,
 )
 
-UNROLLED = 8
-"""Loops of at most so many known rounds are written out."""
 Index = Any
 """A number, a slice, or a tuple of both."""
 
@@ -82,7 +80,7 @@ def room(body: Body, shape: Any, kind: Scalar) -> Any:
 
 def each(body: Body, count: Any, do: Callable[[Any], None]) -> None:
     """`do` for every number from 0 to below `count`: written out where these are few and known."""
-    if isinstance(count, int) and count <= UNROLLED:
+    if isinstance(count, int) and count <= body.unit.options.unrolled:
         for i in range(count):
             do(i)
         return

@@ -104,6 +104,8 @@ def _convert(text: Text, value: tree.Convert) -> Held:
 
 def _choose(text: Text, value: tree.Choose) -> Held:
     test, then, otherwise = (one(text, each, TRUTH) for each in (value.test, value.then, value.otherwise))
+    if value.kind is INT and f"{then}{otherwise}".isdigit():
+        then, otherwise = f"INT64_C({then})", f"INT64_C({otherwise})"
     return (f"{test} ? {then} : {otherwise}",)
 
 
@@ -157,7 +159,10 @@ def item(text: Text, array: tree.Expression, indexes: Sequence[tree.Expression])
     place = one(text, indexes[0], PRODUCT)
     for each, length in zip(indexes[1:], lengths(kind, found)[1:], strict=True):
         before = f"({place})" if " + " in place else place
-        place = f"{before} * {length} + {one(text, each, SIGN)}"
+        rest = one(text, each, SIGN)
+        rows = length if place == "1" else f"{before} * {length}"
+        terms = [rows] * (place != "0") + [rest] * (rest != "0")
+        place = " + ".join(terms) or "0"
     return f"{address}[{place}]"
 
 

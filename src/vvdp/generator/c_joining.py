@@ -2,6 +2,7 @@
 
 import re
 from collections import Counter
+from collections.abc import Set
 from dataclasses import fields, replace
 from typing import Any
 
@@ -20,21 +21,41 @@ LONGEST = 14
 def join_steps(module: tree.Module) -> tree.Module:
     """The module without steps that have no name, are used once, and whose use comes next."""
     done: dict[tree.Function, tree.Function] = {}
+    quiet = set[tree.Function]()
     for function in module.functions:
+        if all(_changes_nothing(each, quiet) for each in statements_in(function.body)):
+            quiet.add(function)
         uses = Counter(
             variable
             for statement in statements_in(function.body)
             for variable in reads_in(tuple(statement_operands(statement)))
         )
         again = {v for each in statements_in(function.body) if isinstance(each, tree.Set) for v in each.variables}
-        done[function] = replace(function, body=_Joining(uses, again, done).block(function.body))
+        done[function] = replace(function, body=_Joining(uses, again, done, quiet).block(function.body))
     return replace(module, functions=tuple(done.values()))
+
+
+def _changes_nothing(statement: tree.Statement, quiet: Set[tree.Function]) -> bool:
+    """Whether a statement writes to no array that others have, and cannot fail."""
+    if isinstance(statement, tree.Store | tree.Fail):
+        return False
+    return all(is_quiet(each, quiet) for each in statement_operands(statement))
+
+
+def is_quiet(value: tree.Expression, quiet: Set[tree.Function]) -> bool:
+    """Whether an expression changes no array and cannot fail: all that it calls is known for it."""
+    return not any(
+        isinstance(each, tree.CallAddress | tree.CallIntrinsic | tree.Room)
+        or (isinstance(each, tree.Call) and each.function not in quiet)
+        for each in expressions_in(value)
+    )
 
 
 class _Joining:
     """The pass over one function: how often each variable is read, and which are assigned more than once.
 
     functions   those that took the place of others
+    quiet       those that change no array and cannot fail, so that steps may be taken after them
     """
 
     def __init__(
@@ -42,8 +63,9 @@ class _Joining:
         uses: Counter[tree.Variable],
         again: set[tree.Variable],
         functions: dict[tree.Function, tree.Function],
+        quiet: Set[tree.Function],
     ) -> None:
-        self.uses, self.again, self.functions = uses, again, functions
+        self.uses, self.again, self.functions, self.quiet = uses, again, functions, quiet
         self.aliases: dict[tree.Variable, tree.Expression] = {}  # records that are a field of another, not copied
 
     def block(self, block: tree.Block) -> tuple[tree.Statement, ...]:
@@ -60,13 +82,12 @@ class _Joining:
                 done.append(found)
         return (*done, *waiting.values())
 
-    @staticmethod
     def ready(
-        statement: tree.Statement, waiting: dict[tree.Variable, tree.Let], done: list[tree.Statement]
+        self, statement: tree.Statement, waiting: dict[tree.Variable, tree.Let], done: list[tree.Statement]
     ) -> dict[tree.Variable, tree.Expression]:
         """The steps that become part of a statement; those that can wait no longer are added to `done`."""
         read = set(reads_in(tuple(statement_operands(statement))))
-        keeps_all = isinstance(statement, tree.Let) and not has_effect(statement.value)
+        keeps_all = isinstance(statement, tree.Let) and is_quiet(statement.value, self.quiet)
         found: dict[tree.Variable, tree.Expression] = {}
         for variable, let in list(waiting.items()):
             is_value = bool(UNNAMED.match(variable.name)) or isinstance(statement, tree.Set)

@@ -48,6 +48,13 @@ def has_effect(value: tree.Expression) -> bool:
     return any(isinstance(each, tree.Call | tree.CallAddress | tree.CallIntrinsic) for each in expressions_in(value))
 
 
+def callees(function: tree.Function) -> Iterator[tree.Function]:
+    """The functions that a function calls, once for each call."""
+    for statement in statements_in(function.body):
+        for operand in statement_operands(statement):
+            yield from (each.function for each in expressions_in(operand) if isinstance(each, tree.Call))
+
+
 def assignments(statement: tree.Statement) -> list[tuple[tree.Variable, tree.Expression]]:
     """The variables that a statement assigns, with their values."""
     if isinstance(statement, tree.Let):

@@ -16,7 +16,7 @@ TYPES = {FLOAT: "double", INT: "int64_t", BOOL: "bool"}
 WORDS = """
 auto break case char const continue default do double else enum extern float for goto if inline int long register
 restrict return short signed sizeof static struct switch typedef union unsigned void volatile while bool true false
-NULL NAN INFINITY asm typeof
+NULL NAN INFINITY asm typeof SELDOM
 """
 WORDS_OF_C = frozenset(WORDS.split())
 RESERVED = WORDS_OF_C.union(

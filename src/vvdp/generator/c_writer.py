@@ -12,14 +12,14 @@ import ast
 import linecache
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
-from vvdp.generator.c_arithmetic import GUARD, HELPERS, ROOM
+from vvdp.generator.c_arithmetic import GUARD, HELPERS, ROOM, SELDOM
 from vvdp.generator.c_joining import join_steps
 from vvdp.generator.c_room import room_of
-from vvdp.generator.c_scopes import expressions_in
+from vvdp.generator.c_scopes import callees, expressions_in
 from vvdp.generator.c_statements import result_record, write_block
 from vvdp.generator.c_text import Shared, Text, identifier, length_names, wrap
 from vvdp.generator.kinds import Kind, Known, Record, Row, Scalar
@@ -33,6 +33,8 @@ FLAGS = ("-std=c99", "-ffp-contract=off")
 """Flags of every compiler, besides that it leaves functions of the C library alone (`flags_for`)."""
 
 
+LAST_NUMBER = re.compile(r"_f\d+$")
+"""What stands behind the name that a function has in Python."""
 NAMES = re.compile(r"(?<![.\w])(?<!->)\w+")
 """Names in a line of C, without those of fields."""
 
@@ -57,11 +59,15 @@ class CModule:
     types: Mapping[Kind, str]
 
 
-def write_c(module: Module, prefix: str, supplied: Mapping[str, str] | None = None) -> CModule:
+def write_c(
+    module: Module, prefix: str, supplied: Mapping[str, str] | None = None, often: Container[str] | None = None
+) -> CModule:
     """The C text of a module.
 
     prefix     begins the name of everything that other text can see
     supplied   by the names of intrinsics, their C text, which defines a static function of that name
+    often      names, in Python, of functions that run most of the time: the compiler is told to make all others short
+               but entries and what these call
 
     Raises ValueError where an intrinsic has no C text.
     """
@@ -74,12 +80,12 @@ def write_c(module: Module, prefix: str, supplied: Mapping[str, str] | None = No
         entry = f"{prefix}_{function.name}" if function.name in module.entries else function.name
         shared.names[function.name] = identifier(entry, shared.names.values())
     functions, heads = list[str](), list[str]()
-    visible = 0
+    visible, seldom = 0, set[str]() if often is None else _seldom(module, often)
     for function in module.functions:
         found = needs_of(function, shared.needs)
         shared.needs[function.name] = Needs(found.room, found.trouble or found.room)
         head, body = _function(function, shared, is_entry=function.name in module.entries)
-        functions.append(f"{_comment(function)}{head}\n{body}")
+        functions.append(f"{_comment(function)}{'SELDOM ' if function.name in seldom else ''}{head}\n{body}")
         if function.name in module.entries:
             heads.append(f"{_comment(function)}{head};\n")
             visible = len(shared.types)
@@ -91,6 +97,15 @@ def write_c(module: Module, prefix: str, supplied: Mapping[str, str] | None = No
         needs=dict(shared.needs),
         types=dict(shared.structs),
     )
+
+
+def _seldom(module: Module, often: Container[str]) -> set[str]:
+    """The names of functions that are neither entries, nor run often, nor called by any of these that is no entry."""
+    found = set[str]()
+    for function in reversed(module.functions):  # callers first
+        if function.name in found or LAST_NUMBER.sub("", function.name) in often:
+            found |= {function.name, *(each.name for each in callees(function))}
+    return {each.name for each in module.functions} - found - set(module.entries)
 
 
 def flags_for(module: Module, supplied: Mapping[str, str]) -> tuple[str, ...]:
@@ -240,8 +255,8 @@ def _shown_reason(reason: str) -> str:
 def _source(shared: Shared, visible: int, functions: list[str], supplied: list[str]) -> str:
     heads = ["#include <float.h>\n#include <math.h>\n#include <stddef.h>\n#include <string.h>\n"]
     heads = [f'#include "{shared.prefix}.h"\n\n{heads[0]}', GUARD]
-    words = set(re.findall(r"\w+", "\n".join(functions)))
-    helpers = [text for name, text in HELPERS.items() if name in words]
+    words = set(re.findall(r"\w+", "\n".join([*supplied, *functions])))
+    helpers = [SELDOM] * ("SELDOM" in words) + [text for name, text in HELPERS.items() if name in words]
     rooms = {"take_reals": ("double", "reals"), "take_wholes": ("int64_t", "wholes")}
     for name, (kind, free) in rooms.items():
         if name in words:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 from vvdp.generator import tree
-from vvdp.generator.arrays import UNROLLED, fill, item, put
+from vvdp.generator.arrays import fill, item, put
 from vvdp.generator.body import Body, End, Exits, Names
 from vvdp.generator.expressions import evaluate, index_of, known_items, test_of
 from vvdp.generator.joining import changing, merge, set_all
@@ -148,14 +148,14 @@ def _for(body: Body, node: ast.For, names: Names) -> Names | None:
         first, last, step = ((0, *limits, 1) if len(limits) == 1 else (*limits, 1))[:3]
         if all(isinstance(each, int) for each in (first, last, step)):
             rounds = range(first, last, step)
-            if len(rounds) <= UNROLLED and not leaves_loop(node.body):
+            if len(rounds) <= body.unit.options.unrolled and not leaves_loop(node.body):
                 return _unroll(body, node, list(rounds), names)
         return _rounds(body, node, names, (first, last, step), None)
     values = evaluate(body, call, names)
     if is_array(values) and is_symbol(values):
         values = body.bind(values)
         return _rounds(body, node, names, (0, lengths(values)[0], 1), values)
-    if isinstance(values, range) and len(values) > UNROLLED:
+    if isinstance(values, range) and len(values) > body.unit.options.unrolled:
         return _rounds(body, node, names, (values.start, values.stop, values.step), None)
     return _unroll(body, node, known_items(body, values), names)
 

@@ -25,6 +25,7 @@ class Options:
     words       functions that are written in place, from the body and the arguments (`generator.words`)
     apart       functions that are seldom called and have no effects: they are never copied to where they are called
     checked     whether bounds, divisions, whole numbers and assertions are checked while the code runs
+    unrolled    loops of at most so many known rounds are written out
     """
 
     replaced: Mapping[Any, Any] = field(default_factory=dict)
@@ -32,6 +33,7 @@ class Options:
     words: Mapping[Any, Word] = field(default_factory=dict)
     apart: frozenset[Any] = frozenset()
     checked: bool = False
+    unrolled: int = 8
 
 
 @dataclass

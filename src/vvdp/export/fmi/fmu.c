@@ -38,7 +38,7 @@ void fmu_reset(fmu *f)
     }
 }
 
-static double *vector_of(fmu_machine *machine, fmu_vector vector)
+static double *vector_of(fmu_machine *machine, unsigned vector)
 {
     switch (vector) {
     case FMU_STATE:
@@ -52,7 +52,7 @@ static double *vector_of(fmu_machine *machine, fmu_vector vector)
     }
 }
 
-static double result_of(fmu_operation operation, double x, double constant)
+static double result_of(unsigned operation, double x, double constant)
 {
     switch (operation) {
     case FMU_ADD:
@@ -152,12 +152,13 @@ static int may_set(fmu *f, uint32_t r, double value)
         return 0;
     }
     const fmu_settable *own = &fmu_settables[r - FIRST_SETTABLE];
+    const char *name = &fmu_names[own->name];
     if (!(value >= own->low && value <= own->high)) {
-        snprintf(f->problem, sizeof f->problem, "%.100s: %g is outside %g to %g", own->name, value, own->low, own->high);
+        snprintf(f->problem, sizeof f->problem, "%.100s: %g is outside %g to %g", name, value, own->low, own->high);
         return 0;
     }
     if (f->kept.phase > FMU_RUNNING || (f->kept.phase == FMU_RUNNING && own->role == FMU_FIXED)) {
-        snprintf(f->problem, sizeof f->problem, "%.100s can be set before the first step only", own->name);
+        snprintf(f->problem, sizeof f->problem, "%.100s can be set before the first step only", name);
         return 0;
     }
     return 1;

@@ -18,20 +18,20 @@ typedef enum { FMU_ADD, FMU_TIMES, FMU_BY, FMU_OVER } fmu_operation;
 
 /* A variable that can be set, within its range. */
 typedef struct {
-    const char *name;
     double start;
     double low;
     double high;
     fmu_role role;
+    int name; /* where it begins in the names */
 } fmu_settable;
 
 /* A number of the machine that follows a variable by an operation with a constant. */
 typedef struct {
-    int variable;
-    fmu_vector vector;
-    int place;
-    fmu_operation operation;
     double constant;
+    int32_t place;
+    uint16_t variable;
+    uint8_t vector;    /* an fmu_vector */
+    uint8_t operation; /* an fmu_operation */
 } fmu_follower;
 
 /* Where the number of an output is. */
@@ -40,6 +40,7 @@ typedef struct {
     int place;
 } fmu_output;
 
+extern const char fmu_names[]; /* of variables that can be set */
 extern const fmu_settable fmu_settables[];
 extern const fmu_follower fmu_followers[];
 extern const fmu_output fmu_outputs[];
