@@ -12,8 +12,17 @@ from tests.conftest import required_program
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError
 from vvdp.base.kinds import PRESSURE_LEVEL, Angle, Pressure
-from vvdp.export.c_folder import CIRCUIT, c_files, c_part, expected_values, facade_text, facts
-from vvdp.export.c_parts import OUT, drawn_values, function_of, module_of
+from vvdp.export.c_folder import (
+    CIRCUIT,
+    c_files,
+    c_part,
+    expected_values,
+    facade_text,
+    facts,
+    part_code,
+    sampled_values,
+)
+from vvdp.export.c_parts import OUT, function_of, module_of
 from vvdp.export.c_structs import Classes, initial_text, store_lines, struct_text, value_text
 from vvdp.generator.library import C_LIBRARY, EXACT
 from vvdp.generator.source import LanguageError
@@ -137,11 +146,11 @@ def test_the_expected_bits_are_those_of_the_python_text():
     """Away from functions of the C library, machine code and plain Python have the same bits."""
     system = load_system("displacement-chapter6")
     part = c_part(system, "control")
-    times = [part.period * number for number in range(30)]
-    drawn = drawn_values(system.model, system.case, "control", times)
+    code = part_code(part)
+    times, drawn = sampled_values(system, part, code, 30)
     assert np.ptp(list(drawn), axis=0).max() > 0.0
     (entry,) = part.entries
-    expected = expected_values(part, times, drawn)[entry.name]
+    expected = expected_values(part, code, times, drawn)[entry.name]
     kept = {block.name: flat(block.value) for block in entry.arguments}
     function = function_of(entry)
     for t, values, wanted in zip(times, drawn, expected, strict=True):

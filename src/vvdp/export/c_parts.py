@@ -5,6 +5,7 @@ import itertools
 import linecache
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, is_dataclass, replace
+from enum import Enum
 from types import FunctionType
 from typing import Any, NamedTuple
 
@@ -26,6 +27,20 @@ from vvdp.simulation.reach import compiled_form
 from vvdp.simulation.values import as_value, flat, leaves
 
 IN, OUT, KEPT = "in", "out", "kept"
+
+
+class Precision(Enum):
+    """The type of all numbers of exported code: its C name, and its size in bytes.
+
+    `tolerance` is the largest difference from double precision that a test accepts, as a share of the largest value of
+    a number.
+    """
+
+    DOUBLE = ("double", 8, 0.0)
+    SINGLE = ("float", 4, 1e-3)
+
+    def __init__(self, real: str, size: int, tolerance: float) -> None:
+        self.real, self.size, self.tolerance = real, size, tolerance
 
 
 class Stop(NamedTuple):
@@ -240,6 +255,7 @@ class CPart:
     rooms      by entry, the numbers that it needs on the stack for arrays
     program    the program that is exported; None for a circuit
     period     time between two samples [s]
+    precision  of all of its numbers
     """
 
     name: str
@@ -251,6 +267,7 @@ class CPart:
     rooms: Mapping[str, Amount]
     program: Program | None
     period: float
+    precision: Precision = Precision.DOUBLE
 
     @property
     def phase(self) -> float:
@@ -261,6 +278,16 @@ class CPart:
     def blocks(self) -> dict[str, Block]:
         """The arguments of all entries by name."""
         return {block.name: block for entry in self.entries for block in entry.arguments}
+
+    @property
+    def answers(self) -> bool:
+        """Whether it is a program that gives a command for a reading, as most do."""
+        return self.program is not None and {"reading", "command"} <= self.blocks.keys()
+
+    @property
+    def array_bytes(self) -> int:
+        """Bytes of the stack that arrays take; whole numbers have 8 each."""
+        return max(self.precision.size * reals + 8 * wholes for reals, wholes in self.rooms.values())
 
     @property
     def hash(self) -> str:

@@ -2,13 +2,12 @@
 
 from typing import NamedTuple
 
-from vvdp.base.kinds import Angle, AngularVariance, Count, Fraction, Ratio, SignedFraction, Speed, Time
+from vvdp.base.kinds import Angle, AngularVariance, Count, Fraction, Number, Ratio, SignedFraction, Speed, Time
 from vvdp.base.params import Params
 from vvdp.base.rules import refuse
 from vvdp.base.signal import signal_value
+from vvdp.estimation.bounded_filter import BoundedMemory, PassedEdges, bounded_start, bounded_step
 from vvdp.estimation.estimator import Estimate, to_estimate
-from vvdp.estimation.event_filter import event_filter_step
-from vvdp.estimation.event_memory import EventFilterMemory, event_filter_start
 from vvdp.estimation.event_settings import EventFilter, EventFilterValues
 from vvdp.estimation.threshold import (
     RampSlope,
@@ -23,7 +22,7 @@ from vvdp.programs.generic import GenericProgram
 from vvdp.programs.spool_encoder import EncoderTable, encoder_of, filter_of
 from vvdp.sensing.encoder import Encoder, EncoderMemory, Shaft, encoder_reading, encoder_start
 from vvdp.sensing.reading import Reading
-from vvdp.sensing.wheel import equal_wheel
+from vvdp.sensing.wheel import TURN, equal_wheel
 
 
 class ShaftEncoder(EncoderTable):
@@ -39,6 +38,18 @@ class WatchedShaft(NamedTuple):
     angle: Angle
     speed: Speed
     threshold_shift: SignedFraction = 0.0
+
+
+class SeenEdges(NamedTuple):
+    """One sample of an encoder: its `Reading`, the time since the sample before, and that since the last edge."""
+
+    time: Time
+    edges: Count
+    edge_time: Time
+    edge_interval: Time
+    polarity: Number
+    elapsed: Time
+    edge_age: Time
 
 
 class EncoderSettings(Params):
@@ -61,11 +72,20 @@ def encoder_program_start(settings: EncoderSettings) -> EncoderMemory:
 
 def encoder_program_step(
     t: float, memory: EncoderMemory, reading: WatchedShaft, settings: EncoderSettings
-) -> tuple[EncoderMemory, Reading]:
+) -> tuple[EncoderMemory, SeenEdges]:
     """Edges of a code wheel on a shaft since the last sample."""
     shaft = Shaft(reading.time, reading.angle, reading.speed)
     threshold = signal_value(reading.time, settings.encoder.threshold) + reading.threshold_shift
-    return encoder_reading(memory, shaft, threshold, settings.encoder)
+    after, seen = encoder_reading(memory, shaft, threshold, settings.encoder)
+    return after, SeenEdges(
+        time=seen.time,
+        edges=seen.edges,
+        edge_time=seen.edge_time,
+        edge_interval=seen.edge_interval,
+        polarity=seen.polarity,
+        elapsed=reading.time - memory.time,
+        edge_age=reading.time - seen.edge_time,
+    )
 
 
 class WheelFilter(EventFilterValues):
@@ -87,7 +107,10 @@ def filter_settings(table: WheelFilter) -> EventFilter:
 
 class WatchedAngle(NamedTuple):
     """What an event filter believes of a shaft, as in `Estimate`; `slip` is the part of the angle's variance that no
-    later edge can show: jumps by whole sectors."""
+    later edge can show: jumps by whole sectors.
+
+    The angle is also given as whole `revolutions` and the `remainder`, which single precision resolves at any time.
+    """
 
     angle: Angle
     speed: Speed
@@ -98,25 +121,22 @@ class WatchedAngle(NamedTuple):
     missed_edges: Count
     standstill: Fraction
     slip: AngularVariance
-
-
-def filter_start(settings: EventFilter) -> EventFilterMemory:
-    """Before the first sample: nothing is known but the wheel."""
-    return event_filter_start(settings, 0.0, 0.0, 0.0)
+    revolutions: Number
+    remainder: Angle
 
 
 def filter_step(
-    t: float, memory: EventFilterMemory, reading: Reading, settings: EventFilter
-) -> tuple[EventFilterMemory, WatchedAngle]:
+    t: float, memory: BoundedMemory, reading: PassedEdges, settings: EventFilter
+) -> tuple[BoundedMemory, WatchedAngle]:
     """Angle and speed of a shaft from the edges of its encoder, by the event-based Kalman filter."""
-    after, estimate = event_filter_step(memory, reading, settings)
-    return after, watched_angle(estimate, after.slip)
+    after, estimate = bounded_step(memory, reading, settings)
+    return after, watched_angle(estimate, after.revolutions, after.filter.slip)
 
 
-def watched_angle(estimate: Estimate, slip: float) -> WatchedAngle:
-    """The command of an estimate, with the variance of jumps [rad^2]."""
+def watched_angle(estimate: Estimate, revolutions: float, slip: float) -> WatchedAngle:
+    """The command of an estimate without whole `revolutions` [1], with the variance of jumps [rad^2]."""
     return WatchedAngle(
-        angle=estimate.angle,
+        angle=TURN * revolutions + estimate.angle,
         speed=estimate.speed,
         angle_deviation=estimate.angle_deviation,
         speed_deviation=estimate.speed_deviation,
@@ -125,6 +145,8 @@ def watched_angle(estimate: Estimate, slip: float) -> WatchedAngle:
         missed_edges=estimate.missed_edges,
         standstill=estimate.standstill,
         slip=slip,
+        revolutions=revolutions,
+        remainder=estimate.angle,
     )
 
 
@@ -183,17 +205,18 @@ def threshold_program_step(
 
 
 def _first_estimate(settings: EventFilter, reading: NamedTuple) -> WatchedAngle:
-    return watched_angle(to_estimate(filter_start(settings).belief, 0.0, 0.0, 0.0, 0.0), 0.0)
+    belief = bounded_start(settings).filter.belief
+    return watched_angle(to_estimate(belief, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0)
 
 
-NO_EDGE = Reading(time=0.0, edges=0.0, edge_time=0.0, edge_interval=0.0, polarity=0.0)
+NO_EDGE = SeenEdges(**dict.fromkeys(SeenEdges._fields, 0.0))
 NOTHING_KNOWN = WatchedAngle(**dict.fromkeys(WatchedAngle._fields, 0.0))
 ENCODER = GenericProgram(
     ProgramType(encoder_program_step, WatchedShaft, NO_EDGE, ShaftEncoder, encoder_program_start),
     made=encoder_settings,
 )
 EVENT_FILTER = GenericProgram(
-    ProgramType(filter_step, Reading, NOTHING_KNOWN, WheelFilter, filter_start),
+    ProgramType(filter_step, PassedEdges, NOTHING_KNOWN, WheelFilter, bounded_start, is_bounded=True),
     first=_first_estimate,
     made=filter_settings,
 )
