@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.kinds import Count, Number, Time
+from vvdp.base.kinds import Angle, AngularVariance, Count, Fraction, Number, Speed, Time
 from vvdp.estimation.doubt import Doubt
 from vvdp.estimation.estimator import Estimate
 from vvdp.estimation.event_filter import event_filter_step, shift_angle
@@ -48,29 +48,69 @@ class BoundedMemory(NamedTuple):
     revolutions: Number
 
 
+class WatchedAngle(NamedTuple):
+    """What an event filter believes of a shaft, as in `Estimate`; `slip` is the part of the angle's variance that no
+    later edge can show: jumps by whole sectors.
+
+    The angle is also given as whole `revolutions` and the `remainder`, which single precision resolves at any time.
+    """
+
+    angle: Angle
+    speed: Speed
+    angle_deviation: Angle
+    speed_deviation: Speed
+    innovation: Angle
+    innovation_deviation: Angle
+    missed_edges: Count
+    standstill: Fraction
+    slip: AngularVariance
+    revolutions: Number
+    remainder: Angle
+
+
 def bounded_start(settings: EventFilter) -> BoundedMemory:
     """Memory before the first sample: nothing is known but the wheel."""
     return BoundedMemory(filter=event_filter_start(settings, 0.0, 0.0, 0.0), since=0.0, lost=0.0, revolutions=0.0)
 
 
-def bounded_step(memory: BoundedMemory, reading: PassedEdges, settings: EventFilter) -> tuple[BoundedMemory, Estimate]:
-    """Memory and estimate after a sample; the estimate is without the whole revolutions of the memory.
+def bounded_step(
+    memory: BoundedMemory, reading: PassedEdges, settings: EventFilter
+) -> tuple[BoundedMemory, WatchedAngle]:
+    """Memory and estimate after a sample.
 
     The time since an edge is a sum of thousands of intervals in single precision, hence compensated.
 
     Source  kahan1965
     """
-    before, revolutions, r, wheel = memory.filter, memory.revolutions, reading, settings.wheel
-    added = r.elapsed - memory.lost
+    r, added = reading, reading.elapsed - memory.lost
     since = memory.since + added
     lost = (since - memory.since) - added
+    passed, turns = 0.0, 0.0
     if r.edges > 0.0:
-        turns = np.floor(before.last.number / len(wheel.edges))
-        before = relative(before, since, turns, wheel)
-        since, revolutions = 0.0, revolutions + turns
-    seen = Reading(since, r.edges, since - r.edge_age, r.edge_interval, r.polarity)
+        passed, turns = since, np.floor(memory.filter.last.number / len(settings.wheel.edges))
+    before = relative(memory.filter, passed, turns, settings.wheel)
+    now, revolutions = since - passed, memory.revolutions + turns
+    seen = Reading(now, r.edges, now - r.edge_age, r.edge_interval, r.polarity)
     after, estimate = event_filter_step(before, seen, settings)
-    return BoundedMemory(filter=after, since=since, lost=lost, revolutions=revolutions), estimate
+    kept = BoundedMemory(filter=after, since=now, lost=lost, revolutions=revolutions)
+    return kept, watched_angle(estimate, revolutions, after.slip)
+
+
+def watched_angle(estimate: Estimate, revolutions: float, slip: float) -> WatchedAngle:
+    """What is shown of an estimate without whole `revolutions` [1], with the variance of jumps [rad^2]."""
+    return WatchedAngle(
+        angle=TURN * revolutions + estimate.angle,
+        speed=estimate.speed,
+        angle_deviation=estimate.angle_deviation,
+        speed_deviation=estimate.speed_deviation,
+        innovation=estimate.innovation,
+        innovation_deviation=estimate.innovation_deviation,
+        missed_edges=estimate.missed_edges,
+        standstill=estimate.standstill,
+        slip=slip,
+        revolutions=revolutions,
+        remainder=estimate.angle,
+    )
 
 
 def relative(memory: EventFilterMemory, elapsed: float, turns: float, wheel: CodeWheel) -> EventFilterMemory:

@@ -167,7 +167,7 @@ def c_files(system: System, part: CPart, samples: int) -> dict[str, str]:
     }
 
 
-def part_code(part: CPart) -> dict[str, Callable[..., Any]]:
+def part_code(part: CPart) -> Mapping[str, Callable[..., Any]]:
     """The entries of a part as vvdp's machine code, in double precision."""
     return callables(
         part.module, binding.load_code(binding.compile_text(write_llvm(part.module), 2), part.module.entries)

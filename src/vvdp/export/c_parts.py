@@ -3,6 +3,7 @@
 import hashlib
 import itertools
 import linecache
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, is_dataclass, replace
 from enum import Enum
@@ -21,10 +22,12 @@ from vvdp.generator.tree import Module
 from vvdp.generator.unit import Options, Unit
 from vvdp.generator.verify import verify
 from vvdp.simulation import dialect
-from vvdp.simulation.layout import arrays
 from vvdp.simulation.model import Case, Model, Program
 from vvdp.simulation.reach import compiled_form
 from vvdp.simulation.values import as_value, flat, leaves
+
+ROW_LINE = re.compile(r"memory\[(\d+):(\d+)\] = (.*)")
+"""A line that writes an array of a memory back."""
 
 IN, OUT, KEPT = "in", "out", "kept"
 
@@ -121,14 +124,19 @@ def program_entry(model: Model, case: Case, name: str) -> Entry:
 
 
 def _kept_lines(memory: Any) -> list[str]:
-    """Text that writes a memory back, all at once: an array of it may be a view of where another belongs."""
-    if not arrays(memory):
-        return store_lines(memory, "new_memory", "memory")
-    return [
-        f"beside = np.empty({flat(memory).size})",
-        *store_lines(memory, "new_memory", "beside"),
-        "memory[:] = beside",
-    ]
+    """Text that writes a memory back, arrays last and all at once: one may be a view of where another belongs."""
+    lines = store_lines(memory, "new_memory", "memory")
+    rows = [(int(found[1]), int(found[2]), found[3]) for line in lines if (found := ROW_LINE.fullmatch(line))]
+    if not rows:
+        return lines
+    count = sum(end - begin for begin, end, _ in rows)
+    beside, after = [f"beside = np.empty({count})"], list[str]()
+    place = 0
+    for begin, end, value in rows:
+        beside.append(f"beside[{place}:{place + end - begin}] = {value}")
+        after.append(f"memory[{begin}:{end}] = beside[{place}:{place + end - begin}]")
+        place += end - begin
+    return [*beside, *(line for line in lines if not ROW_LINE.fullmatch(line)), *after]
 
 
 def circuit_entries(model: Model, case: Case) -> list[Entry]:

@@ -2,12 +2,19 @@
 
 from typing import NamedTuple
 
-from vvdp.base.kinds import Angle, AngularVariance, Count, Fraction, Number, Ratio, SignedFraction, Speed, Time
+from vvdp.base.kinds import Angle, Count, Fraction, Number, Ratio, SignedFraction, Speed, Time
 from vvdp.base.params import Params
 from vvdp.base.rules import refuse
 from vvdp.base.signal import signal_value
-from vvdp.estimation.bounded_filter import BoundedMemory, PassedEdges, bounded_start, bounded_step
-from vvdp.estimation.estimator import Estimate, to_estimate
+from vvdp.estimation.bounded_filter import (
+    BoundedMemory,
+    PassedEdges,
+    WatchedAngle,
+    bounded_start,
+    bounded_step,
+    watched_angle,
+)
+from vvdp.estimation.estimator import to_estimate
 from vvdp.estimation.event_settings import EventFilter, EventFilterValues
 from vvdp.estimation.threshold import (
     RampSlope,
@@ -22,7 +29,7 @@ from vvdp.programs.generic import GenericProgram
 from vvdp.programs.spool_encoder import EncoderTable, encoder_of, filter_of
 from vvdp.sensing.encoder import Encoder, EncoderMemory, Shaft, encoder_reading, encoder_start
 from vvdp.sensing.reading import Reading
-from vvdp.sensing.wheel import TURN, equal_wheel
+from vvdp.sensing.wheel import equal_wheel
 
 
 class ShaftEncoder(EncoderTable):
@@ -105,49 +112,11 @@ def filter_settings(table: WheelFilter) -> EventFilter:
     return filter_of(table, equal_wheel(int(table.sectors), table.index_shift))
 
 
-class WatchedAngle(NamedTuple):
-    """What an event filter believes of a shaft, as in `Estimate`; `slip` is the part of the angle's variance that no
-    later edge can show: jumps by whole sectors.
-
-    The angle is also given as whole `revolutions` and the `remainder`, which single precision resolves at any time.
-    """
-
-    angle: Angle
-    speed: Speed
-    angle_deviation: Angle
-    speed_deviation: Speed
-    innovation: Angle
-    innovation_deviation: Angle
-    missed_edges: Count
-    standstill: Fraction
-    slip: AngularVariance
-    revolutions: Number
-    remainder: Angle
-
-
 def filter_step(
     t: float, memory: BoundedMemory, reading: PassedEdges, settings: EventFilter
 ) -> tuple[BoundedMemory, WatchedAngle]:
     """Angle and speed of a shaft from the edges of its encoder, by the event-based Kalman filter."""
-    after, estimate = bounded_step(memory, reading, settings)
-    return after, watched_angle(estimate, after.revolutions, after.filter.slip)
-
-
-def watched_angle(estimate: Estimate, revolutions: float, slip: float) -> WatchedAngle:
-    """The command of an estimate without whole `revolutions` [1], with the variance of jumps [rad^2]."""
-    return WatchedAngle(
-        angle=TURN * revolutions + estimate.angle,
-        speed=estimate.speed,
-        angle_deviation=estimate.angle_deviation,
-        speed_deviation=estimate.speed_deviation,
-        innovation=estimate.innovation,
-        innovation_deviation=estimate.innovation_deviation,
-        missed_edges=estimate.missed_edges,
-        standstill=estimate.standstill,
-        slip=slip,
-        revolutions=revolutions,
-        remainder=estimate.angle,
-    )
+    return bounded_step(memory, reading, settings)
 
 
 class AdaptedFilter(WheelFilter):

@@ -15,7 +15,7 @@
 #define COPROCESSORS (*(volatile uint32_t *)0xE000ED88)
 #define FULL 0xFFFFFFu
 #define PATTERN 0xA5u
-enum { PAINTED = 32768 };
+enum { PAINTED = 32768, OWN = 48 /* of what paints */ };
 
 extern char __stack_top, __data_start, __data_end, __data_load, __bss_start__, __bss_end__;
 int main(void);
@@ -41,7 +41,7 @@ static uint32_t instructions(uint32_t begin, uint32_t end)
 static void __attribute__((noinline)) paint(void)
 {
     count.painted = (unsigned char *)__builtin_frame_address(0) - PAINTED;
-    for (volatile unsigned char *at = count.painted; at < count.painted + PAINTED - 128; at++) {
+    for (volatile unsigned char *at = count.painted; at < count.painted + PAINTED - OWN; at++) {
         *at = PATTERN;
     }
 }
@@ -64,7 +64,7 @@ int __attribute__((noinline)) count_end(int result)
     count.sum += found;
     count.sample++;
     const unsigned char *at = count.painted;
-    while (at < count.painted + PAINTED - 128 && *at == PATTERN) {
+    while (at < count.painted + PAINTED - OWN && *at == PATTERN) {
         at++;
     }
     const unsigned used = (unsigned)(count.painted + PAINTED - at);
