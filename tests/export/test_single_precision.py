@@ -148,11 +148,14 @@ def test_an_hour_stays_close_to_double_precision(course):
 @pytest.mark.thorough
 def test_the_page_counts_the_hours_without_a_deviation(course):
     """The estimate jumps where a decision falls; one hour in several has a decision that rounding turns."""
-    found = [course(HOUR, seed)[:3] for seed in range(HOURS)]
+    found = [course(HOUR, seed)[:7] for seed in range(HOURS)]
     calm = [each for each in found if not each[2]]
     page = PAGE.read_text("utf-8")
     stated = re.search(r"In (\d+) of (\d+) hours no sample .*?, the\s+others have (\d+) samples", page, re.DOTALL)
     assert [int(each) for each in stated.groups()] == [len(calm), HOURS, sum(int(each[2]) for each in found)]
+    standing, back = (np.mean([each[i] for each in found]) / HOUR for i in (5, 6))
+    assert f"({standing:.0%} of the time at rest, {back:.0%} backwards)".replace("%", " %") in page
+    assert f"of {HOURS * HOUR / 1e6:.1f} million" in page
 
 
 @pytest.mark.thorough

@@ -104,9 +104,26 @@ def test_the_command_states_the_load_and_warns(tmp_path):
 def test_the_event_filter_keeps_its_limits(precision):
     """Of the code, stack and worst sample; half a second of the example."""
     m4, m7 = counted_loads(exported_folder(load_system(str(EXAMPLE)), "speed", 500, precision).files)
+    assert m7.most < 15_000
     if precision is Precision.SINGLE:
         assert m4.most < 30_000
-    assert m7.most < 15_000
+        assert max(m4.stack, m7.stack) < 3500
+        return
+    page = (Path(__file__).parents[2] / "docs" / "c-export.md").read_text("utf-8")
+    stated = re.search(r"takes up to (\d+) 000 instructions, so the period must be longer than (\S+) ms", page)
+    assert m4.most == pytest.approx(1e3 * int(stated[1]), rel=0.03)
+    assert int(stated[1]) / 168.0 == pytest.approx(float(stated[2]), abs=0.005)
+
+
+def test_the_limits_of_the_page_are_those_of_its_table():
+    page = (Path(__file__).parents[2] / "docs" / "c-export.md").read_text("utf-8")
+    row = r"\| `speed-from-edges` \| `speed` \| Cortex-M\d \| \w+ \| (\d+) \| (\d+) \|"
+    (single, _), (double, stack) = re.findall(row, page)
+    sizes = (
+        f"{int(single) / 1e3:.0f} kB of code on a Cortex-M4 in single precision, {int(double) / 1e3:.0f} kB on a Cortex"
+    )
+    assert sizes in page
+    assert f"and {int(stack) / 1e3:.1f} kB of stack in double precision" in page
 
 
 def test_all_tools_are_named():

@@ -96,6 +96,9 @@ class Target:
             help='Clock of a microcontroller, for example "168 MHz": count instructions and state its load.',
         ),
     ] = None
+    samples: Annotated[
+        int, typer.Option("--samples", metavar="N", min=1, max=10_000, help="Number of samples with expected bits.")
+    ] = 100
 
 
 @app.command("c", cls=Verb)
@@ -105,9 +108,6 @@ def write_c_folder(
     chosen: Part,
     target: Target,
     settings: Settings = None,
-    samples: Annotated[
-        int, typer.Option("--samples", metavar="N", min=1, max=10_000, help="Number of samples with expected bits.")
-    ] = 100,
     out: Annotated[Path | None, out_option("results/c-NAME-TIME")] = None,
     force: Force = False,
     json: AsJson = False,
@@ -128,7 +128,7 @@ def write_c_folder(
     clock = None if target.clock is None else parsed_option("--clock", target.clock, CLOCK)
     precision = Numbers[target.precision.name]
     system = load_system(chosen.system, settings or ())
-    made = exported_folder(system, chosen.part, samples, precision, clock, say)
+    made = exported_folder(system, chosen.part, target.samples, precision, clock, say)
     found = made.facts
     directory = out if out is not None else default_directory(f"c-{made.name}")
     with result_directory(directory, force=force) as folder:
@@ -137,10 +137,11 @@ def write_c_folder(
     if json:
         print_json({**found, "out": str(directory)})
     else:
+        samples = found["samples"]
         tell(f"{found['functions']} functions, {found['lines']} lines of C, {samples} samples with expected bits")
         tell(f"memory: {found['memory_bytes']} bytes, settings: {found['settings_bytes']} bytes")
         for load in found.get("loads", ()):
-            share = load["most"] / found["clock_hz"] / found["period_s"]
+            share = load["most"] / found["clock_Hz"] / found["period_s"]
             tell(
                 f"{load['core']}: {load['code']} bytes of code, at most {load['most']} instructions per sample (sample "
                 f"{load['sample']}): {share:.3g} of the period at {target.clock}, at one instruction per cycle"

@@ -91,7 +91,7 @@ def exported_folder(
     if clock is not None:
         loads, load = loads_at(made, files, clock, say)
         files["README.md"] = files["README.md"].replace(MEMORY, f"{load}{MEMORY}")
-        found |= {"clock_hz": clock, "loads": [each._asdict() for each in loads]}
+        found |= {"clock_Hz": clock, "loads": [each._asdict() for each in loads]}
     return Exported(made.name, files, found)
 
 

@@ -35,7 +35,7 @@ _TOKENS = re.compile(
 def single_text(text: str) -> str:
     """C text in single precision: types, literals and functions of the C library; comments and strings stay."""
 
-    def replaced(found: re.Match[str]) -> str:
+    def in_single(found: re.Match[str]) -> str:
         whole = found[0]
         if found["apart"]:
             return whole
@@ -45,7 +45,7 @@ def single_text(text: str) -> str:
             return "float"
         return f"{whole}f" if whole in _FUNCTIONS and text[found.end() : found.end() + 1] == "(" else whole
 
-    return _TOKENS.sub(replaced, text)
+    return _TOKENS.sub(in_single, text)
 
 
 def single_module(made: CModule) -> CModule:
