@@ -40,11 +40,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             cases[test] += 1
 
 
-def required_program(name: str) -> str:
-    """Path of a system program. Where it is missing, skips, or fails if `VVDP_REQUIRE` names it."""
+def required_program(name: str, word: str = "") -> str:
+    """Path of a system program. Where it is missing, skips, or fails if `VVDP_REQUIRE` names it or `word`."""
     if path := shutil.which(name):
         return path
-    return not_tested(f"{name} is not installed", name)
+    return not_tested(f"{name} is not installed", word or name)
 
 
 def not_tested(reason: str, word: str) -> NoReturn:

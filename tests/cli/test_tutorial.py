@@ -3,11 +3,14 @@
 import importlib.util
 import re
 import shlex
+import subprocess
 from pathlib import Path
 
 import pytest
+from tests.conftest import required_program
 from tests.words import wording
 
+from vvdp.export.c_target import TOOLS
 from vvdp.generator.source import known_text
 from vvdp.results.store import read_result
 
@@ -52,6 +55,56 @@ def test_the_tutorial_does_what_it_says(vvdp, here, capsys):
     assert f"The fitted *q* is {fitted['acceleration_density_rad2_s3'].value:.0f} rad²/s³" in PAGE
     for digits, key in (("{:.2f}", "nis_mean"), ("{:.2g}", "speed_deviation_mean_rad_s")):
         assert "from " + " to ".join(digits.format(found[key].value) for found in (default, fitted)) in PAGE, key
+
+
+BOARD = (FOLDER / "event-filter-on-a-board.md").read_text("utf-8")
+
+
+@pytest.fixture
+def board(vvdp, here, capsys):
+    """The folder in which the commands of the page on a board were run."""
+    (here / "board.toml").write_text(re.search(r"```toml\n(.*?)```", BOARD, re.DOTALL)[1], "utf-8")
+    assert run_blocks(BOARD, vvdp, capsys)[0] == ["sh", "sh"]
+    return here
+
+
+def printed_by_make(folder, goal):
+    """What a goal prints in the exported directory."""
+    required_program("make")
+    done = subprocess.run(["make", "-s", "-C", "filter", goal], cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.mark.thorough
+def test_the_filter_runs_on_a_board(board):
+    """The program of the page compiles; `make` prints what the page shows, but for last digits of a C library."""
+    (code,) = re.findall(r"```c\n(.*?)```", BOARD, re.DOTALL)
+    (board / "filter" / "board.c").write_text(code, "utf-8")
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Werror", "-c", "board.c"]
+    subprocess.run([required_program("cc"), *flags], cwd=board / "filter", check=True)
+    found = printed_by_make(board, "test")
+    share = float(re.search(r", (\S+) of its largest value", found)[1])
+    shown = float(re.search(r"make -s -C filter test\n.*\n.*, (\S+) of its largest value", BOARD)[1])
+    assert 0.2 * shown < share < 5.0 * shown
+
+
+@pytest.mark.thorough
+def test_the_instructions_on_a_board_are_those_of_the_page(board):
+    """To 3 %: other versions of the compiler and of its library have other numbers."""
+    for name in TOOLS:
+        required_program(name, "arm")
+    pattern = re.compile(r"(\d+) to (\d+) instructions per sample, mean (\d+).*\n.*: stack (\d+) bytes")
+    found, shown = (pattern.findall(text) for text in (printed_by_make(board, "pil"), BOARD))
+    assert len(found) == len(shown) == 2
+    for one, other in zip(found, shown, strict=True):
+        assert [int(each) for each in one] == pytest.approx([int(each) for each in other], rel=0.03)
+    most, stack = shown[0][1], shown[0][3]
+    assert f"{int(most):,}".replace(",", " ") + " instructions are 131 us" in BOARD
+    assert f"{int(most) / 168:.0f} us at one instruction per cycle, {int(most) / 1680:.0f} % of 1 ms" in BOARD
+    assert f"uses {stack} bytes" in BOARD
+    page = (FOLDER.parent / "c-export.md").read_text("utf-8")
+    assert re.search(r"    \$ make -s -C filter pil\n(    .*\n)+", BOARD)[0] in page
 
 
 def test_the_pictures_are_drawn_and_small(tmp_path):

@@ -147,3 +147,19 @@ def test_sectors_lost_with_the_encoder():
         lost = [sum(sectors_lost(replay, settings, gap, seed) != 0 for seed in range(200)) for gap in gaps]
         print(lost)
         assert lost == pytest.approx([int(cell) for cell in cells], abs=2)
+
+
+def test_what_single_precision_resolves():
+    """The angle after an hour at 25 revolutions per second, and a second of 1000 periods, plain and compensated."""
+    page = (Path(__file__).parents[2] / "docs" / "models" / "event-filter.md").read_text("utf-8")
+    angle = 3600.0 * 25.0 * 2.0 * np.pi
+    assert f"{angle:,.0f} rad".replace(",", " ") in page
+    assert f"neighbouring floats are {np.spacing(np.float32(angle))} rad apart" in page
+    period, plain, since, lost = np.float32(1e-3), np.float32(0.0), np.float32(0.0), np.float32(0.0)
+    for _ in range(1000):
+        plain = plain + period
+        added = period - lost
+        total = since + added
+        lost, since = (total - since) - added, total
+    assert f"add up to {float(plain):.6f} s" in page
+    assert since == 1.0

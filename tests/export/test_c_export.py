@@ -1,5 +1,6 @@
 """Parts of systems as C: a folder that proves itself, and says so if a bit is another."""
 
+import importlib.util
 import re
 import subprocess
 from pathlib import Path
@@ -12,9 +13,17 @@ from tests.conftest import required_program
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError
 from vvdp.base.kinds import PRESSURE_LEVEL, Angle, Pressure
-from vvdp.export.c_folder import CIRCUIT, c_files, c_part, expected_values, facade_text, facts
-from vvdp.export.c_parts import OUT, drawn_values, function_of, module_of
+from vvdp.export.c_folder import (
+    CIRCUIT,
+    c_files,
+    c_part,
+    expected_values,
+    part_code,
+    sampled_values,
+)
+from vvdp.export.c_parts import OUT, function_of, module_of
 from vvdp.export.c_structs import Classes, initial_text, store_lines, struct_text, value_text
+from vvdp.export.c_target import TOOLS
 from vvdp.generator.library import C_LIBRARY, EXACT
 from vvdp.generator.source import LanguageError
 from vvdp.simulation.values import flat
@@ -137,11 +146,11 @@ def test_the_expected_bits_are_those_of_the_python_text():
     """Away from functions of the C library, machine code and plain Python have the same bits."""
     system = load_system("displacement-chapter6")
     part = c_part(system, "control")
-    times = [part.period * number for number in range(30)]
-    drawn = drawn_values(system.model, system.case, "control", times)
+    code = part_code(part)
+    times, drawn = sampled_values(system, part, code, 30)
     assert np.ptp(list(drawn), axis=0).max() > 0.0
     (entry,) = part.entries
-    expected = expected_values(part, times, drawn)[entry.name]
+    expected = expected_values(part, code, times, drawn)[entry.name]
     kept = {block.name: flat(block.value) for block in entry.arguments}
     function = function_of(entry)
     for t, values, wanted in zip(times, drawn, expected, strict=True):
@@ -179,25 +188,63 @@ def test_a_step_outside_the_language_is_refused_with_file_and_line():
         module_of([own])
 
 
-ROW = re.compile(r"^\| `(\S+)` \| `(\S+)` \| (\d+) \| (\d+) \| (\d+) \| (\d+) \| (\d+) \|$", re.MULTILINE)
 PAGE = Path(__file__).parents[2] / "docs" / "c-export.md"
 
 
-def row_of(name, program):
-    """A row of the page's table."""
-    made = c_part(load_system(name), program)
-    found = facts(made, {f"{made.name}.c": facade_text(made), f"{made.name}_core.c": made.core.source}, 0)
-    keys = ("functions", "lines", "memory_bytes", "settings_bytes", "stack_bytes")
-    return [name, program, *(str(found[key]) for key in keys)]
+@pytest.fixture(scope="module")
+def tables():
+    """The script that writes the tables of the page."""
+    script = PAGE.parent / "site" / "exported_programs.py"
+    spec = importlib.util.spec_from_file_location("exported_programs", script)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
-def test_the_page_shows_the_size_of_programs():
-    rows = {row[:2]: list(row) for row in ROW.findall(PAGE.read_text("utf-8"))}
+def table(tables, marks):
+    """The rows of a table of the page."""
+    return PAGE.read_text("utf-8").partition(marks[0])[2].partition(marks[1])[0].splitlines(keepends=True)[2:]
+
+
+def test_the_page_shows_the_size_of_programs(tables):
+    rows = table(tables, tables.SIZES)
     for each in (("accumulator-charging", "unloading"), ("displacement-chapter6", "control")):
-        assert rows[each] == row_of(*each)
+        assert tables.size_row(*each) in rows
 
 
 @pytest.mark.thorough
-def test_the_page_shows_every_program():
-    expected = [row_of(name, each) for name in sorted(shipped_systems()) for each in load_system(name).model.programs]
-    assert [list(row) for row in ROW.findall(PAGE.read_text("utf-8"))] == expected
+def test_the_page_shows_every_program(tables):
+    assert table(tables, tables.SIZES) == [tables.size_row(*each) for each in tables.programs()]
+
+
+COLUMNS = re.compile(r"(?<=\| )[\d]+(?= \|)")
+
+
+@pytest.mark.parametrize(
+    "each",
+    [
+        ("accumulator-charging", "unloading"),
+        pytest.param(("speed-from-edges", "speed"), marks=pytest.mark.thorough),
+        pytest.param(("displacement-control", "axial"), marks=pytest.mark.thorough),
+        pytest.param(("transmission-speed-control", "speed_control"), marks=pytest.mark.thorough),
+    ],
+)
+def test_the_page_shows_programs_on_the_target(tables, each):
+    """To 3 % or 16: other versions of the compiler and of its library have other numbers."""
+    for name in TOOLS:
+        required_program(name, "arm")
+    found = tables.target_rows(*each).splitlines(keepends=True)
+    shown = [row for row in table(tables, tables.TARGETS) if row.startswith(f"| `{each[0]}` | `{each[1]}` |")]
+    assert len(found) == len(shown)
+    for one, other in zip(found, shown, strict=True):
+        assert [int(x) for x in COLUMNS.findall(one)] == pytest.approx(
+            [int(x) for x in COLUMNS.findall(other)], rel=0.03, abs=16
+        )
+
+
+def test_every_program_is_in_both_tables(tables):
+    names = [f"| `{system}` | `{part}` |" for system, part in tables.programs()]
+    for marks in (tables.SIZES, tables.TARGETS):
+        rows = table(tables, marks)
+        assert [name for name in names if not any(row.startswith(name) for row in rows)] == []
+    assert sum("| single |" in row for row in table(tables, tables.TARGETS)) == 6

@@ -1,6 +1,7 @@
 """`vvdp export`: results for other programs, models as C and as FMUs, systems as pages."""
 
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -70,15 +71,43 @@ class Part:
     ] = "circuit"
 
 
+class Precision(StrEnum):
+    """The precision of exported numbers."""
+
+    DOUBLE = "double"
+    SINGLE = "single"
+
+
+@dataclass(frozen=True)
+class Target:
+    """Options: for which processor a part is exported."""
+
+    precision: Annotated[
+        Precision,
+        typer.Option(
+            "--precision", metavar="PRECISION", help="Numbers are `double` or, where a step allows it, `single`."
+        ),
+    ] = Precision.DOUBLE
+    clock: Annotated[
+        str | None,
+        typer.Option(
+            "--clock",
+            metavar="FREQUENCY",
+            help='Clock of a microcontroller, for example "168 MHz": count instructions and state its load.',
+        ),
+    ] = None
+    samples: Annotated[
+        int, typer.Option("--samples", metavar="N", min=1, max=10_000, help="Number of samples with expected bits.")
+    ] = 100
+
+
 @app.command("c", cls=Verb)
 @flat("results/c-NAME-TIME")
 def write_c_folder(
     *,
     chosen: Part,
+    target: Target,
     settings: Settings = None,
-    samples: Annotated[
-        int, typer.Option("--samples", metavar="N", min=1, max=10_000, help="Number of samples with expected bits.")
-    ] = 100,
     out: Annotated[Path | None, out_option("results/c-NAME-TIME")] = None,
     force: Force = False,
     json: AsJson = False,
@@ -89,11 +118,17 @@ def write_c_folder(
     README. `make test` in it compares every bit.
     """
     from vvdp.base.files import result_directory, write_whole
+    from vvdp.cli.options import parsed_option
     from vvdp.cli.screen import print_json, say, tell
     from vvdp.export.c_folder import exported_folder
+    from vvdp.export.c_parts import Precision as Numbers
+    from vvdp.export.c_target import CLOCK
     from vvdp.systems.system import load_system
 
-    made = exported_folder(load_system(chosen.system, settings or ()), chosen.part, samples, say)
+    clock = None if target.clock is None else parsed_option("--clock", target.clock, CLOCK)
+    precision = Numbers[target.precision.name]
+    system = load_system(chosen.system, settings or ())
+    made = exported_folder(system, chosen.part, target.samples, precision, clock, say)
     found = made.facts
     directory = out if out is not None else default_directory(f"c-{made.name}")
     with result_directory(directory, force=force) as folder:
@@ -102,8 +137,15 @@ def write_c_folder(
     if json:
         print_json({**found, "out": str(directory)})
     else:
+        samples = found["samples"]
         tell(f"{found['functions']} functions, {found['lines']} lines of C, {samples} samples with expected bits")
         tell(f"memory: {found['memory_bytes']} bytes, settings: {found['settings_bytes']} bytes")
+        for load in found.get("loads", ()):
+            share = load["most"] / found["clock_Hz"] / found["period_s"]
+            tell(
+                f"{load['core']}: {load['code']} bytes of code, at most {load['most']} instructions per sample (sample "
+                f"{load['sample']}): {share:.3g} of the period at {target.clock}, at one instruction per cycle"
+            )
         tell(f"results: {directory}\ntest: make -C {directory} test")
 
 

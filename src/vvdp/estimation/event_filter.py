@@ -72,11 +72,18 @@ def event_filter_step(
 
     Source  wang2017, eqs. 3.5 to 3.10, corrected: docs/errata.md
     """
-    innovation, deviation = 0.0, 0.0
     if reading.edges > 0.0:
-        memory, innovation, deviation = after_edge(memory, reading, settings)
-    heard = believed_at(memory, reading.time, settings)
-    return memory, to_estimate(heard, heard.standstill, innovation, deviation, memory.tally.missed_edges)
+        after, innovation, deviation = after_edge(memory, reading, settings)
+        return after, estimate_at(after, reading.time, innovation, deviation, settings)
+    return memory, estimate_at(memory, reading.time, 0.0, 0.0, settings)
+
+
+def estimate_at(
+    memory: EventFilterMemory, time: float, innovation: float, deviation: float, settings: EventFilter
+) -> Estimate:
+    """The estimate at a `time` [s] up to which no edge has come since the last one; the others as in `Estimate`."""
+    heard = believed_at(memory, time, settings)
+    return to_estimate(heard, heard.standstill, innovation, deviation, memory.tally.missed_edges)
 
 
 def after_edge(

@@ -32,6 +32,9 @@ REGULAR = 0.02
 """Share of missed or ignored edges up to which a late edge hides no other [1]: a single one of late makes 1/64 of it,
 two make 2/64 (`REMEMBERED`), and any value between has the same effect; derived."""
 
+FAINTEST = 1e-30
+"""Least weight of which a logarithm is taken [1]: single precision has smaller ones with fewer digits only."""
+
 UNLIKELY = 0.05
 """Probability below which the wheel is not taken to have turned back [1]; assumed."""
 
@@ -173,7 +176,7 @@ def after_silence(cruise: AngleSpeed, manoeuvre: AngleSpeed, silence: Silence) -
         standstill=stopped / whole,
         halt=halted.weight / whole,
         backward=backward / whole,
-        missing_odds=np.log(maximum(missing, 1e-300) / maximum(halted.weight, 1e-300)),
+        missing_odds=np.log(maximum(missing, FAINTEST) / maximum(halted.weight, FAINTEST)),
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.tables import nearest
+from vvdp.export.c_check import check_text
 from vvdp.export.c_machine import MACHINE, c_machine
 from vvdp.export.c_machine_folder import facts as machine_facts
 from vvdp.export.c_machine_folder import machine_files
@@ -18,16 +19,29 @@ from vvdp.export.c_parts import (
     OUT,
     CPart,
     Entry,
+    Precision,
     circuit_entries,
     drawn_values,
     module_of,
     program_entry,
 )
 from vvdp.export.c_powers import C_INTRINSICS
+from vvdp.export.c_precision import in_single, refusal
 from vvdp.export.c_structs import initial_text, struct_text
-from vvdp.export.c_words import check_text, example_text, makefile_text, process_text, readme_text, vectors_text
+from vvdp.export.c_target import (
+    Load,
+    counted_loads,
+    late_cores,
+    load_text,
+    missing_tools,
+    target_files,
+    target_goal,
+)
+from vvdp.export.c_words import MEMORY, example_text, loop_goal, makefile_text, process_text, readme_text, vectors_text
+from vvdp.export.closed_loop import recorded_readings
 from vvdp.generator import binding
 from vvdp.generator.c_room import room_of
+from vvdp.generator.c_single import single_text
 from vvdp.generator.c_text import identifier, wrap
 from vvdp.generator.c_writer import write_c
 from vvdp.generator.calls import callables
@@ -48,18 +62,49 @@ class Exported(NamedTuple):
     facts: Mapping[str, object]
 
 
-def exported_folder(system: System, part: str, samples: int, say: Callable[[str], None] = quiet) -> Exported:
+def exported_folder(
+    system: System,
+    part: str,
+    samples: int,
+    precision: Precision = Precision.DOUBLE,
+    clock: float | None = None,
+    say: Callable[[str], None] = quiet,
+) -> Exported:
     """The folder of a part: `circuit`, `machine`, or a program by its name; `say` is informed if something is compiled.
 
-    Raises as `c_part`.
+    clock  of a microcontroller [Hz]: the README states its load, and `say` gets warnings; None leaves this out
+
+    Raises as `c_part`, `in_single` and `counted_loads`.
     """
+    if clock is not None and part in (CIRCUIT, MACHINE):
+        raise ConfigError([Fault("--clock", 0, part, "the load is known for programs only, which have a period")])
     if part == MACHINE:
+        if precision is Precision.SINGLE:
+            raise refusal(part, "only the step of a program can be exported in single precision")
         machine = c_machine(system)
         files = machine_files(machine, samples, say)
         return Exported(machine.name, files, machine_facts(machine, files, samples))
     made = c_part(system, part)
+    made = in_single(made) if precision is Precision.SINGLE else made
     files = c_files(system, made, samples)
-    return Exported(made.name, files, facts(made, files, samples))
+    found = facts(made, files, samples)
+    if clock is not None:
+        loads, load = loads_at(made, files, clock, say)
+        files["README.md"] = files["README.md"].replace(MEMORY, f"{load}{MEMORY}")
+        found |= {"clock_Hz": clock, "loads": [each._asdict() for each in loads]}
+    return Exported(made.name, files, found)
+
+
+def loads_at(part: CPart, files: Mapping[str, str], clock: float, say: Callable[[str], None]) -> tuple[list[Load], str]:
+    """What a program takes on microcontrollers, and what the README states of it; nothing is counted without tools."""
+    if missing := missing_tools():
+        words = f"instructions were not counted: {', '.join(missing)} not found"
+        say(words)
+        return [], f"\n## Time on a microcontroller\n\nNot known; {words}.\n"
+    loads = counted_loads(files)
+    for warning in late_cores(loads, part.period, clock):
+        say(f"warning: {warning}")
+    return loads, load_text(loads, part.period, clock)
 
 
 def c_part(system: System, part: str) -> CPart:
@@ -98,29 +143,58 @@ def c_part(system: System, part: str) -> CPart:
 
 def c_files(system: System, part: CPart, samples: int) -> dict[str, str]:
     """The files of the folder by name."""
-    times = [part.phase + number * part.period for number in range(samples)]
-    drawn = drawn_values(system.model, system.case, None if part.part == CIRCUIT else part.part, times)
-    expected = expected_values(part, times, drawn)
+    code = part_code(part)
+    times, drawn = sampled_values(system, part, code, samples)
+    expected = expected_values(part, code, times, drawn)
     name = part.name
     entry = part.entries[0]
-    is_loop = part.program is not None and {"reading", "command"} <= {block.name for block in entry.arguments}
+    is_single = part.precision is Precision.SINGLE
+    is_loop = part.answers and not is_single
+    loop = loop_goal(name, part.system, part.part) if is_loop else ""
+    written = single_text if is_single else str
     return {
-        f"{name}.h": header_text(part),
-        f"{name}.c": facade_text(part),
+        f"{name}.h": written(header_text(part)),
+        f"{name}.c": written(facade_text(part)),
         f"{name}_core.h": part.core.header,
         f"{name}_core.c": part.core.source,
         "vectors.h": vectors_text(part.entries, times, drawn, expected),
-        f"test_{name}.c": check_text(name, part.entries),
-        "example.c": example_text(name, part.entries, part.period),
-        **({f"pil_{name}.c": process_text(name, entry)} if is_loop else {}),
-        "Makefile": makefile_text(name, part.core.flags, f"{part.system} {part.part}" if is_loop else ""),
-        "README.md": readme_text(part, samples, version("vvdp")),
+        f"test_{name}.c": check_text(name, part.entries, part.precision),
+        "example.c": written(example_text(name, part.entries, part.period)),
+        **({f"loop_{name}.c": process_text(name, entry)} if is_loop else {}),
+        **target_files(),
+        "Makefile": makefile_text(name, part.core.flags, target_goal(name, part.precision) + loop),
+        "README.md": readme_text(part, len(times), version("vvdp")),
     }
+
+
+def part_code(part: CPart) -> Mapping[str, Callable[..., Any]]:
+    """The entries of a part as vvdp's machine code, in double precision."""
+    return callables(
+        part.module, binding.load_code(binding.compile_text(write_llvm(part.module), 2), part.module.entries)
+    )
+
+
+def sampled_values(
+    system: System, part: CPart, code: Mapping[str, Callable[..., Any]], samples: int
+) -> tuple[list[float], list[Array]]:
+    """Times of samples, and what is read at them: by a program in a run, by a circuit at random about its start."""
+    entry = part.entries[0]
+    kept = {block.name: flat(block.value) for block in entry.arguments}
+
+    def step(t: float, reading: Array) -> Array:
+        kept["reading"] = reading
+        code[entry.name](t, *(kept[block.name] for block in entry.arguments))
+        return np.concatenate([kept[block.name] for block in entry.arguments if block.role in (OUT, KEPT)])
+
+    if part.answers and (found := recorded_readings(system, part.part, samples, step)):
+        return [t for t, _ in found], [reading for _, reading in found]
+    times = [part.phase + number * part.period for number in range(samples)]
+    return times, drawn_values(system.model, system.case, None if part.program is None else part.part, times)
 
 
 def facts(part: CPart, files: Mapping[str, str], samples: int) -> dict[str, Any]:
     """What was exported, as the command line prints it."""
-    blocks = part.blocks.values()
+    blocks, size = part.blocks.values(), part.precision.size
     return {
         "verb": "export c",
         "system": part.system,
@@ -128,10 +202,12 @@ def facts(part: CPart, files: Mapping[str, str], samples: int) -> dict[str, Any]
         "files": sorted(files),
         "functions": len(part.functions),
         "lines": sum(files[name].count("\n") for name in (f"{part.name}.c", f"{part.name}_core.c")),
-        "memory_bytes": 8 * sum(block.size for block in blocks if block.role == KEPT),
-        "settings_bytes": 8 * sum(block.size for block in blocks if block.role == IN and not block.drawn),
-        "stack_bytes": 8 * max(reals + wholes for reals, wholes in part.rooms.values()),
+        "precision": part.precision.name.lower(),
+        "memory_bytes": size * sum(block.size for block in blocks if block.role == KEPT),
+        "settings_bytes": size * sum(block.size for block in blocks if block.role == IN and not block.drawn),
+        "stack_bytes": part.array_bytes,
         "flags": list(part.core.flags),
+        "period_s": part.period,
         "samples": samples,
         "hash": part.hash,
     }
@@ -186,10 +262,10 @@ def _facade(part: CPart, entry: Entry) -> str:
     return "\n".join([*lines, f"    return {'(int)failure' if needs.trouble else '0'};", "}\n"])
 
 
-def expected_values(part: CPart, times: Sequence[float], drawn: Sequence[Array]) -> dict[str, list[dict[str, Array]]]:
+def expected_values(
+    part: CPart, entries: Mapping[str, Callable[..., Any]], times: Sequence[float], drawn: Sequence[Array]
+) -> dict[str, list[dict[str, Array]]]:
     """By entry and sample, what vvdp's machine code writes: a memory goes on from one sample to the next."""
-    code = binding.compile_text(write_llvm(part.module), 2)
-    entries = callables(part.module, binding.load_code(code, part.module.entries))
     found: dict[str, list[dict[str, Array]]] = {}
     for entry in part.entries:
         kept = {block.name: flat(block.value) for block in entry.arguments}

@@ -3,8 +3,10 @@
 import hashlib
 import itertools
 import linecache
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, is_dataclass, replace
+from enum import Enum
 from types import FunctionType
 from typing import Any, NamedTuple
 
@@ -20,12 +22,28 @@ from vvdp.generator.tree import Module
 from vvdp.generator.unit import Options, Unit
 from vvdp.generator.verify import verify
 from vvdp.simulation import dialect
-from vvdp.simulation.layout import arrays
 from vvdp.simulation.model import Case, Model, Program
 from vvdp.simulation.reach import compiled_form
 from vvdp.simulation.values import as_value, flat, leaves
 
+ROW_LINE = re.compile(r"memory\[(\d+):(\d+)\] = (.*)")
+"""A line that writes an array of a memory back."""
+
 IN, OUT, KEPT = "in", "out", "kept"
+
+
+class Precision(Enum):
+    """The type of all numbers of exported code: its C name, and its size in bytes.
+
+    `tolerance` is the largest difference from double precision that a test accepts, as a share of the largest value of
+    a number.
+    """
+
+    DOUBLE = ("double", 8, 0.0)
+    SINGLE = ("float", 4, 1e-3)
+
+    def __init__(self, real: str, size: int, tolerance: float) -> None:
+        self.real, self.size, self.tolerance = real, size, tolerance
 
 
 class Stop(NamedTuple):
@@ -106,14 +124,19 @@ def program_entry(model: Model, case: Case, name: str) -> Entry:
 
 
 def _kept_lines(memory: Any) -> list[str]:
-    """Text that writes a memory back, all at once: an array of it may be a view of where another belongs."""
-    if not arrays(memory):
-        return store_lines(memory, "new_memory", "memory")
-    return [
-        f"beside = np.empty({flat(memory).size})",
-        *store_lines(memory, "new_memory", "beside"),
-        "memory[:] = beside",
-    ]
+    """Text that writes a memory back, arrays last and all at once: one may be a view of where another belongs."""
+    lines = store_lines(memory, "new_memory", "memory")
+    rows = [(int(found[1]), int(found[2]), found[3]) for line in lines if (found := ROW_LINE.fullmatch(line))]
+    if not rows:
+        return lines
+    count = sum(end - begin for begin, end, _ in rows)
+    beside, after = [f"beside = np.empty({count})"], list[str]()
+    place = 0
+    for begin, end, value in rows:
+        beside.append(f"beside[{place}:{place + end - begin}] = {value}")
+        after.append(f"memory[{begin}:{end}] = beside[{place}:{place + end - begin}]")
+        place += end - begin
+    return [*beside, *(line for line in lines if not ROW_LINE.fullmatch(line)), *after]
 
 
 def circuit_entries(model: Model, case: Case) -> list[Entry]:
@@ -240,6 +263,7 @@ class CPart:
     rooms      by entry, the numbers that it needs on the stack for arrays
     program    the program that is exported; None for a circuit
     period     time between two samples [s]
+    precision  of all of its numbers
     """
 
     name: str
@@ -251,6 +275,7 @@ class CPart:
     rooms: Mapping[str, Amount]
     program: Program | None
     period: float
+    precision: Precision = Precision.DOUBLE
 
     @property
     def phase(self) -> float:
@@ -261,6 +286,16 @@ class CPart:
     def blocks(self) -> dict[str, Block]:
         """The arguments of all entries by name."""
         return {block.name: block for entry in self.entries for block in entry.arguments}
+
+    @property
+    def answers(self) -> bool:
+        """Whether it is a program that gives a command for a reading, as most do."""
+        return self.program is not None and {"reading", "command"} <= self.blocks.keys()
+
+    @property
+    def array_bytes(self) -> int:
+        """Bytes of the stack that arrays take; whole numbers have 8 each."""
+        return max(self.precision.size * reals + 8 * wholes for reals, wholes in self.rooms.values())
 
     @property
     def hash(self) -> str:

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.export.c_parts import IN, KEPT, OUT, CPart, Entry
+from vvdp.export.c_parts import IN, OUT, CPart, Entry, Precision
 from vvdp.generator.c_text import wrap
 
 WARNINGS = "-Wall -Wextra -Wconversion -Wpedantic"
@@ -42,104 +42,6 @@ def bits_text(numbers: Array) -> str:
     """Numbers as the bits of floats, in lines of C."""
     words = [f"UINT64_C(0x{int(bits):016x})" for bits in np.asarray(numbers, float).view(np.uint64)]
     return ",\n".join("        " + ", ".join(words[i : i + 4]) for i in range(0, len(words), 4))
-
-
-CHECK = """\
-/* Replays the vectors and compares every bit. */
-#include "{name}.h"
-
-#include <inttypes.h>
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
-#include "vectors.h"
-
-typedef struct {{
-    int differing; /* samples */
-    double largest; /* difference */
-    const char *where; /* block with the largest difference */
-    size_t number; /* in the block */
-}} outcome;
-
-static double float_of(uint64_t bits)
-{{
-    double x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}}
-
-static void fill(double *numbers, const uint64_t *bits, size_t count)
-{{
-    memcpy(numbers, bits, count * sizeof *numbers);
-}}
-
-/* Whether all numbers have the expected bits; any number that is none equals any other. */
-static int compare(const char *where, const double *found, const uint64_t *expected, size_t count, outcome *all)
-{{
-    int differs = 0;
-    for (size_t i = 0; i < count; i++) {{
-        const double wanted = float_of(expected[i]);
-        if (memcmp(&found[i], &expected[i], sizeof wanted) == 0 || (isnan(found[i]) && isnan(wanted))) {{
-            continue;
-        }}
-        const double difference = fabs(found[i] - wanted);
-        if (all->where == NULL || difference > all->largest) {{
-            all->largest = difference;
-            all->where = where;
-            all->number = i;
-        }}
-        differs = 1;
-    }}
-    return differs;
-}}
-
-/* Prints the outcome; the result is whether anything differs. */
-static int report(const char *entry, const outcome *all)
-{{
-    printf("%s: %d of %d samples have the same bits\\n", entry, SAMPLES - all->differing, SAMPLES);
-    if (all->differing != 0) {{
-        printf("largest difference: %g in number %zu of %s\\n", all->largest, all->number, all->where);
-    }}
-    return all->differing != 0;
-}}
-
-{checks}
-int main(void)
-{{
-    int wrong = 0;
-{calls}    return wrong;
-}}
-"""
-
-
-def check_text(name: str, entries: Sequence[Entry]) -> str:
-    """The program that replays the vectors."""
-    calls = "".join(f"    wrong |= check_{entry.name}();\n" for entry in entries)
-    return CHECK.format(name=name, checks="\n".join(_check(name, entry) for entry in entries), calls=calls)
-
-
-def _check(name: str, entry: Entry) -> str:
-    lines = [f"static int check_{entry.name}(void)", "{", "    outcome all = {0, 0.0, NULL, 0};"]
-    for block in entry.arguments:
-        first = f" = {name}_first_{block.name}" if block.role == KEPT else ""
-        if block.drawn or block.role != IN:
-            lines.append(f"    {name}_{block.name} {block.name}{first};")
-    lines.append("    for (size_t i = 0; i < SAMPLES; i++) {")
-    for block in entry.arguments:
-        if block.drawn:
-            lines.append(f"        fill((double *)&{block.name}, drawn_{block.name}[i], {block.size});")
-    handed = [
-        f"&{block.name}" if block.drawn or block.role != IN else f"&{name}_first_{block.name}"
-        for block in entry.arguments
-    ]
-    lines.append(f"        int differs = {name}_{entry.name}(float_of(times[i]), {', '.join(handed)}) != 0;")
-    for block in entry.arguments:
-        if block.role != IN:
-            expected = f"{entry.name}_{block.name}[i], {block.size}, &all"
-            lines.append(f'        differs |= compare("{block.name}", (const double *)&{block.name}, {expected});')
-    lines += ["        all.differing += differs;", "    }", f'    return report("{name}_{entry.name}", &all);', "}", ""]
-    return "\n".join(wrap(line) for line in lines)
 
 
 def example_text(name: str, entries: Sequence[Entry], period: float) -> str:
@@ -221,10 +123,10 @@ def process_text(name: str, entry: Entry) -> str:
     )
 
 
-def makefile_text(name: str, flags: Sequence[str], loop: str = "") -> str:
+def makefile_text(name: str, flags: Sequence[str], more: str = "") -> str:
     """What builds and tests the folder; the flags are part of the text.
 
-    loop  system and program of `make pil`; empty without it
+    more  further goals (`target_goal`, `loop_goal`)
     """
     objects = f"{name}.o {name}_core.o"
     return f"""\
@@ -251,18 +153,15 @@ stack: {name}_core.c {name}_core.h
 \t$(CC) $(FLAGS) -fstack-usage -c -o {name}_core.o {name}_core.c
 \tsort -t '\t' -k 2 -n -r {name}_core.su | head
 
-{pil_text(name, loop)}clean:
-\trm -f *.o *.su test_{name} example pil_{name}
+{more}clean:
+\trm -f *.o *.su *.elf test_{name} example loop_{name}
 
-.PHONY: all test stack pil clean
+.PHONY: all test stack pil loop clean
 """
 
 
-def pil_text(name: str, loop: str) -> str:
+def loop_goal(name: str, system: str, part: str) -> str:
     """The goal that runs the program in a process of its own, in the loop with its system."""
-    if not loop:
-        return ""
-    system, part = loop.split()
     return f"""\
 # The program in a process of its own, in the loop with the system that vvdp simulates; SET: the --set of the export.
 PYTHON ?= python3
@@ -270,17 +169,20 @@ SYSTEM = {system}
 SET =
 SAMPLES = 1000
 
-pil: pil_{name}
-\t$(PYTHON) -m vvdp.export.pil $(SET) --samples $(SAMPLES) $(SYSTEM) {part} ./pil_{name}
+loop: loop_{name}
+\t$(PYTHON) -m vvdp.export.closed_loop $(SET) --samples $(SAMPLES) $(SYSTEM) {part} ./loop_{name}
 
-pil_{name}: pil_{name}.o {name}.o {name}_core.o
+loop_{name}: loop_{name}.o {name}.o {name}_core.o
 \t$(CC) $(FLAGS) -o $@ $^ -lm
 
 """
 
 
+MEMORY = "\n## Memory\n"
+"""The heading of the README before which its section on the time of a step stands."""
+
 README = """\
-# {part} of {system} in C99
+# {part} of {system} in C99{precision}
 
 Written by vvdp {version} from the Python text of the model. Hash of the text: `{hash}`.
 
@@ -304,16 +206,15 @@ Only the headers of C99 and its mathematical library (`-lm`) are needed. Keep th
 ## Evidence
 
 The vectors hold {samples} samples, with the bits that vvdp's own machine code has calculated from the same Python text.
-`make test` reports how many samples have the same bits here, and otherwise the largest difference. Two things may
-change last bits on another machine: functions of its C library, and `fma` if it does not round once.
-
+`make test` reports how many samples have the same bits here, and otherwise the largest difference. {bits}
 ## Memory
 
 | struct | content | numbers | bytes |
 |---|---|---|---|
 {rows}
 All of them belong to the caller. Arrays take {room} bytes of the stack, besides local variables (`make stack` lists the
-stack of each function). Nothing is taken from the heap, no global variable is written, and no function calls itself.
+stack of each function, `make pil` what a call uses). Nothing is taken from the heap, no global variable is written, and
+no function calls itself.
 
 ## Python text of each function
 
@@ -326,10 +227,24 @@ Apache-2.0, as vvdp.
 """
 
 
+BITS = {
+    Precision.DOUBLE: """\
+Two things may
+change last bits on another machine: functions of its C library, and `fma` if it does not round once.
+""",
+    Precision.SINGLE: """\
+This text
+calculates in single precision, so numbers differ; `make test` fails where one differs by more than 0.1 % of its largest
+value.
+""",
+}
+
+
 def readme_text(part: CPart, samples: int, version: str) -> str:
     """What the folder holds, what to call at which times, what it needs, and what was verified."""
+    size = part.precision.size
     rows = "".join(
-        f"| `{part.name}_{block.name}` | {block.about} | {block.size} | {8 * block.size} |\n"
+        f"| `{part.name}_{block.name}` | {block.about} | {block.size} | {size * block.size} |\n"
         for block in part.blocks.values()
     )
     return README.format(
@@ -342,7 +257,9 @@ def readme_text(part: CPart, samples: int, version: str) -> str:
         name=part.name,
         samples=samples,
         rows=rows,
-        room=8 * max(reals + wholes for reals, wholes in part.rooms.values()),
+        room=part.array_bytes,
+        precision=", in single precision" if part.precision is Precision.SINGLE else "",
+        bits=BITS[part.precision],
         functions="".join(f"| `{name}` | {where} |\n" for name, where in part.functions),
     )
 

@@ -193,7 +193,7 @@ GUARD = """\
 #error "this text needs IEEE 754 arithmetic: compile without -ffast-math, with -std=c99 -ffp-contract=off"
 #endif
 #if FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 1 && FLT_EVAL_METHOD != 16
-#error "this text needs arithmetic in double precision, without wider intermediate values"
+#error "this text needs arithmetic without wider intermediate values"
 #endif
 #if defined(__clang__) || !defined(__GNUC__)
 #pragma STDC FP_CONTRACT OFF

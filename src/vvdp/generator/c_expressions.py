@@ -1,6 +1,7 @@
 """Expressions of the tree in C."""
 
 import math
+import re
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -175,17 +176,29 @@ def _view(text: Text, value: tree.View) -> Held:
 
 
 def _make(text: Text, value: tree.Make) -> Held:
-    parts = []
+    parts = [f".{name} = {initial(found)}" for name, found in fields_made(text, value)]
+    return (f"({text.shared.type_of(value.kind)}){{{', '.join(parts) or '0'}}}",)
+
+
+def initial(value: str) -> str:
+    """A value where it is the first of a variable or field: of a record its fields are enough."""
+    return re.sub(r"^\(\w+\)(?={)", "", value)
+
+
+def fields_made(text: Text, value: tree.Make, path: str = "") -> list[tuple[str, str]]:
+    """Path and value of each field of a record that is made, those of records within it if `path` is not empty."""
+    found: list[tuple[str, str]] = []
     for number, (part, kind) in enumerate(zip(value.parts, value.kind.fields, strict=True)):
         if part is None:
             continue
-        name = text.shared.member(value.kind, number)
+        name = f"{path}{text.shared.member(value.kind, number)}"
         if isinstance(kind, Row):
-            names = [name, *length_names(name, kind)]
-            parts += [f".{n} = {v}" for n, v in zip(names, row(text, part, kind), strict=True)]
+            found += zip([name, *length_names(name, kind)], row(text, part, kind), strict=True)
+        elif path and isinstance(part, tree.Make):
+            found += fields_made(text, part, f"{name}.")
         else:
-            parts.append(f".{name} = {one(text, part)}")
-    return (f"({text.shared.type_of(value.kind)}){{{', '.join(parts) or '0'}}}",)
+            found.append((name, one(text, part)))
+    return found
 
 
 def by_address(text: Text, value: tree.Expression) -> str:

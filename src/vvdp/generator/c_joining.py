@@ -15,7 +15,7 @@ from vvdp.generator.verify import OPERANDS, statement_operands
 UNNAMED = re.compile(r"(v|x|i|count)_\d+_?$")
 """Names that steps have which the Python text gives none."""
 LONGEST = 14
-"""Parts of an expression up to which it is joined with others."""
+"""Parts of an expression up to which it is joined with others; records are joined always, and so not copied."""
 
 
 def join_steps(module: tree.Module) -> tree.Module:
@@ -113,7 +113,9 @@ class _Joining:
         variable, value = statement.variable, statement.value
         if self.uses[variable] != 1 or isinstance(variable.kind, Row) or isinstance(value, tree.Room):
             return False
-        return not has_effect(value) and sum(1 for _ in expressions_in(value)) <= LONGEST
+        if has_effect(value):
+            return False
+        return isinstance(value, tree.Make) or sum(1 for _ in expressions_in(value)) <= LONGEST
 
     def with_inner(self, statement: tree.Statement) -> tree.Statement:
         names = [each.name for each in fields(statement) if each.name in ("then", "otherwise", "body", "exhausted")]

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 from vvdp.generator import tree
-from vvdp.generator.c_expressions import NAME, SUM, c_form, call, item, one, row
+from vvdp.generator.c_expressions import NAME, SUM, c_form, call, fields_made, initial, item, one, row
 from vvdp.generator.c_scopes import has_effect, reads_in
 from vvdp.generator.c_text import Text, length_names
 from vvdp.generator.kinds import FLOAT, INT, Kind, Known, Record, Row, Scalar, has_rows
@@ -17,9 +17,30 @@ def write_block(text: Text, block: tree.Block) -> None:
     for number, each in enumerate(block):
         for variable in text.scopes.before.get((id(block), number), ()):
             declare(text, variable)
+        if is_handed_on(block[number:]):
+            assert isinstance(each, tree.Let) and isinstance(each.value, tree.Call)
+            _hand_on(text, each.value)
+            return
         WRITTEN[type(each)](text, each)
         if not falls_through((each,)):
             return
+
+
+def is_handed_on(block: tree.Block) -> bool:
+    """Whether a block begins with a call whose record is the result of the function."""
+    if len(block) < 2 or not isinstance(block[0], tree.Let) or not isinstance(block[1], tree.Return):
+        return False
+    let, value = block[0], block[1].value
+    is_record = isinstance(let.value, tree.Call) and isinstance(let.value.kind, Record)
+    return is_record and isinstance(value, tree.Read) and value.variable is let.variable
+
+
+def _hand_on(text: Text, value: tree.Call) -> None:
+    """Lets another function write the result of this one."""
+    text.put(f"{call(text, value, 'result')};")
+    if text.own.room and not has_rows(text.function.result):
+        text.put("*workspace = entered;")
+    text.put("return;")
 
 
 def declare(text: Text, variable: tree.Variable) -> None:
@@ -46,17 +67,12 @@ def assign(text: Text, variable: tree.Variable, values: tuple[str, ...], head: s
     name, kind = text.name(variable), variable.kind
     if not isinstance(kind, Row):
         own = text.shared.type_of(kind)
-        text.put(f"{head}{own} {name} = {initial(values[0], own)};" if head else f"{name} = {values[0]};")
+        text.put(f"{head}{own} {name} = {initial(values[0])};" if head else f"{name} = {values[0]};")
         return
     text.put(f"{text.row_type(variable) if head else ''}{name} = {values[0]};")
     for each, value in zip(length_names(name, kind), values[1:], strict=True):
         text.optional.add(each)
         text.put(f"{head}{'int64_t ' if head else ''}{each} = {value};")
-
-
-def initial(value: str, kind: str) -> str:
-    """A value where it is the first of a variable: of a record its fields are enough."""
-    return value.removeprefix(f"({kind})") if value.startswith(f"({kind}){{") else value
 
 
 def value_as(text: Text, value: tree.Expression, variable: tree.Variable) -> tuple[str, ...]:
@@ -169,7 +185,7 @@ def _set(text: Text, statement: tree.Set) -> None:
         first = is_here(text, variable, statement)
         if first and not isinstance(variable.kind, Row):
             own = text.shared.type_of(variable.kind)
-            text.put(f"{own} {text.name(variable)} = {initial(found[0], own)};")
+            text.put(f"{own} {text.name(variable)} = {initial(found[0])};")
         elif first:
             declare(text, variable)
             assign(text, variable, found)
@@ -314,7 +330,9 @@ def _return(text: Text, statement: tree.Return) -> None:
         names = ["at", *length_names("at", result)]
         lines = [f"result->{n} = {v};" for n, v in zip(names, row(text, value, result), strict=True)] + ["return;"]
     else:
-        lines = [f"*result = {one(text, value)};", "return;"]
+        made = fields_made(text, value, "result->") if isinstance(value, tree.Make) else []
+        found = made or [("*result", one(text, value))]  # fields are written one by one, so that none is copied
+        lines = [*(f"{path} = {each};" for path, each in found), "return;"]
     for line in [*lines[:-1], *["*workspace = entered;"] * frees, lines[-1]]:
         text.put(line)
 

@@ -21,6 +21,7 @@ class ProgramType:
     level    level(reading, settings) -> float: called where its floor changes instead of at samples
     partner  what its step exchanges values with outside of compiled code
     ramps    fields NAME of its command that go on between samples, from its field `time` on at its field `NAME_rate`
+    is_bounded  no number of it grows with the time for which it runs, so that single precision is enough
     report   report(network, name, sample period [s]) -> what it adds to the results, as `programs.report.ProgramReport`
     """
 
@@ -33,6 +34,7 @@ class ProgramType:
     report: Callable[[Any, str, float], Any] | None = None
     partner: Partner | None = None
     ramps: frozenset[str] = frozenset()
+    is_bounded: bool = False
 
     @property
     def defaults(self) -> Mapping[str, float]:

@@ -109,6 +109,7 @@ class WrittenProgram:
             phase=self.part.phase,
             latency=self.part.latency,
             partner=kind.partner,
+            is_bounded=kind.is_bounded and not through,
         )
 
 

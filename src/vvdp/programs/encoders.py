@@ -2,13 +2,19 @@
 
 from typing import NamedTuple
 
-from vvdp.base.kinds import Angle, AngularVariance, Count, Fraction, Ratio, SignedFraction, Speed, Time
+from vvdp.base.kinds import Angle, Count, Fraction, Number, Ratio, SignedFraction, Speed, Time
 from vvdp.base.params import Params
 from vvdp.base.rules import refuse
 from vvdp.base.signal import signal_value
-from vvdp.estimation.estimator import Estimate, to_estimate
-from vvdp.estimation.event_filter import event_filter_step
-from vvdp.estimation.event_memory import EventFilterMemory, event_filter_start
+from vvdp.estimation.bounded_filter import (
+    BoundedMemory,
+    PassedEdges,
+    WatchedAngle,
+    bounded_start,
+    bounded_step,
+    watched_angle,
+)
+from vvdp.estimation.estimator import to_estimate
 from vvdp.estimation.event_settings import EventFilter, EventFilterValues
 from vvdp.estimation.threshold import (
     RampSlope,
@@ -41,6 +47,18 @@ class WatchedShaft(NamedTuple):
     threshold_shift: SignedFraction = 0.0
 
 
+class SeenEdges(NamedTuple):
+    """One sample of an encoder: its `Reading`, the time since the sample before, and that since the last edge."""
+
+    time: Time
+    edges: Count
+    edge_time: Time
+    edge_interval: Time
+    polarity: Number
+    elapsed: Time
+    edge_age: Time
+
+
 class EncoderSettings(Params):
     """What the program of an encoder works with."""
 
@@ -61,11 +79,20 @@ def encoder_program_start(settings: EncoderSettings) -> EncoderMemory:
 
 def encoder_program_step(
     t: float, memory: EncoderMemory, reading: WatchedShaft, settings: EncoderSettings
-) -> tuple[EncoderMemory, Reading]:
+) -> tuple[EncoderMemory, SeenEdges]:
     """Edges of a code wheel on a shaft since the last sample."""
     shaft = Shaft(reading.time, reading.angle, reading.speed)
     threshold = signal_value(reading.time, settings.encoder.threshold) + reading.threshold_shift
-    return encoder_reading(memory, shaft, threshold, settings.encoder)
+    after, seen = encoder_reading(memory, shaft, threshold, settings.encoder)
+    return after, SeenEdges(
+        time=seen.time,
+        edges=seen.edges,
+        edge_time=seen.edge_time,
+        edge_interval=seen.edge_interval,
+        polarity=seen.polarity,
+        elapsed=reading.time - memory.time,
+        edge_age=reading.time - seen.edge_time,
+    )
 
 
 class WheelFilter(EventFilterValues):
@@ -85,47 +112,11 @@ def filter_settings(table: WheelFilter) -> EventFilter:
     return filter_of(table, equal_wheel(int(table.sectors), table.index_shift))
 
 
-class WatchedAngle(NamedTuple):
-    """What an event filter believes of a shaft, as in `Estimate`; `slip` is the part of the angle's variance that no
-    later edge can show: jumps by whole sectors."""
-
-    angle: Angle
-    speed: Speed
-    angle_deviation: Angle
-    speed_deviation: Speed
-    innovation: Angle
-    innovation_deviation: Angle
-    missed_edges: Count
-    standstill: Fraction
-    slip: AngularVariance
-
-
-def filter_start(settings: EventFilter) -> EventFilterMemory:
-    """Before the first sample: nothing is known but the wheel."""
-    return event_filter_start(settings, 0.0, 0.0, 0.0)
-
-
 def filter_step(
-    t: float, memory: EventFilterMemory, reading: Reading, settings: EventFilter
-) -> tuple[EventFilterMemory, WatchedAngle]:
+    t: float, memory: BoundedMemory, reading: PassedEdges, settings: EventFilter
+) -> tuple[BoundedMemory, WatchedAngle]:
     """Angle and speed of a shaft from the edges of its encoder, by the event-based Kalman filter."""
-    after, estimate = event_filter_step(memory, reading, settings)
-    return after, watched_angle(estimate, after.slip)
-
-
-def watched_angle(estimate: Estimate, slip: float) -> WatchedAngle:
-    """The command of an estimate, with the variance of jumps [rad^2]."""
-    return WatchedAngle(
-        angle=estimate.angle,
-        speed=estimate.speed,
-        angle_deviation=estimate.angle_deviation,
-        speed_deviation=estimate.speed_deviation,
-        innovation=estimate.innovation,
-        innovation_deviation=estimate.innovation_deviation,
-        missed_edges=estimate.missed_edges,
-        standstill=estimate.standstill,
-        slip=slip,
-    )
+    return bounded_step(memory, reading, settings)
 
 
 class AdaptedFilter(WheelFilter):
@@ -183,17 +174,18 @@ def threshold_program_step(
 
 
 def _first_estimate(settings: EventFilter, reading: NamedTuple) -> WatchedAngle:
-    return watched_angle(to_estimate(filter_start(settings).belief, 0.0, 0.0, 0.0, 0.0), 0.0)
+    belief = bounded_start(settings).filter.belief
+    return watched_angle(to_estimate(belief, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0)
 
 
-NO_EDGE = Reading(time=0.0, edges=0.0, edge_time=0.0, edge_interval=0.0, polarity=0.0)
+NO_EDGE = SeenEdges(**dict.fromkeys(SeenEdges._fields, 0.0))
 NOTHING_KNOWN = WatchedAngle(**dict.fromkeys(WatchedAngle._fields, 0.0))
 ENCODER = GenericProgram(
     ProgramType(encoder_program_step, WatchedShaft, NO_EDGE, ShaftEncoder, encoder_program_start),
     made=encoder_settings,
 )
 EVENT_FILTER = GenericProgram(
-    ProgramType(filter_step, Reading, NOTHING_KNOWN, WheelFilter, filter_start),
+    ProgramType(filter_step, PassedEdges, NOTHING_KNOWN, WheelFilter, bounded_start, is_bounded=True),
     first=_first_estimate,
     made=filter_settings,
 )

@@ -39,6 +39,7 @@ class Program:
     It is called at `phase`, and then every `period` [s] (None: the run's sample period); with a trigger instead at
     each event, where a step of the run ends exactly. Its command acts `latency` [s] later, at most one period.
     `command` is what holds before the first one acts. A step that calls `simulation.exchange` names its `partner`.
+    `is_bounded`: no number of the step grows with the time for which it runs, and it does not depend on `t`.
     """
 
     measure: Callable[..., Any]
@@ -50,6 +51,7 @@ class Program:
     phase: float = 0.0
     latency: float = 0.0
     partner: Partner | None = None
+    is_bounded: bool = False
 
 
 @dataclass(frozen=True)

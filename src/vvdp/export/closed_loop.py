@@ -1,4 +1,6 @@
-"""A program in a process of its own, in the loop with its system: `python -m vvdp.export.pil SYSTEM PART COMMAND`.
+"""A program in a process of its own, in the loop with its system.
+
+Use: `python -m vvdp.export.closed_loop SYSTEM PART COMMAND`.
 
 At each sample the simulated system hands the reading to the process and waits for its answer. A frame to the process
 holds the time and the reading, a frame from it the memory and the command, all as doubles of this machine. Everything
@@ -12,13 +14,14 @@ import linecache
 import struct
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import is_dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, Fault, RunError, VvdpError
 from vvdp.base.tables import nearest
 from vvdp.export.c_structs import Classes, store_lines, value_text
@@ -26,7 +29,8 @@ from vvdp.generator.kinds import stand_in
 from vvdp.simulation.exchange import OUTSIDE, SYMBOL, Partner, exchange, refuse_partners
 from vvdp.simulation.model import Case, Model, Program
 from vvdp.simulation.parts import example_reading
-from vvdp.simulation.run import simulate
+from vvdp.simulation.run import Run, simulate
+from vvdp.simulation.stepping import Stepping
 from vvdp.simulation.values import flat
 from vvdp.systems.system import System, load_system
 
@@ -68,8 +72,24 @@ class Process:
         return self.child.wait(10.0)
 
 
-_asked: list[Process] = []
-"""The process that answers: compiled code is remembered, and calls the same function for each process."""
+class Recorder:
+    """Answers samples by a step of this process, and keeps their times and readings."""
+
+    trouble = ""
+
+    def __init__(self, step: Callable[[float, Array], Array]) -> None:
+        """`step(t, reading)` gives memory and command as a vector."""
+        self.step, self.rows = step, list[tuple[float, Array]]()
+
+    def answer(self, t: float, given: int, n: int, found: int, m: int) -> None:
+        """Keeps the n numbers at an address and puts the m of the answer to another."""
+        reading = np.frombuffer(ctypes.string_at(given, 8 * n)).copy()
+        self.rows.append((t, reading))
+        ctypes.memmove(found, self.step(t, reading).tobytes(), 8 * m)
+
+
+_asked: list[Process | Recorder] = []
+"""What answers: compiled code is remembered, and calls the same function whatever answers."""
 
 
 def _answer(_: float, handle: float, *sample: Any) -> float:
@@ -80,8 +100,8 @@ def _answer(_: float, handle: float, *sample: Any) -> float:
 _CALL = _Call(_answer)
 
 
-def outside_program(model: Model, case: Case, name: str, process: Process) -> Program:
-    """A program whose step is taken by a process; its memory and command are what the process answers."""
+def outside_program(model: Model, case: Case, name: str, process: Process | Recorder) -> Program:
+    """A program whose step is taken by a process, say; its memory and command are what is answered."""
     program, classes, place = model.programs[name], Classes(), itertools.count()
     reading, memory = example_reading(model, program, case), case.memory[name]
     size = flat(memory).size + flat(program.command).size
@@ -125,14 +145,10 @@ def loop_difference(system: System, name: str, command: Sequence[str], samples: 
         process = Process(command)
     except OSError as problem:
         raise ConfigError([Fault("COMMAND", 0, command[0], f"cannot be started ({problem.strerror})")]) from None
-    programs = {**model.programs, name: outside_program(model, case, name, process)}
-    OUTSIDE[SYMBOL] = lambda: ctypes.cast(_CALL, ctypes.c_void_p).value or 0
-    _asked.append(process)
     try:
-        run = simulate(replace(model, programs=programs), case, stepping)
+        run = _outside_run(model, case, name, stepping, process)
     finally:
-        OUTSIDE.pop(SYMBOL)
-        _asked.pop().close()
+        process.close()
     if process.trouble:
         raise RunError(process.trouble)
     names = ("times", "states", "commands", "memories", "mark_times", "mark_states")
@@ -144,9 +160,36 @@ def loop_difference(system: System, name: str, command: Sequence[str], samples: 
     return Difference(differing, sum(a.size for a, _ in pairs), process.samples)
 
 
+def _outside_run(model: Model, case: Case, name: str, stepping: Stepping, asked: Process | Recorder) -> Run:
+    """The run in which the samples of a program are answered by what is `asked`."""
+    programs = {**model.programs, name: outside_program(model, case, name, asked)}
+    OUTSIDE[SYMBOL] = lambda: ctypes.cast(_CALL, ctypes.c_void_p).value or 0
+    _asked.append(asked)
+    try:
+        return simulate(replace(model, programs=programs), case, stepping)
+    finally:
+        OUTSIDE.pop(SYMBOL)
+        _asked.pop()
+
+
+def recorded_readings(
+    system: System, name: str, samples: int, step: Callable[[float, Array], Array]
+) -> list[tuple[float, Array]]:
+    """Time and reading of the first `samples` of a program in a run; of events, those within as many periods.
+
+    step  step(t, reading) -> memory and command of the program as a vector
+    """
+    recorder, program, stepping = Recorder(step), system.model.programs[name], system.stepping
+    period = program.period or stepping.sample_period
+    until = stepping.begin + program.phase + samples * period
+    stepping = replace(stepping, until=until, record_interval=period, window=0.0, average_from=None)
+    _outside_run(system.model, system.case, name, stepping, recorder)
+    return recorder.rows[:samples]
+
+
 def main() -> int:
     """Compares, and prints what differs; 1 where anything does or the process fails."""
-    words = argparse.ArgumentParser(prog="python -m vvdp.export.pil", description=__doc__.partition("\n")[0])
+    words = argparse.ArgumentParser(prog="python -m vvdp.export.closed_loop", description=__doc__.partition("\n")[0])
     words.add_argument("system")
     words.add_argument("part")
     words.add_argument("command", nargs="+")

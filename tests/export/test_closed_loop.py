@@ -13,7 +13,7 @@ from tests.generator.c_way import compilers
 
 from vvdp.base.errors import ConfigError, RunError
 from vvdp.export.c_folder import exported_folder
-from vvdp.export.pil import loop_difference
+from vvdp.export.closed_loop import loop_difference
 from vvdp.simulation.run import simulate
 from vvdp.systems.system import load_system
 
@@ -28,7 +28,7 @@ def build(tmp_path):
         made = exported_folder(load_system(name), part, 3)
         for file, text in made.files.items():
             (tmp_path / file).write_text(text.replace(old, new) if old else text, "utf-8")
-        goal = f"pil_{made.name}"
+        goal = f"loop_{made.name}"
         done = subprocess.run(
             ["make", "-s", "-C", str(tmp_path), goal, f"CC={compilers()[0]}"],
             capture_output=True,
@@ -81,7 +81,7 @@ def test_a_process_that_ends_or_does_not_begin_is_reported():
         loop_difference(system, "loop", [sys.executable, "-c", "pass"], 10)
 
 
-def test_the_page_states_counts_and_why_there_is_no_single_precision():
+def test_the_page_states_counts_and_what_a_float_resolves():
     """The encoder over a second; between 2048 and 4096 s neighbouring floats are 2^-12 s apart."""
     page = (Path(__file__).parents[2] / "docs" / "c-export.md").read_text("utf-8")
     system = load_system("prototype")
@@ -90,14 +90,13 @@ def test_the_page_states_counts_and_why_there_is_no_single_precision():
     marks = run.mark_times.size + run.mark_states.size
     numbers = run.times.size + run.states.size + run.commands.size + run.memories.size + marks
     assert f"1001 samples by the process: 0 of {numbers} numbers differ from vvdp run" in page
-    assert f"resolves to {np.spacing(np.float32(3600.0)):.1e} s after an hour".replace("e-0", "e-") in page.replace(
-        "\n  ", " "
-    )
+    resolution = f"{np.spacing(np.float32(3600.0)):.1e}".replace("e-0", "e-")
+    assert f"resolves the time since the beginning to {resolution} s after an hour" in " ".join(page.split())
 
 
 def test_the_command_prints_one_sentence(build):
     process = build("linear-valves", "loop")
-    words = [sys.executable, "-m", "vvdp.export.pil", "--samples", "20", "linear-valves"]
+    words = [sys.executable, "-m", "vvdp.export.closed_loop", "--samples", "20", "linear-valves"]
     done = subprocess.run([*words, "loop", str(process)], capture_output=True, text=True, check=False)
     assert done.returncode == 0
     assert re.fullmatch(r"\d+ samples by the process: 0 of \d+ numbers differ from vvdp run\n", done.stdout)
