@@ -59,7 +59,7 @@ class Exported(NamedTuple):
 
     name: str
     files: Mapping[str, str]
-    facts: Mapping[str, object]
+    facts: Mapping[str, Any]
 
 
 def exported_folder(
