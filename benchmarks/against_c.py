@@ -12,12 +12,12 @@ import numpy as np
 
 from benchmarks.bare import ROWS, bare_run
 from benchmarks.measure import HERE, compiled, interleaved, ratios, report, run_as_command, spread
+from vvdp.evaluation.bench import rotary_bench
 from vvdp.generator.kinds import INT
 from vvdp.numerics.tableaus import TSIT5_A, TSIT5_C, TSIT5_E
 from vvdp.simulation import loop, places
 from vvdp.simulation.layout import command_parts, members, slots
 from vvdp.simulation.prepare import Prepared, free_rates, prepare
-from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System, load_system
 
 UNTIL = 0.5

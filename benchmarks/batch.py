@@ -14,10 +14,10 @@ import numpy as np
 
 from benchmarks.measure import ROUNDS, interleaved, ratios, report, run_as_command, spread
 from vvdp.base.signal import constant
+from vvdp.evaluation.bench import rotary_bench
 from vvdp.simulation.batch import BatchRun, simulate_batch
 from vvdp.simulation.lane_code import host_width
 from vvdp.simulation.model import Case
-from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System, load_system
 
 COUNT = 1000

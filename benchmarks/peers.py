@@ -19,10 +19,10 @@ from scipy.integrate import solve_ivp
 
 from benchmarks.bare import bare_run
 from benchmarks.measure import HERE, report, run_as_command
+from vvdp.evaluation.bench import RotaryBench
 from vvdp.simulation import places
 from vvdp.simulation.prepare import Prepared, free_rates, prepare
 from vvdp.simulation.values import leaves
-from vvdp.systems.bench import RotaryBench
 from vvdp.systems.system import System, load_system
 
 OVERRIDE = "relief_valve.override_pressure=10 bar"

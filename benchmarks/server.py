@@ -9,9 +9,9 @@ from itertools import pairwise
 from statistics import median
 
 from benchmarks.measure import ROUNDS, interleaved, report, run_as_command, spread
+from vvdp.evaluation.summary import closed_forms, run_summary
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.run import simulate
-from vvdp.systems.summary import closed_forms, run_summary
 from vvdp.systems.system import System, load_system
 
 SILENCE, STOPPED, SIMULATED = 0.04, 0.01, 5e-3

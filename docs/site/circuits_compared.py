@@ -12,9 +12,9 @@ from vvdp.base.display import with_unit
 from vvdp.comparison.circuit_result import FIGURES
 from vvdp.comparison.circuit_trials import CircuitComparison, CircuitRun, compare_circuits, run_pair
 from vvdp.comparison.equal_error import is_reached
-from vvdp.systems.displacement.duties import Duty, shipped_duties
-from vvdp.systems.displacement.rival_account import system_for
-from vvdp.systems.displacement.rival_circuits import CIRCUITS, SINKS, RivalCircuit, with_value
+from vvdp.machines.duties import Duty, shipped_duties
+from vvdp.rivals.rival_account import system_for
+from vvdp.rivals.rival_circuits import CIRCUITS, SINKS, RivalCircuit, with_value
 from vvdp.systems.system import load_system
 
 PAGE = Path(__file__).parents[1] / "circuits-compared.md"

@@ -13,9 +13,9 @@ from circuit_sentences import flowed
 from circuits_compared import PAGE, drag, pump_ends, put, short
 
 from vvdp.comparison.circuit_trials import run_pair
-from vvdp.systems.displacement.duties import Duty, known_cylinder, sized_duty
-from vvdp.systems.displacement.duty_cycle import DutyCycle
-from vvdp.systems.displacement.rival_circuits import CIRCUITS, RivalCircuit
+from vvdp.machines.duties import Duty, known_cylinder, sized_duty
+from vvdp.machines.duty_cycle import DutyCycle
+from vvdp.rivals.rival_circuits import CIRCUITS, RivalCircuit
 
 BEGIN, END = "<!-- map, made by docs/site/circuits_map.py -->\n", "<!-- end of the map -->\n"
 FORCES = (2e3, 5e3, 10e3)

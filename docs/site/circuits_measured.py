@@ -12,14 +12,14 @@ from concurrent.futures import ThreadPoolExecutor
 from circuit_sentences import flowed
 from circuits_compared import PAGE, put, short
 
+from vvdp.evaluation.summary import simulated_summary
 from vvdp.hydraulics.ports import Medium
 from vvdp.hydraulics.variable_machine import VariableMachine, drag_torque, slip_flow
+from vvdp.machines.duties import Duty, shipped_duties
+from vvdp.rivals.rival_account import begin_of, system_for
+from vvdp.rivals.rival_circuits import CIRCUITS, RivalCircuit, with_value
 from vvdp.simulation.outcome import outcome
 from vvdp.simulation.run import simulate
-from vvdp.systems.displacement.duties import Duty, shipped_duties
-from vvdp.systems.displacement.rival_account import begin_of, system_for
-from vvdp.systems.displacement.rival_circuits import CIRCUITS, RivalCircuit, with_value
-from vvdp.systems.summary import simulated_summary
 from vvdp.systems.system import System, load_system
 
 BEGIN, END = "<!-- measured, made by docs/site/circuits_measured.py -->\n", "<!-- end of measured -->\n"

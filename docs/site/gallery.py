@@ -17,10 +17,10 @@ from vvdp.base.kinds import (
     Kind,
 )
 from vvdp.base.units import in_unit
+from vvdp.evaluation.summary import summary
 from vvdp.report.circuit import graph_of
 from vvdp.report.diagram import diagram
 from vvdp.simulation.run import simulate
-from vvdp.systems.summary import summary
 from vvdp.systems.system import System, load_system, shipped_systems
 
 DOCS = Path(__file__).parents[1]

@@ -16,9 +16,9 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from vvdp.base.kinds import FLAG, Kind
+from vvdp.evaluation.quantities import quantities
 from vvdp.results.result import Result
 from vvdp.results.store import read_result
-from vvdp.systems.quantities import quantities
 from vvdp.systems.system import load_system, shipped_systems
 
 PAGE = Path(__file__).parents[1] / "keys.md"

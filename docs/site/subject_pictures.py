@@ -10,8 +10,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
+from vvdp.evaluation.bench import RotaryBench, rotary_bench
 from vvdp.results.chart import Colour
-from vvdp.systems.bench import RotaryBench, rotary_bench
 from vvdp.systems.system import load_system
 from vvdp.valve.flow_map import delivered_flows
 from vvdp.valve.geometry import port_openings

@@ -7,14 +7,14 @@ from pathlib import Path
 
 from vvdp.comparison.circuit_result import FIGURES
 from vvdp.comparison.circuit_trials import CircuitComparison, compare_circuits
+from vvdp.machines.duties import Duty, known_cylinder, read_duty, sized_duty
 from vvdp.report.plot import new_figure
-from vvdp.rigs.claim import Claim
-from vvdp.rigs.linear_valve_claim import linear_valve_claim
-from vvdp.rigs.supply_claim import WAYS, supply_claim
-from vvdp.rigs.supply_ways import RIVALS
+from vvdp.rivals.claim import Claim
+from vvdp.rivals.linear_valve_claim import linear_valve_claim
+from vvdp.rivals.rival_circuits import CIRCUITS
+from vvdp.rivals.supply_claim import WAYS, supply_claim
+from vvdp.rivals.supply_ways import RIVALS
 from vvdp.steady.test_stand import Stand, stand
-from vvdp.systems.displacement.duties import Duty, known_cylinder, read_duty, sized_duty
-from vvdp.systems.displacement.rival_circuits import CIRCUITS
 from vvdp.systems.system import load_system
 
 DOCS = Path(__file__).parents[1]

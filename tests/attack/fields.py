@@ -23,8 +23,8 @@ from vvdp.cli.main import main
 from vvdp.design.problem import cycle_points
 from vvdp.fitting import drop, jet, leakage
 from vvdp.fitting.table import Quantity, read_columns
+from vvdp.machines.recorded_cycle import recorded_cycle
 from vvdp.studies.study import load_study
-from vvdp.systems.displacement.recorded_cycle import recorded_cycle
 from vvdp.systems.system import load_system, shipped_systems
 
 MOST_CASES = 20

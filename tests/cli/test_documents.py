@@ -12,7 +12,7 @@ import pytest
 import typer.main
 
 from vvdp.cli.main import app
-from vvdp.systems.bench import RotaryBench
+from vvdp.evaluation.bench import RotaryBench
 from vvdp.systems.system import load_system, shipped_systems
 
 DOCUMENTS = Path(__file__).parents[2] / "docs"

@@ -193,7 +193,7 @@ def test_interrupted_rig_says_that_nothing_is_written(vvdp, here, monkeypatch, v
 
 @pytest.mark.slow
 def test_interrupted_claims_keep_what_is_worked_out(vvdp, here, monkeypatch):
-    monkeypatch.setattr("vvdp.rigs.driving_claim.self_against_driven", interrupt)
+    monkeypatch.setattr("vvdp.rivals.driving_claim.self_against_driven", interrupt)
     answer = vvdp("rig", "claims", "prototype", "--out", "r")
     assert answer.code == 130
     assert wording.progress.finished_written in answer.err

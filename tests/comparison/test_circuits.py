@@ -10,14 +10,12 @@ from vvdp.base.errors import ConfigError, ParameterError, RunError
 from vvdp.comparison.circuit_result import LOST, circuit_result, screen_tables
 from vvdp.comparison.circuit_trials import compare_circuits, run_pair
 from vvdp.fluid.mixture import fluid_state
+from vvdp.machines.duties import known_cylinder, read_duty, shipped_duties, sized_duty
+from vvdp.machines.duty_cycle import DutyCycle
 from vvdp.report.plot import new_figure
 from vvdp.results.result import Grade
-from vvdp.simulation.run import simulate
-from vvdp.studies.engine import ThisProcess
-from vvdp.systems.displacement.duties import known_cylinder, read_duty, shipped_duties, sized_duty
-from vvdp.systems.displacement.duty_cycle import DutyCycle
-from vvdp.systems.displacement.rival_account import begin_of, common_reference, refuse_unled, system_for
-from vvdp.systems.displacement.rival_circuits import (
+from vvdp.rivals.rival_account import begin_of, common_reference, refuse_unled, system_for
+from vvdp.rivals.rival_circuits import (
     CIRCUITS,
     LEAKAGE,
     METERING,
@@ -27,6 +25,8 @@ from vvdp.systems.displacement.rival_circuits import (
     SWITCHING,
     machine_with_valve,
 )
+from vvdp.simulation.run import simulate
+from vvdp.studies.engine import ThisProcess
 from vvdp.systems.system import load_system
 
 pytestmark = pytest.mark.thorough

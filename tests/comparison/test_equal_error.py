@@ -18,10 +18,10 @@ from vvdp.comparison.equal_error import (
     next_rate,
     rms_speed,
 )
+from vvdp.machines.duties import HEAVY, shipped_duties
+from vvdp.machines.duty_cycle import DutyCycle
 from vvdp.results.result import Grade
-from vvdp.systems.displacement.duties import HEAVY, shipped_duties
-from vvdp.systems.displacement.duty_cycle import DutyCycle
-from vvdp.systems.displacement.rival_circuits import CIRCUITS
+from vvdp.rivals.rival_circuits import CIRCUITS
 
 DUTY = next(each for each in shipped_duties() if each.name == "heavy")
 QUICK = [each for each in CIRCUITS if each.name in ("throttle", "ideal-pump", "four-valves")]

@@ -7,11 +7,11 @@ import pytest
 
 from vvdp.comparison.circuit_trials import run_pair
 from vvdp.fluid.mixture import fluid_state
+from vvdp.machines.duties import known_cylinder, shipped_duties, sized_duty
+from vvdp.machines.duty_cycle import DutyCycle
+from vvdp.rivals.rival_account import joint_score, system_for
+from vvdp.rivals.rival_circuits import CIRCUITS, PUMP_FRICTION, SINKS
 from vvdp.simulation.run import simulate
-from vvdp.systems.displacement.duties import known_cylinder, shipped_duties, sized_duty
-from vvdp.systems.displacement.duty_cycle import DutyCycle
-from vvdp.systems.displacement.rival_account import joint_score, system_for
-from vvdp.systems.displacement.rival_circuits import CIRCUITS, PUMP_FRICTION, SINKS
 
 pytestmark = pytest.mark.heavy
 

@@ -11,11 +11,11 @@ from tests.cli.conftest import vvdp  # noqa: F401
 
 from vvdp.base.tables import parsed_table
 from vvdp.components.library import COMPONENTS
+from vvdp.evaluation.summary import summary
 from vvdp.programs.library import PROGRAMS
 from vvdp.simulation.run import simulate
 from vvdp.systems.library_examples import FOLDER, example_text
 from vvdp.systems.library_pages import library_page
-from vvdp.systems.summary import summary
 from vvdp.systems.system import built_system
 
 TYPES = [*COMPONENTS, *PROGRAMS]

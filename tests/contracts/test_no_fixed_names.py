@@ -1,4 +1,4 @@
-"""Above `systems` nothing reaches into parameters, states, balances or outputs by a fixed name.
+"""Above the machines nothing reaches into parameters, states, balances or outputs by a fixed name.
 
 What a verb needs of a rotary valve it asks the bench for. The names that are forbidden are the shipped systems' own.
 """
@@ -35,14 +35,16 @@ PACKAGES = (
 )
 BY_NAME = {"reproduction"}
 """Works out published cases, each of its own system, and names its parts as a person's script does."""
+OWN = {"evaluation", "machines", "rivals"}
+"""Speak for the benches, and draw circuits of their own."""
 HOLDERS = frozenset(
     ("state", "states", "params", "outputs", "books", "totals", "spent", "supplied", "tables")
     + ("command", "commands", "held", "memory", "settings")
     + ("final_state", "final_command", "final_memory", "final_case")
 )
 """What holds the values of a case or a run; behind one of these no name of a circuit may stand."""
-PRIVATE = ("vvdp.systems.rotary_bench", "vvdp.systems.bench_tables")
-"""Modules of the benches that only `vvdp.systems.bench` speaks for."""
+PRIVATE = ("vvdp.machines.rotary_bench", "vvdp.systems.bench_tables")
+"""Modules of the benches that only `vvdp.evaluation.bench` speaks for."""
 ALLOWED: dict[tuple[str, str], str] = {}
 """Places, by file and what was found there, with the reason why it cannot be said in another way."""
 
@@ -106,8 +108,8 @@ def reaches(tree: ast.AST) -> Iterator[tuple[int, str]]:
             yield node.lineno, repr(node.value)
         elif isinstance(node, ast.Import | ast.ImportFrom):
             modules = [node.module or ""] if isinstance(node, ast.ImportFrom) else [each.name for each in node.names]
-            if isinstance(node, ast.ImportFrom) and node.module == "vvdp.systems":
-                modules += [f"vvdp.systems.{each.name}" for each in node.names]
+            if isinstance(node, ast.ImportFrom):
+                modules += [f"{node.module}.{each.name}" for each in node.names]
             yield from ((node.lineno, module) for module in modules if module in PRIVATE)
 
 
@@ -145,14 +147,16 @@ def test_no_circuit_is_reached_into_by_a_fixed_name(source: Path, package: str) 
         for line, text in reaches(ast.parse(path.read_text("utf-8")))
         if (str(path.relative_to(source)), text) not in ALLOWED
     ]
-    assert not found, "ask the system instead, as `vvdp.systems.bench.rotary_bench` lets you:\n" + "\n".join(found)
+    assert not found, "ask the system instead, as `vvdp.evaluation.bench.rotary_bench` lets you:\n" + "\n".join(found)
 
 
 def test_all_packages_above_systems_are_looked_at(source: Path) -> None:
     above = {path.parent.name for path in source.glob("*/__init__.py")}
     below = {"base", "fluid", "numerics", "results", "valve", "hydraulics", "sensing", "estimation", "control"}
     below |= {"generator"}
-    assert above - below - {"simulation", "network", "components", "programs", "systems"} - BY_NAME == set(PACKAGES)
+    assert above - below - {"simulation", "network", "components", "programs", "systems"} - OWN - BY_NAME == set(
+        PACKAGES
+    )
 
 
 def test_names_are_those_of_the_shipped_systems() -> None:
@@ -184,8 +188,8 @@ def test_names_are_those_of_the_shipped_systems() -> None:
         "other = replace(case.params, load=wider)",
         "other = case.state._replace(inlet=1e5)",
         "from vvdp.systems.bench_tables import OrificeLoad",
-        "from vvdp.systems import rotary_bench",
-        "import vvdp.systems.rotary_bench",
+        "from vvdp.machines import rotary_bench",
+        "import vvdp.machines.rotary_bench",
     ],
 )
 def test_a_planted_line_is_found(line: str) -> None:
@@ -202,7 +206,7 @@ def test_a_planted_line_is_found(line: str) -> None:
         "threads = get_worker().state.nthreads",
         "column = results.states[path]",
         "edge = memory.encoder",
-        "from vvdp.systems.bench import rotary_bench",
+        "from vvdp.evaluation.bench import rotary_bench",
     ],
 )
 def test_what_is_asked_for_is_not_found(line: str) -> None:

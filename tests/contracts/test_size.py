@@ -180,7 +180,7 @@ ALLOWED = {
     "steady.shooting._Runner": FACADE,
     "steady.shooting.periodic_states": ONE_PASS,
     "steady.test_stand.Stand": FACADE,
-    "systems.bench.RotaryBench": FACADE,
+    "evaluation.bench.RotaryBench": FACADE,
     "systems.drawing.Drawer": DRAWN_FILE,
     "valve.operating_point.operating_point": RECORD,
     "valve.torque.spool_torque": LAW,

@@ -14,8 +14,8 @@ from vvdp.design.proof import doubts, optimum_system
 from vvdp.design.quantities import Quantities
 from vvdp.design.sensitivity import gradients, limit_curves, movable
 from vvdp.design.solver import FEASIBLE
+from vvdp.evaluation.summary import summary
 from vvdp.simulation.run import simulate
-from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system
 
 pytestmark = pytest.mark.heavy

@@ -16,10 +16,10 @@ from vvdp.design.problem import problem
 from vvdp.design.proof import Simulated, simulated_designs
 from vvdp.design.quantities import quantities, setup
 from vvdp.design.solver import Traced
+from vvdp.evaluation.summary import summary
 from vvdp.report.result_page import write_result_report
 from vvdp.results.store import write_result
 from vvdp.simulation.run import simulate
-from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system
 
 pytestmark = pytest.mark.heavy

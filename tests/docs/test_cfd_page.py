@@ -12,6 +12,7 @@ import vvdp
 from vvdp.cfd.kept import KeptStudy, kept_studies, kept_study
 from vvdp.cfd.period_result import Ramps, fit_ramps
 from vvdp.cfd.refinement import grid_convergence
+from vvdp.evaluation.bench import rotary_bench
 from vvdp.fitting.drop import fit_centre, fit_nozzle
 from vvdp.fitting.fitted import Host, settings
 from vvdp.fitting.jet import jet_law
@@ -19,7 +20,6 @@ from vvdp.fluid.oil import dynamic_viscosity
 from vvdp.numerics.least_squares import Fit, fit
 from vvdp.numerics.power_laws import drop_laws
 from vvdp.numerics.square_law import SquareLaw, square_law
-from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import load_system
 from vvdp.valve.condition import Condition
 from vvdp.valve.flow_map import averaged_spool_speed

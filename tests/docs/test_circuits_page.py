@@ -8,8 +8,8 @@ import pytest
 from vvdp.comparison.circuit_trials import run_pair
 from vvdp.hydraulics.ports import Medium
 from vvdp.hydraulics.variable_machine import drag_torque, slip_flow
-from vvdp.systems.displacement.duties import shipped_duties
-from vvdp.systems.displacement.rival_circuits import CIRCUITS, SINKS
+from vvdp.machines.duties import shipped_duties
+from vvdp.rivals.rival_circuits import CIRCUITS, SINKS
 from vvdp.systems.system import load_system
 
 

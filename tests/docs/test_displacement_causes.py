@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from vvdp.evaluation.summary import summary
 from vvdp.simulation.run import simulate
-from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system
 
 PAGE = (Path(__file__).parents[2] / "docs" / "models" / "displacement-control.md").read_text("utf-8")

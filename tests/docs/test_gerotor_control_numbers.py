@@ -21,7 +21,7 @@ from tests.systems.test_published_gerotor_loop import (
     tracking,
 )
 
-from vvdp.systems.summary import summary
+from vvdp.evaluation.summary import summary
 from vvdp.systems.system import shipped_systems
 
 pytestmark = pytest.mark.heavy

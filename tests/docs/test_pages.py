@@ -9,9 +9,9 @@ import typer.main
 
 import vvdp
 from vvdp.cli.main import app
+from vvdp.evaluation.summary import summary
 from vvdp.generator.source import known_text
 from vvdp.simulation.run import simulate
-from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system
 from vvdp.valve.geometry import transition_fraction
 

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from vvdp.evaluation.summary import summary
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.reproduction.chapter_3.experiment import step_comparison
 from vvdp.reproduction.chapter_4.gerotor import CONSTANT, LUMPED, NOISY, experiment, late, peak
 from vvdp.simulation.run import simulate
-from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system
 from vvdp.valve.geometry import transition_fraction
 from vvdp.valve.losses import full_open_drop

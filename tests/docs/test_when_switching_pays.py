@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from vvdp.rigs.supply_claim import cycle_losses, supply_claim
+from vvdp.rivals.supply_claim import cycle_losses, supply_claim
 
 
 @pytest.fixture
@@ -85,7 +85,7 @@ def test_all_is_what_the_script_writes(pays, tmp_path):
 
 def test_the_power_of_solenoids_counts_two_strokes_a_period(pays):
     """9 J a stroke, two valves, 75 Hz: 2 2 75 9 = 2700 W; with springs half of it."""
-    from vvdp.rigs.linear_valves import STROKE_ENERGY, actuation_power
+    from vvdp.rivals.linear_valves import STROKE_ENERGY, actuation_power
 
     text = " ".join(pays.PAGE.read_text("utf-8").split())
     both, one = actuation_power(2.0, 75.0), actuation_power(2.0, 75.0, 1.0)

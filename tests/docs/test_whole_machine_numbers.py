@@ -11,9 +11,9 @@ from tests.systems.displacement.test_flow_table import delivered, the_map
 from tests.systems.displacement.test_machine import idle
 
 from vvdp.control.flow_map import flow_for_duty
+from vvdp.machines.machine_power import mean_powers, whole_periods
+from vvdp.machines.stages import CONTROL
 from vvdp.simulation.run import simulate
-from vvdp.systems.displacement.machine_power import mean_powers, whole_periods
-from vvdp.systems.displacement.stages import CONTROL
 from vvdp.systems.system import shipped_systems
 
 PAGE = (Path(__file__).parents[2] / "docs" / "models" / "whole-machine.md").read_text("utf-8")

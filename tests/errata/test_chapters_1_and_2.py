@@ -9,14 +9,14 @@ from scipy.optimize import brentq
 
 from vvdp.fluid.mixture import mean_bulk_modulus
 from vvdp.fluid.oil import density, dynamic_viscosity
-from vvdp.rigs.actuation_claim import (
+from vvdp.rivals.actuation_claim import (
     LIGHT_MASS,
     annular_stroke,
     equal_power_frequency,
     same_ports_stroke,
     spool_friction,
 )
-from vvdp.rigs.driving_claim import area_scale, driving_point, scaled_open_loss
+from vvdp.rivals.driving_claim import area_scale, driving_point, scaled_open_loss
 from vvdp.steady.steady_states import steady_states
 from vvdp.valve.geometry import transition_fraction
 from vvdp.valve.losses import full_open_drop

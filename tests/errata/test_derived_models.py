@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from vvdp.evaluation.summary import summary
 from vvdp.fluid import mixture, modulus
 from vvdp.simulation.run import simulate
-from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system
 from vvdp.valve.geometry import wedge_opening
 

@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 
 from vvdp.base.tables import parsed_table, with_settings
+from vvdp.evaluation.accuracy import moves
+from vvdp.evaluation.quantities import summary_units
+from vvdp.evaluation.summary import summary
 from vvdp.simulation.run import Run, simulate
-from vvdp.systems.accuracy import moves
 from vvdp.systems.extras import Summary
-from vvdp.systems.quantities import summary_units
-from vvdp.systems.summary import summary
 from vvdp.systems.system import System, built_system
 
 CHARGING = """

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from tests.invariance.circuits import CIRCUITS, changes, drawn, found, numbers, varied
 
+from vvdp.evaluation.summary import simulated_summary
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.outcome import averaging_window
 from vvdp.simulation.run import Stepping, simulate
-from vvdp.systems.summary import simulated_summary
 
 BETWEEN = 0.25037
 """A start of means that is neither a recorded time nor a sample [s]."""

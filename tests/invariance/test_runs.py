@@ -13,10 +13,10 @@ import pytest
 from tests.invariance.circuits import CIRCUITS, changes, drawn, found, numbers, varied
 
 from vvdp.base.signal import Signal
+from vvdp.evaluation.summary import simulated_summary
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.outcome import averaging_window
 from vvdp.simulation.run import Method, simulate
-from vvdp.systems.summary import simulated_summary
 
 SEEDS = (1, 2)
 FEW = [(name, seed) for name in CIRCUITS for seed in SEEDS]

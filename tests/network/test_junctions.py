@@ -8,12 +8,12 @@ import pytest
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.tables import Table
+from vvdp.evaluation.summary import summary
 from vvdp.hydraulics.junction import HIGHEST, TOLERANCE, begin_search, next_search
 from vvdp.network.junction_text import is_found_compiled
 from vvdp.simulation.run import Run, simulate
 from vvdp.studies.run import run_study
 from vvdp.studies.study import Study
-from vvdp.systems.summary import summary
 from vvdp.systems.system import System, built_system
 
 ORIFICE = {"type": "orifice", "discharge_coefficient": "0.6", "transition_pressure": "1e-4 bar"}

@@ -425,7 +425,7 @@ def test_report_names_the_period_that_would_do(system):
 
 
 def done_warnings(done):
-    from vvdp.systems.overview import warnings
+    from vvdp.evaluation.overview import warnings
 
     return list(warnings(done.system, done.summary))
 

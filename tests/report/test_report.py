@@ -14,6 +14,9 @@ from vvdp.base.errors import ConfigError
 from vvdp.base.files import list_all, write_listed
 from vvdp.base.kinds import SPEED
 from vvdp.base.manifest import open_directory
+from vvdp.evaluation.bench_overview import OVERVIEW_NOTE
+from vvdp.evaluation.overview import warnings
+from vvdp.evaluation.quantities import quantities
 from vvdp.report.report import write_report
 from vvdp.report.result_page import Page, listing_html, write_result_page
 from vvdp.results.result import Badge, Finding, Grade, Listing, Result, Row
@@ -22,9 +25,6 @@ from vvdp.runs.lead import lead
 from vvdp.runs.result import key_listings, run_result
 from vvdp.runs.run import open_run
 from vvdp.runs.simulate import run_system
-from vvdp.systems.bench_overview import OVERVIEW_NOTE
-from vvdp.systems.overview import warnings
-from vvdp.systems.quantities import quantities
 from vvdp.systems.system import load_system
 from vvdp.valve.validity import CAVITATION_NUMBER
 

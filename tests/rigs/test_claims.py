@@ -8,8 +8,9 @@ from tests.words import wording
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.signal import constant
-from vvdp.rigs import driving_claim, ripple_claim, throttling_claim
-from vvdp.rigs.actuation_claim import (
+from vvdp.rigs.ripple import power_of, ripple
+from vvdp.rivals import driving_claim, ripple_claim, throttling_claim
+from vvdp.rivals.actuation_claim import (
     LIGHT_MASS,
     annular_stroke,
     equal_power_frequency,
@@ -18,10 +19,9 @@ from vvdp.rigs.actuation_claim import (
     same_ports_stroke,
     spool_friction,
 )
-from vvdp.rigs.claims import claims
-from vvdp.rigs.driving_claim import area_scale, best_frequency, scaled_open_loss, self_against_driven
-from vvdp.rigs.ripple import power_of, ripple
-from vvdp.rigs.throttling_claim import against_throttling, break_even_share
+from vvdp.rivals.claims import claims
+from vvdp.rivals.driving_claim import area_scale, best_frequency, scaled_open_loss, self_against_driven
+from vvdp.rivals.throttling_claim import against_throttling, break_even_share
 from vvdp.steady.steady_states import steady_states
 from vvdp.valve.geometry import transition_fraction
 from vvdp.valve.losses import full_open_loss

@@ -7,8 +7,8 @@ from vvdp.base.signal import constant
 from vvdp.hydraulics.orifice import orifice_area_for
 from vvdp.hydraulics.switching_valve import SpoolState, SwitchingValve, port_areas, spool_frequency, spool_rate
 from vvdp.report.plot import new_figure
-from vvdp.rigs.linear_valve_claim import linear_valve_claim
-from vvdp.rigs.linear_valves import (
+from vvdp.rivals.linear_valve_claim import linear_valve_claim
+from vvdp.rivals.linear_valves import (
     EDGE,
     VALVES,
     equal_loss_frequency,
@@ -97,7 +97,7 @@ def test_equal_loss_by_hand():
 
 
 def test_the_claim(source_stand, monkeypatch):
-    monkeypatch.setattr("vvdp.rigs.linear_valve_claim.FREQUENCIES", (50.0, 100.0, 300.0))
+    monkeypatch.setattr("vvdp.rivals.linear_valve_claim.FREQUENCIES", (50.0, 100.0, 300.0))
     claim = linear_valve_claim(source_stand.with_tables(operation={"duty_ratio": constant(0.3)}))
     table, swept = claim.tables["linear_valves"], claim.tables["linear_switching"]
     assert table.rows == len(VALVES) and swept.rows == 3 + 3 + 2

@@ -14,6 +14,7 @@ from tests.words import wording
 
 from vvdp.base.errors import ConfigError, ParameterError, RunError
 from vvdp.base.signal import constant
+from vvdp.evaluation.summary import simulated_summary
 from vvdp.report.plot import draw_chart
 from vvdp.results.cells import shown_columns, table_cell, thinned_rows
 from vvdp.results.result import Grade
@@ -32,7 +33,6 @@ from vvdp.steady.test_stand import stand
 from vvdp.studies import work
 from vvdp.studies.dask_engines import LocalDask
 from vvdp.studies.engine import ThisProcess
-from vvdp.systems.summary import simulated_summary
 from vvdp.systems.system import load_system
 
 pytestmark = pytest.mark.heavy

@@ -5,9 +5,9 @@ import pytest
 from tests.words import wording
 
 from vvdp.base.errors import ParameterError
+from vvdp.evaluation.load_ripple import estimated_ripple
 from vvdp.rigs.ripple import line_capacity, power_of, ripple
 from vvdp.steady.waveform import harmonics
-from vvdp.systems.load_ripple import estimated_ripple
 
 
 @pytest.fixture(scope="module")

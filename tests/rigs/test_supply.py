@@ -8,9 +8,11 @@ from tests.words import wording
 
 from vvdp.fluid.mixture import compression_energy_per_volume
 from vvdp.hydraulics.supply_losses import drag_power
+from vvdp.machines.duties import known_cylinder, shipped_duties
+from vvdp.machines.duty_cycle import DutyCycle, cycle_demand
 from vvdp.report.plot import new_figure
-from vvdp.rigs.supply_claim import WAYS, cycle_losses, supply_claim
-from vvdp.rigs.supply_ways import (
+from vvdp.rivals.supply_claim import WAYS, cycle_losses, supply_claim
+from vvdp.rivals.supply_ways import (
     RANGES,
     RIVALS,
     VARIED,
@@ -23,8 +25,6 @@ from vvdp.rigs.supply_ways import (
     varied_stands,
 )
 from vvdp.steady.test_stand import stand
-from vvdp.systems.displacement.duties import known_cylinder, shipped_duties
-from vvdp.systems.displacement.duty_cycle import DutyCycle, cycle_demand
 from vvdp.systems.system import load_system
 from vvdp.valve.torque import pwm_frequency
 

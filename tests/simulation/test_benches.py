@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from vvdp.evaluation.summary import simulated_summary, summary
 from vvdp.simulation.balance import LIMIT, balance
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.prepare import free_rates, prepare
 from vvdp.simulation.run import Method, simulate
 from vvdp.simulation.values import leaves
-from vvdp.systems.summary import simulated_summary, summary
 from vvdp.systems.system import System, load_system
 
 BENCHES = ("prototype", "prototype-constant-load")

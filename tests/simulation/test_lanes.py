@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from vvdp.base.signal import constant, step, table
+from vvdp.evaluation.bench import rotary_bench
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.run import Method, simulate
 from vvdp.simulation.symbols import Untraceable
 from vvdp.simulation.trace import trace
 from vvdp.simulation.values import leaves
-from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import load_system
 
 SHORT = {

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from vvdp.base.tables import Table
+from vvdp.evaluation.summary import summary
 from vvdp.simulation.run import Run, simulate
-from vvdp.systems.summary import summary
 from vvdp.systems.system import built_system, load_system
 
 CIRCUITS = Path(__file__).parent / "splits"

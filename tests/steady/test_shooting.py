@@ -7,13 +7,13 @@ import pytest
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.signal import constant
+from vvdp.evaluation.summary import simulated_summary
 from vvdp.simulation.outcome import outcome
 from vvdp.simulation.run import simulate
 from vvdp.simulation.values import as_value, flat
 from vvdp.steady.shooting import DISTANCE, LIMIT, periodic_states
 from vvdp.steady.steady_states import HELD, steady_states
 from vvdp.steady.test_stand import SetPoint
-from vvdp.systems.summary import simulated_summary
 
 LOAD = 80.0e5 + 101325.0
 

@@ -7,11 +7,11 @@ import pytest
 from tests.words import wording
 
 from vvdp.base.errors import ConfigError
+from vvdp.evaluation.summary import summary
 from vvdp.simulation.run import simulate
 from vvdp.studies.dask_engines import LocalDask
 from vvdp.studies.run import run_study
 from vvdp.studies.study import Study, load_study
-from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system
 
 DRAWN = """

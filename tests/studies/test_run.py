@@ -17,6 +17,7 @@ from tests.words import wording
 
 from vvdp.base.errors import ConfigError, RunError
 from vvdp.base.kinds import DUTY_RATIO, FLAG, PRESSURE_LEVEL
+from vvdp.evaluation.summary import summary
 from vvdp.results.store import table_text
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.run import simulate
@@ -25,7 +26,6 @@ from vvdp.studies.engine import ThisProcess
 from vvdp.studies.results import study_result
 from vvdp.studies.run import read_study, run_study
 from vvdp.studies.study import Random, Study, Uniform
-from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system
 
 GRID = {"operation.duty_ratio": ["0.4", "0.6"], "relief_valve.cracking_pressure": ["110 bar", "120 bar"]}

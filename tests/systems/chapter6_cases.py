@@ -8,8 +8,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from tests.systems.axial_texts import change
 
+from vvdp.evaluation.summary import summary
 from vvdp.simulation.run import Run, simulate
-from vvdp.systems.summary import summary
 from vvdp.systems.system import System, load_system, shipped_systems
 
 NAME = "displacement-chapter6"

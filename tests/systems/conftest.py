@@ -3,8 +3,8 @@ from functools import cache
 
 import pytest
 
+from vvdp.evaluation.summary import Summary, summary
 from vvdp.simulation.run import Run, simulate
-from vvdp.systems.summary import Summary, summary
 from vvdp.systems.system import load_system
 
 Ran = Callable[..., tuple[Summary, Run]]

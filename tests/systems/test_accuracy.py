@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from vvdp.evaluation.accuracy import OF_THE_RUN, Move, moves
+from vvdp.evaluation.quantities import summary_units
+from vvdp.evaluation.summary import summary
 from vvdp.simulation.run import simulate
-from vvdp.systems.accuracy import OF_THE_RUN, Move, moves
-from vvdp.systems.quantities import summary_units
-from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system, shipped_systems
 
 pytestmark = pytest.mark.heavy

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from vvdp.evaluation.summary import summary
 from vvdp.simulation.run import simulate
-from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system
 
 BENCHES = ("prototype", "prototype-constant-load")

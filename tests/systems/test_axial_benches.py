@@ -8,9 +8,9 @@ from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.tables import parsed_table, with_settings
+from vvdp.evaluation.summary import summary
 from vvdp.sensing.axial_sensor import pollution_at
 from vvdp.simulation.run import Run, simulate
-from vvdp.systems.summary import summary
 from vvdp.systems.system import System, built_system, load_system, shipped_systems
 
 pytestmark = pytest.mark.heavy

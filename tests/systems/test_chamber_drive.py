@@ -8,10 +8,10 @@ from tempfile import TemporaryDirectory
 import pytest
 
 from vvdp.base.errors import ConfigError
+from vvdp.evaluation.summary import summary
 from vvdp.simulation.record import record_of
 from vvdp.simulation.run import simulate
 from vvdp.systems.program_reports import ReportedPrograms
-from vvdp.systems.summary import summary
 from vvdp.systems.system import System, load_system, shipped_systems
 
 pytestmark = pytest.mark.heavy

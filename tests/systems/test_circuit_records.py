@@ -3,8 +3,8 @@
 import pytest
 
 from vvdp.base.errors import ConfigError
+from vvdp.machines.rotary_bench import constant_load, orifice_load
 from vvdp.systems.circuits import draw, table_slots
-from vvdp.systems.rotary_bench import constant_load, orifice_load
 from vvdp.systems.system import load_system
 
 MODULE = """

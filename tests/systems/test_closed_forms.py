@@ -3,9 +3,9 @@
 import pytest
 from tests.words import wording
 
-from vvdp.systems.bench import rotary_bench
-from vvdp.systems.bench_overview import ANALYTIC
-from vvdp.systems.bench_validity import load_swing
+from vvdp.evaluation.bench import rotary_bench
+from vvdp.evaluation.bench_overview import ANALYTIC
+from vvdp.evaluation.bench_validity import load_swing
 from vvdp.systems.system import load_system
 
 BENCH = "prototype-constant-load"

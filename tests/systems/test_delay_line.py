@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from vvdp.base.tables import Table
+from vvdp.evaluation.summary import summary
+from vvdp.evaluation.validity import broken_bounds
 from vvdp.simulation.run import simulate
-from vvdp.systems.summary import summary
 from vvdp.systems.system import built_system
-from vvdp.systems.validity import broken_bounds
 
 LENGTH, DIAMETER, SPEED, DENSITY, MODULUS = 10.0, 0.02, 1250.0, 876.0, 1.4e9
 DELAY = LENGTH / SPEED

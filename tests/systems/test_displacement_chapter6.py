@@ -31,9 +31,9 @@ from tests.systems.chapter6_cases import (
 from tests.words import wording
 
 from vvdp.base.errors import ConfigError
+from vvdp.machines.tracking import MODES, share_key
 from vvdp.simulation.record import record_of
 from vvdp.simulation.run import simulate
-from vvdp.systems.displacement.tracking import MODES, share_key
 from vvdp.systems.system import load_system, shipped_systems
 
 CM = 1e-2

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.systems.axial_texts import change, run_of
 
-from vvdp.systems.summary import summary
+from vvdp.evaluation.summary import summary
 from vvdp.systems.system import shipped_systems
 
 pytestmark = pytest.mark.heavy

@@ -17,11 +17,11 @@ from tests.systems.axial_texts import (
 from tests.words import wording
 
 from vvdp.base.errors import ConfigError
+from vvdp.evaluation.summary import summary
+from vvdp.evaluation.validity import broken_bounds
 from vvdp.simulation.record import record_of
 from vvdp.simulation.run import simulate
-from vvdp.systems.summary import summary
 from vvdp.systems.system import shipped_systems
-from vvdp.systems.validity import broken_bounds
 
 pytestmark = pytest.mark.heavy
 

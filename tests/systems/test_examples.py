@@ -18,6 +18,7 @@ from vvdp.components.lines import COLUMN, LineState
 from vvdp.components.resistances import ORIFICE
 from vvdp.components.self_acting_valves import CHECK_VALVE
 from vvdp.components.switching_valves import PULSED_TWO_WAY_VALVE, PulsedTwoWayValve
+from vvdp.evaluation.summary import Summary, summary
 from vvdp.fluid.mixture import fluid_state, specific_volume_ratio
 from vvdp.generator.source import known_text
 from vvdp.hydraulics.check_valve import CheckValve
@@ -29,7 +30,6 @@ from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber
 from vvdp.simulation.balance import balance
 from vvdp.simulation.run import Run, Stepping, simulate
-from vvdp.systems.summary import Summary, summary
 from vvdp.systems.system import load_system, source_text
 
 pytestmark = pytest.mark.heavy

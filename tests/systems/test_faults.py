@@ -10,10 +10,10 @@ from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.signal import pulse, signal_stop, signal_value
+from vvdp.evaluation.summary import summary
 from vvdp.simulation.run import simulate
 from vvdp.simulation.values import flat
 from vvdp.systems.resolved import resolved_text
-from vvdp.systems.summary import summary
 from vvdp.systems.system import shipped_systems
 
 pytestmark = pytest.mark.heavy

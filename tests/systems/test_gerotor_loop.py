@@ -6,8 +6,8 @@ from tests.systems.axial_texts import change, change_table, run_of, system_of
 from tests.words import wording
 
 from vvdp.base.errors import ConfigError
+from vvdp.evaluation.summary import summary
 from vvdp.programs.axial_loop import HOME, LEARN, RUN, STOP
-from vvdp.systems.summary import summary
 from vvdp.systems.system import shipped_systems
 
 pytestmark = pytest.mark.heavy

@@ -4,9 +4,9 @@ import pytest
 from tests.systems.axial_texts import change_table, run_of, system_of
 
 from vvdp.base.errors import ConfigError
+from vvdp.evaluation.summary import summary
 from vvdp.programs.gerotor_control import DriveTask, FeedforwardTable, feedforward_settings, feedforward_step
 from vvdp.programs.gerotor_control import feedforward_start as start
-from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system, shipped_systems
 
 pytestmark = pytest.mark.heavy

@@ -11,7 +11,9 @@ from vvdp.base.display import percent
 from vvdp.base.signal import step
 from vvdp.components.shafts import LOAD_TORQUE
 from vvdp.estimation.estimator import Estimate
+from vvdp.evaluation.summary import Summary, summary
 from vvdp.hydraulics.friction import smooth_sign
+from vvdp.machines.rotary_bench import orifice_load
 from vvdp.network.build import build
 from vvdp.network.nodes import Connection
 from vvdp.runs.bench import bench_series
@@ -20,8 +22,6 @@ from vvdp.runs.run import RecordedRun
 from vvdp.simulation.record import record_of
 from vvdp.simulation.run import Run, simulate
 from vvdp.systems.circuits import draw
-from vvdp.systems.rotary_bench import orifice_load
-from vvdp.systems.summary import Summary, summary
 from vvdp.systems.system import System, load_system
 
 pytestmark = pytest.mark.heavy

@@ -6,9 +6,9 @@ from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.signal import signal_value
+from vvdp.evaluation.bench import rotary_bench
+from vvdp.evaluation.summary import summary
 from vvdp.simulation.run import Method, simulate
-from vvdp.systems.bench import rotary_bench
-from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system, shipped_systems, source_text
 
 

@@ -6,7 +6,7 @@ The published operating point throughout: 40 lpm, load 100 bar, ideal relief val
 
 import pytest
 
-from vvdp.systems.summary import is_closed
+from vvdp.evaluation.summary import is_closed
 from vvdp.systems.system import load_system
 from vvdp.valve.losses import compression_regime
 

@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from vvdp.evaluation.summary import summary
+from vvdp.machines.supervision import WATCHED
 from vvdp.simulation.run import Run, simulate
 from vvdp.simulation.values import flat
-from vvdp.systems.displacement.supervision import WATCHED
-from vvdp.systems.summary import summary
 from vvdp.systems.system import System, load_system, shipped_systems
 
 pytestmark = pytest.mark.slow

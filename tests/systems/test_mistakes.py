@@ -8,12 +8,12 @@ import pytest
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.tables import Table
+from vvdp.evaluation.overview import warnings
+from vvdp.evaluation.summary import summary
+from vvdp.evaluation.validity import broken_bounds
 from vvdp.network.sense import idle_nodes
 from vvdp.simulation.run import simulate
-from vvdp.systems.overview import warnings
-from vvdp.systems.summary import summary
 from vvdp.systems.system import System, built_system
-from vvdp.systems.validity import broken_bounds
 
 CIRCUIT: dict[str, Any] = {
     "nodes": {

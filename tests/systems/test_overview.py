@@ -2,7 +2,7 @@
 
 import pytest
 
-from vvdp.systems.overview import node_lines
+from vvdp.evaluation.overview import node_lines
 from vvdp.systems.system import load_system, shipped_systems
 
 

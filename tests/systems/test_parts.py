@@ -8,6 +8,9 @@ import pytest
 from vvdp.base.errors import ConfigError
 from vvdp.base.tables import Table, parsed_table, with_settings
 from vvdp.components.library import COMPONENTS
+from vvdp.evaluation.quantities import summary_units
+from vvdp.evaluation.ranges import with_ends
+from vvdp.evaluation.summary import summary
 from vvdp.network.component import Component
 from vvdp.simulation.run import simulate
 from vvdp.simulation.values import flat
@@ -16,10 +19,7 @@ from vvdp.studies.study import load_study
 from vvdp.systems.part_files import PartFile, shipped_part, shipped_parts
 from vvdp.systems.part_offers import part_ports, part_values
 from vvdp.systems.part_scopes import UNNAMED, Scope
-from vvdp.systems.quantities import summary_units
-from vvdp.systems.ranges import with_ends
 from vvdp.systems.resolved import resolved_text
-from vvdp.systems.summary import summary
 from vvdp.systems.system import System, built_system, load_system, source_text
 
 BRAKE = """title = "A throttled chamber"

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from vvdp.base.tables import Table
+from vvdp.evaluation.pipe_waves import ROUGHEST, roughness
+from vvdp.evaluation.summary import summary
+from vvdp.evaluation.validity import broken_bounds
 from vvdp.runs.simulate import check_accuracy, run_system
 from vvdp.simulation.run import simulate
-from vvdp.systems.pipe_waves import ROUGHEST, roughness
-from vvdp.systems.summary import summary
 from vvdp.systems.system import built_system
-from vvdp.systems.validity import broken_bounds
 
 LENGTH, DENSITY, MODULUS = 10.0, 876.0, 1.4e9
 TRANSIT = LENGTH * np.sqrt(DENSITY / MODULUS)

@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 from tests.systems.practice_by_hand import BY_HAND, Course
 
+from vvdp.evaluation.overview import warnings
+from vvdp.evaluation.summary import summary
 from vvdp.network.nodes import HydraulicNode
 from vvdp.report.circuit import graph_of
 from vvdp.report.diagram import diagram
 from vvdp.simulation.run import simulate
-from vvdp.systems.overview import warnings
-from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system, shipped_systems
 
 DOCS = Path(__file__).parents[2] / "docs"

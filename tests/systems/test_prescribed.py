@@ -7,8 +7,8 @@ import pytest
 from tests.words import wording
 
 from vvdp.base.errors import ConfigError
+from vvdp.evaluation.summary import summary
 from vvdp.simulation.run import simulate
-from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system
 
 PULSING = [

@@ -35,12 +35,12 @@ from vvdp.control.backstepping import best_pressure_weight
 from vvdp.control.chamber import volume_compliance
 from vvdp.control.storage import estimation_storage, least_estimation_weight, loop_balance
 from vvdp.estimation.noise_basis import function_count, write_basis
+from vvdp.evaluation.summary import summary
 from vvdp.numerics.kalman import covariance_of
 from vvdp.programs import axial_numbers, chamber_observer
 from vvdp.programs.spool_report import rows_at_samples
 from vvdp.sensing.axial_sensor import pollution_at
 from vvdp.simulation.run import simulate
-from vvdp.systems.summary import summary
 from vvdp.systems.system import System, load_system
 
 pytestmark = pytest.mark.heavy

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from vvdp.base.tables import parsed_table
+from vvdp.evaluation.summary import is_closed, summary
 from vvdp.simulation.run import simulate
 from vvdp.simulation.values import flat
-from vvdp.systems.summary import is_closed, summary
 from vvdp.systems.system import System, built_system, load_system
 
 NETWORKS, SIMULATED = 200, 6

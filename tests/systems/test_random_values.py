@@ -10,9 +10,9 @@ import pytest
 
 from vvdp.base.errors import ConfigError, RunError
 from vvdp.base.signal import Signal
+from vvdp.evaluation.overview import warnings
+from vvdp.evaluation.summary import summary
 from vvdp.simulation.run import simulate
-from vvdp.systems.overview import warnings
-from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system
 
 BENCHES = ("prototype", "prototype-constant-load")

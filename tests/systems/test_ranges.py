@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from tests.words import wording
 
+from vvdp.evaluation.range_display import value_words
+from vvdp.evaluation.ranges import at_end, at_ends, range_text
 from vvdp.runs import ranges as ranges_of_runs
 from vvdp.runs.ranges import expected_evaluations, headline, kept_ranges, run_ranges, with_ranges
 from vvdp.runs.result import run_result
 from vvdp.runs.simulate import run_system
-from vvdp.systems.range_display import value_words
-from vvdp.systems.ranges import at_end, at_ends, range_text
 from vvdp.systems.system import load_system
 
 BENCH = "prototype-constant-load"

@@ -11,10 +11,10 @@ import pytest
 from scipy.optimize import brentq
 
 from vvdp.base.tables import Table
+from vvdp.evaluation.summary import Summary, summary
+from vvdp.evaluation.validity import broken_bounds
 from vvdp.simulation.run import Run, simulate
-from vvdp.systems.summary import Summary, summary
 from vvdp.systems.system import built_system, load_system
-from vvdp.systems.validity import broken_bounds
 
 PAGE = (Path(__file__).parents[2] / "docs" / "small-circuits.md").read_text("utf-8")
 

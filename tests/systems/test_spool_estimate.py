@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from tests.words import wording
 
-from vvdp.numerics.kalman import chance_band
-from vvdp.systems.spool_estimate import (
+from vvdp.evaluation.spool_estimate import (
     estimate_doubts,
     estimate_errors,
     estimate_numbers,
     estimate_quantities,
     mean_speed,
 )
+from vvdp.numerics.kalman import chance_band
 from vvdp.systems.system import load_system
 
 PITCH = 2.0 * np.pi / 3.0

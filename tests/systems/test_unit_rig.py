@@ -12,14 +12,14 @@ from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.tables import Table
+from vvdp.evaluation.unit_rig import unit_on_rig
+from vvdp.evaluation.valve_unit import valve_unit
 from vvdp.fluid.oil import Oil
 from vvdp.simulation.run import simulate
 from vvdp.simulation.values import leaves
 from vvdp.steady.test_stand import stand
 from vvdp.systems.resolved import resolved_text
 from vvdp.systems.system import built_system, load_system
-from vvdp.systems.unit_rig import unit_on_rig
-from vvdp.systems.valve_unit import valve_unit
 
 CIRCUITS = {
     ("two-cylinders", "lift_unit"): {},

@@ -8,10 +8,10 @@ from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.tables import parsed_table
 from vvdp.design.problem import cycle_points
 from vvdp.geometry.shape_tables import shape_table
+from vvdp.machines.duties import known_cylinder, read_duty
+from vvdp.machines.recorded_cycle import recorded_cycle
 from vvdp.offline.config import load_estimation
 from vvdp.studies.study import load_study
-from vvdp.systems.displacement.duties import known_cylinder, read_duty
-from vvdp.systems.displacement.recorded_cycle import recorded_cycle
 from vvdp.systems.system import built_system, load_system, shipped_systems
 
 DRAWN = """title = "Two orifices"

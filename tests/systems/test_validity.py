@@ -8,12 +8,12 @@ from tests.words import wording
 
 from vvdp.base.errors import ConfigError, RunError
 from vvdp.base.kinds import NUMBER
+from vvdp.evaluation.bench_validity import STORED, efficiency, efficiency_doubt, transition_loss
+from vvdp.evaluation.overview import warnings
+from vvdp.evaluation.summary import summary
 from vvdp.simulation.outcome import averaging_window
 from vvdp.simulation.run import simulate
-from vvdp.systems.bench_validity import STORED, efficiency, efficiency_doubt, transition_loss
 from vvdp.systems.bound import Bound
-from vvdp.systems.overview import warnings
-from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system, shipped_systems
 
 pytestmark = pytest.mark.heavy

@@ -9,14 +9,14 @@ import pytest
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.tables import Table
+from vvdp.evaluation.quantities import quantities
+from vvdp.evaluation.summary import summary
+from vvdp.evaluation.validity import bounds
+from vvdp.evaluation.valve_forms import unit_forms
+from vvdp.evaluation.valve_numbers import placed_valves
+from vvdp.evaluation.valve_unit import valve_unit
 from vvdp.simulation.run import simulate
-from vvdp.systems.quantities import quantities
-from vvdp.systems.summary import summary
 from vvdp.systems.system import built_system, load_system
-from vvdp.systems.validity import bounds
-from vvdp.systems.valve_forms import unit_forms
-from vvdp.systems.valve_numbers import placed_valves
-from vvdp.systems.valve_unit import valve_unit
 from vvdp.valve.geometry import port_openings
 
 

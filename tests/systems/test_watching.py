@@ -11,12 +11,12 @@ from vvdp.base.tables import Table
 from vvdp.estimation.event_filter import event_filter_step
 from vvdp.estimation.event_memory import event_filter_start
 from vvdp.estimation.event_settings import EventFilterValues, event_filter
+from vvdp.evaluation.spool_estimate import estimate_errors
+from vvdp.evaluation.summary import summary
 from vvdp.sensing.encoder import Shaft, encoder_start, encoder_step
 from vvdp.sensing.wheel import equal_wheel
 from vvdp.simulation.run import simulate
 from vvdp.simulation.values import flat
-from vvdp.systems.spool_estimate import estimate_errors
-from vvdp.systems.summary import summary
 from vvdp.systems.system import built_system, load_system, system_table
 
 SECTOR = 2.0 * np.pi / 8.0

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from vvdp.base import kinds
+from vvdp.evaluation.summary import simulated_summary
 from vvdp.runs.simulate import run_system
 from vvdp.simulation.layout import vectors
 from vvdp.simulation.outcome import outcome
 from vvdp.simulation.run import simulate
 from vvdp.systems.changeable import OPERATIONS, changeable_values, conversion, operation_of
-from vvdp.systems.summary import simulated_summary
 from vvdp.systems.system import load_system
 from vvdp.web.numbers import Sum, judgement, summary_sums
 

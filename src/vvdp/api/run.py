@@ -11,6 +11,7 @@ from vvdp.base.display import key_suffix
 from vvdp.base.errors import RunError
 from vvdp.base.extras import require
 from vvdp.base.files import result_directory
+from vvdp.evaluation.overview import warnings
 from vvdp.results.chart import Chart
 from vvdp.results.result import Result
 from vvdp.runs.findings import badges
@@ -20,7 +21,6 @@ from vvdp.runs.simulate import recorded_run, save_run
 from vvdp.runs.tables import record_table, screen_listings
 from vvdp.simulation.run import simulate
 from vvdp.systems.options import lasting
-from vvdp.systems.overview import warnings
 from vvdp.systems.system import System
 
 if TYPE_CHECKING:

@@ -24,9 +24,9 @@ from vvdp.cli.printing import show_result, write_with_report
 
 if TYPE_CHECKING:
     from vvdp.comparison.contest import Titled
+    from vvdp.machines.duties import Duty
     from vvdp.results.result import Result, Table
-    from vvdp.systems.displacement.duties import Duty
-    from vvdp.systems.displacement.rival_circuits import RivalCircuit
+    from vvdp.rivals.rival_circuits import RivalCircuit
 
 INTERRUPTED = 130
 MOST_MISSING = 5
@@ -93,7 +93,7 @@ class Circuits:
     @property
     def duties(self) -> "list[Duty]":
         """The duty cycles that are run."""
-        from vvdp.systems.displacement.duties import known_cylinder, read_duty, shipped_duties
+        from vvdp.machines.duties import known_cylinder, read_duty, shipped_duties
 
         given = [read_duty(path, *known_cylinder()) for path in self.own or ()]
         return [*(_choose("--cycle", self.cycle, shipped_duties()) if self.cycle or not given else ()), *given]
@@ -101,7 +101,7 @@ class Circuits:
     @property
     def rivals(self) -> "list[RivalCircuit]":
         """The circuits that are run."""
-        from vvdp.systems.displacement.rival_circuits import CIRCUITS, machine_with_valve
+        from vvdp.rivals.rival_circuits import CIRCUITS, machine_with_valve
 
         return _choose(
             "--circuit", self.circuit, (*CIRCUITS, *([machine_with_valve(self.valve)] if self.valve else []))

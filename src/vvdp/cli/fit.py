@@ -148,8 +148,8 @@ def _system(on: str | None, settings: list[str] | None) -> "System | None":
 
 def _host(loaded: "System | None", name: str) -> "Host | None":
     """The rotary valve of the system, of several the one with a `name`."""
+    from vvdp.evaluation.valve_unit import chosen_valve, valve_unit
     from vvdp.fitting.fitted import Host
-    from vvdp.systems.valve_unit import chosen_valve, valve_unit
 
     if loaded is None:
         return None

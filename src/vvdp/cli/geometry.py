@@ -83,7 +83,7 @@ def geometry(
 
 def _with_one_valve(case: RigCase) -> "System":
     """The system; if it has several rotary valves, a test rig with the one that is asked for."""
-    from vvdp.systems.valve_numbers import placed_valves
+    from vvdp.evaluation.valve_numbers import placed_valves
 
     loaded = case.load()
     several = case.part or len([*placed_valves(loaded.circuit.network)]) > 1

@@ -146,7 +146,7 @@ class RigCase(Case):
 
     def on_rig(self, verb: str) -> "System":
         """The test rig with its pump unit. Raises ConfigError, which names `verb`, if it has none."""
-        from vvdp.systems.unit_rig import unit_on_rig
+        from vvdp.evaluation.unit_rig import unit_on_rig
 
         return unit_on_rig(self.load(), verb, self.part)
 

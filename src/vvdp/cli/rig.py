@@ -186,8 +186,8 @@ def claims(
     judge its ripple.
     """
     from vvdp.cli.screen import say
-    from vvdp.rigs.claims import claims as worked_out
-    from vvdp.systems.displacement.duties import known_cylinder, read_duty
+    from vvdp.machines.duties import known_cylinder, read_duty
+    from vvdp.rivals.claims import claims as worked_out
 
     moved = known_cylinder()
     duties = [read_duty(path, *moved) for path in own or ()]

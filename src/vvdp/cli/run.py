@@ -9,8 +9,8 @@ import typer
 from vvdp.cli.options import Case, Output, flat
 
 if TYPE_CHECKING:
+    from vvdp.evaluation.accuracy import Move
     from vvdp.runs.run import RecordedRun
-    from vvdp.systems.accuracy import Move
     from vvdp.systems.system import System
 
 MOST_CHANGES = 5
@@ -103,7 +103,7 @@ def run(
         _refuse_beside_live(no_report=output.no_report, cycle=ways.cycle is not None)
     loaded = load_system(case.system, case.settings or (), until)
     if ways.cycle is not None:
-        from vvdp.systems.displacement.recorded_cycle import with_cycle
+        from vvdp.machines.recorded_cycle import with_cycle
 
         loaded = with_cycle(loaded, ways.cycle)
     if ways.trust:
@@ -193,10 +193,10 @@ def _exit(run: "RecordedRun") -> None:
 def _print(run: "RecordedRun", changes: "tuple[Move, ...]") -> None:
     from vvdp.cli.printing import listing_grid
     from vvdp.cli.screen import console, grid, tell, warn
+    from vvdp.evaluation.overview import period, warnings
     from vvdp.runs.tables import screen_listings
     from vvdp.simulation.balance import LIMIT
     from vvdp.systems.assumed import assumed_words
-    from vvdp.systems.overview import period, warnings
 
     out, found = console(), run.summary
     tell(run.system.title)
@@ -228,9 +228,9 @@ def _print(run: "RecordedRun", changes: "tuple[Move, ...]") -> None:
 def _print_ranges(run: "RecordedRun") -> None:
     from vvdp.cli.printing import listing_grid
     from vvdp.cli.screen import console, tell
+    from vvdp.evaluation.quantities import quantities
+    from vvdp.evaluation.range_display import range_listing
     from vvdp.runs.ranges import kept_ranges
-    from vvdp.systems.quantities import quantities
-    from vvdp.systems.range_display import range_listing
 
     ranges = kept_ranges(run)
     if ranges is not None and ranges.rows:

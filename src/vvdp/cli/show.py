@@ -111,8 +111,8 @@ def _print(system: "System") -> None:
 
 def _nodes(system: "System") -> "Grid":
     from vvdp.cli.screen import grid
+    from vvdp.evaluation.overview import inside
     from vvdp.network.nodes import kind_of_node
-    from vvdp.systems.overview import inside
 
     network = system.circuit.network
     hidden = inside(network)
@@ -126,7 +126,7 @@ def _nodes(system: "System") -> "Grid":
 
 def _joints(system: "System") -> "Iterator[tuple[str, str, str]]":
     """Component, port and node of every joint."""
-    from vvdp.systems.overview import inside
+    from vvdp.evaluation.overview import inside
 
     network = system.circuit.network
     hidden = inside(network)
@@ -139,8 +139,8 @@ def _joints(system: "System") -> "Iterator[tuple[str, str, str]]":
 
 def _components(system: "System") -> "Grid":
     from vvdp.cli.screen import grid
+    from vvdp.evaluation.overview import inside
     from vvdp.report.circuit import source_words
-    from vvdp.systems.overview import inside
 
     network = system.circuit.network
     hidden = inside(network)

@@ -9,9 +9,9 @@ from vvdp.cli.options import AsJson, Settings, SystemName, ValveName
 
 if TYPE_CHECKING:
     from vvdp.base.kinds import Kind
-    from vvdp.systems.ranges import Ranges
+    from vvdp.evaluation.ranges import Ranges
+    from vvdp.evaluation.valve_unit import ValveUnit
     from vvdp.systems.system import System
-    from vvdp.systems.valve_unit import ValveUnit
     from vvdp.valve.operating_point import OperatingPoint
 
 Row = dict[str, Any]
@@ -40,8 +40,8 @@ def valve(
     from vvdp.base.kinds import FLOW, TEMPERATURE
     from vvdp.cli.screen import print_json
     from vvdp.cli.valve_table import print_point, print_points
+    from vvdp.evaluation.valve_unit import valve_unit
     from vvdp.systems.system import load_system
-    from vvdp.systems.valve_unit import valve_unit
 
     loaded = load_system(system, settings or ())
     unit = valve_unit(loaded, "valve", part)
@@ -97,8 +97,8 @@ def _ranges(loaded: "System", part: str, row: Row, flow: float | None) -> "Range
     """The numbers of a row over the ranges of values, at the same temperature and `flow`, that of the pump if None."""
     from dataclasses import replace
 
-    from vvdp.systems.ranges import at_ends, ranges_of, spans_together
-    from vvdp.systems.valve_unit import valve_unit
+    from vvdp.evaluation.ranges import at_ends, ranges_of, spans_together
+    from vvdp.evaluation.valve_unit import valve_unit
 
     def numbers(system: "System") -> Row:
         unit = valve_unit(system, "valve", part)

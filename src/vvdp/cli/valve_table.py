@@ -6,8 +6,8 @@ from typing import Any
 from vvdp.base import kinds
 from vvdp.base.display import display_unit, number, plain, with_unit
 from vvdp.cli.screen import console, grid, tell, warn
-from vvdp.systems.ranges import Ranges
-from vvdp.systems.valve_unit import ValveUnit
+from vvdp.evaluation.ranges import Ranges
+from vvdp.evaluation.valve_unit import ValveUnit
 
 SHOWN = (
     ("pressure drop, nozzles", "pressure_drop_nozzle_Pa", kinds.PRESSURE_DIFFERENCE),

@@ -71,8 +71,8 @@ def _print_changes(before: "RecordedRun", after: "RecordedRun") -> None:
     from vvdp.base.display import value_text
     from vvdp.base.kinds import NUMBER
     from vvdp.cli.screen import console, grid, tell
-    from vvdp.systems.accuracy import moves
-    from vvdp.systems.quantities import quantities, summary_units
+    from vvdp.evaluation.accuracy import moves
+    from vvdp.evaluation.quantities import quantities, summary_units
 
     known, units = quantities(after.system), summary_units(after.system)
     changed = [move for move in moves(dict(before.summary), dict(after.summary), units) if move.change > SAME]

@@ -20,12 +20,12 @@ from vvdp.base.kinds import (
 )
 from vvdp.comparison.circuit_trials import CircuitComparison, CircuitRun
 from vvdp.comparison.equal_error import EQUAL, is_reached
+from vvdp.machines.duties import Duty
 from vvdp.results.chart import Bars, Chart, Colour, Line, Lines
 from vvdp.results.result import Column, Finding, Grade, Number, Result, Section, Table
+from vvdp.rivals.rival_account import CircuitScore
+from vvdp.rivals.rival_circuits import SINKS
 from vvdp.simulation.balance import LIMIT
-from vvdp.systems.displacement.duties import Duty
-from vvdp.systems.displacement.rival_account import CircuitScore
-from vvdp.systems.displacement.rival_circuits import SINKS
 
 MARGIN = 2e5
 """By how much a low side may fall below what holds it [Pa]."""

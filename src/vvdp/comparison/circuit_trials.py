@@ -11,13 +11,8 @@ from vvdp.base.errors import ParameterError, RunError
 from vvdp.base.version import VERSION
 from vvdp.comparison.contest import carry_out
 from vvdp.comparison.equal_error import Attempt, attempts, closest, common_error, rms_speed
-from vvdp.simulation.link import quiet
-from vvdp.simulation.run import compiled_loop, simulate
-from vvdp.studies.engine import HERE, Engine
-from vvdp.studies.run import silent
-from vvdp.studies.work import Batching, check_same
-from vvdp.systems.displacement.duties import Duty
-from vvdp.systems.displacement.rival_account import (
+from vvdp.machines.duties import Duty
+from vvdp.rivals.rival_account import (
     COMMON_RATE,
     CircuitScore,
     CircuitTrace,
@@ -28,7 +23,12 @@ from vvdp.systems.displacement.rival_account import (
     refuse_unled,
     system_for,
 )
-from vvdp.systems.displacement.rival_circuits import RivalCircuit
+from vvdp.rivals.rival_circuits import RivalCircuit
+from vvdp.simulation.link import quiet
+from vvdp.simulation.run import compiled_loop, simulate
+from vvdp.studies.engine import HERE, Engine
+from vvdp.studies.run import silent
+from vvdp.studies.work import Batching, check_same
 
 
 class Pair(NamedTuple):

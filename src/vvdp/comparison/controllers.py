@@ -6,8 +6,8 @@ from vvdp.comparison.loop_scenarios import GAINS, HIGH, LOW, LoopScenario, known
 from vvdp.control.backstepping import BacksteppingGains, best_pressure_weight
 from vvdp.control.chamber import ChamberDrive, volume_compliance
 from vvdp.control.passivity import PassivityGains
-from vvdp.systems.axial_control import AxialControl, ChosenLaw, chosen_law, known_drive
-from vvdp.systems.chamber_feedback import RawFeedback
+from vvdp.machines.axial_control import AxialControl, ChosenLaw, chosen_law, known_drive
+from vvdp.machines.chamber_feedback import RawFeedback
 
 PUBLISHED = PassivityGains(error_rate=50.0, position_gain=55.0, velocity_gain=4.0, flow_gain=4e-10)
 PUBLISHED_BACKSTEPPING = BacksteppingGains(

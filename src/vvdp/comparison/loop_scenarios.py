@@ -10,9 +10,9 @@ import numpy as np
 from vvdp.base.signal import Signal, sine
 from vvdp.control.passivity import PassivityGains
 from vvdp.control.reference import Pauses, ReferenceFilter, trapezoid
+from vvdp.machines.axial_control import AxialControl, chosen_law
+from vvdp.machines.chamber_bench import ChamberBench, chamber_bench
 from vvdp.programs.axial_loop import AxialObserverTable, AxialSequence
-from vvdp.systems.axial_control import AxialControl, chosen_law
-from vvdp.systems.chamber_bench import ChamberBench, chamber_bench
 from vvdp.systems.system import load_system
 
 USUAL, CLEAN = "nominal", "noise-free"

@@ -14,6 +14,8 @@ from vvdp.comparison.contest import Contest, Ran, Trial, contest_of, refuse_noth
 from vvdp.comparison.controllers import Controller
 from vvdp.comparison.loop_scenarios import UNTIL, LoopScenario
 from vvdp.comparison.loop_scores import LoopScore, loop_score, loop_summary
+from vvdp.machines.axial_tally import tally_of
+from vvdp.machines.chamber_bench import controlled_circuit, seeded_case
 from vvdp.network.build import Circuit
 from vvdp.programs.loop_report import rows_under_control
 from vvdp.simulation.batch import simulate_batch
@@ -23,8 +25,6 @@ from vvdp.simulation.run import Stepping, simulate
 from vvdp.studies.engine import HERE, Engine
 from vvdp.studies.run import silent
 from vvdp.studies.work import check_same
-from vvdp.systems.axial_tally import tally_of
-from vvdp.systems.chamber_bench import controlled_circuit, seeded_case
 
 SHOWN = "polluted"
 """The scenario of which a run is drawn, where it is among those that are run."""

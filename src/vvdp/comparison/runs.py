@@ -11,11 +11,11 @@ from vvdp.base.errors import unusable
 from vvdp.base.kinds import COUNT, FLAG, Kind
 from vvdp.base.signal import Signal
 from vvdp.base.tables import Sourced
+from vvdp.evaluation.accuracy import OF_THE_RUN
 from vvdp.results.chart import Chart, Line, Lines
 from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Section, Table
 from vvdp.runs.run import RecordedRun, open_run
 from vvdp.runs.tables import series_table
-from vvdp.systems.accuracy import OF_THE_RUN
 
 MOST_PANELS = 6
 """Panels of one figure."""

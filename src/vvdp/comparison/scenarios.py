@@ -12,11 +12,11 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.signal import constant, ramp
 from vvdp.comparison.motion import Lag, Motion, Ramps, Ripple, steady
 from vvdp.comparison.scores import Truth
+from vvdp.evaluation.bench import rotary_bench
 from vvdp.fluid.oil import Oil, density, dynamic_viscosity, film_ratios
 from vvdp.sensing.encoder import NO_FAULTS, SAMPLED, Encoder, capture_unit
 from vvdp.sensing.photodiode import LightSpot
 from vvdp.sensing.wheel import TURN, equal_wheel
-from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import load_system
 from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import (

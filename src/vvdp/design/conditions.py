@@ -3,7 +3,7 @@
 from vvdp.base.display import number, with_unit
 from vvdp.base.kinds import FLOW, POWER, PRESSURE_LEVEL, TEMPERATURE
 from vvdp.design.quantities import Setup, setup
-from vvdp.systems.bench import rotary_bench
+from vvdp.evaluation.bench import rotary_bench
 from vvdp.systems.system import System
 
 LEFT_OUT = (

@@ -14,14 +14,14 @@ from vvdp.design.problem import Bound, Limit, Point, Problem
 from vvdp.design.quantities import Quantities, Setup, quantities, setup, switching_condition
 from vvdp.design.soft_switching import Softening, best_chamber, soft_quantities, usual_bypass
 from vvdp.design.variables import VARIABLES, value_in, with_variables
+from vvdp.evaluation.bench import rotary_bench
+from vvdp.evaluation.unit_rig import STIFF_COUPLING
 from vvdp.hydraulics.soft_switching import SwitchChamber
 from vvdp.simulation.link import quiet
 from vvdp.simulation.values import names
 from vvdp.steady.steady_states import Steady, steady_states
 from vvdp.steady.test_stand import Stand, stand
-from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System
-from vvdp.systems.unit_rig import STIFF_COUPLING
 from vvdp.valve.losses import range_warnings
 from vvdp.valve.torque import pwm_frequency
 

@@ -11,7 +11,7 @@ from vvdp.design.quantities import KINDS, LABELS, key, quantities
 from vvdp.design.spreads import Spread, spreads, with_inputs
 from vvdp.design.tolerance_runs import as_rows
 from vvdp.design.variables import VARIABLES, with_variables
-from vvdp.systems.ranges import Ranges
+from vvdp.evaluation.ranges import Ranges
 
 UNKNOWN = "no closed form knows it or holds over its range; vvdp run shows what it does"
 

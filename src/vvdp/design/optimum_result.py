@@ -13,9 +13,9 @@ from vvdp.design.quantities import KINDS, LABELS, key
 from vvdp.design.sensitivity import LimitCurve
 from vvdp.design.solver import geometry_of
 from vvdp.design.variables import VARIABLES, value_in
+from vvdp.evaluation.quantities import quantities as summary_quantities
+from vvdp.evaluation.range_display import result_with_ranges
 from vvdp.results.result import Finding, Grade, Listing, Number, Result, Row, Section, sentences
-from vvdp.systems.quantities import quantities as summary_quantities
-from vvdp.systems.range_display import result_with_ranges
 
 SOURCE_OPTIMUM = 2.48e5
 """Full-open drop that wang2017, section 2.6, states for its optimum [Pa]."""

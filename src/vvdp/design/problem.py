@@ -15,7 +15,7 @@ from vvdp.base.tables import nearest, read_table, refuse_unknown, with_settings
 from vvdp.base.units import parse
 from vvdp.design.quantities import KINDS, LABELS, Quantities, Setup, quantities, setup
 from vvdp.design.variables import VARIABLES, Variable, value_in, with_variables
-from vvdp.systems.bench import rotary_bench
+from vvdp.evaluation.bench import rotary_bench
 from vvdp.systems.system import System
 
 _STATEMENT = re.compile(r"\s*(\w+)\s*(>=|<=|=|≥|≤)\s*(.+?)\s*\Z")

@@ -10,13 +10,13 @@ from vvdp.base.kinds import FREQUENCY, MEAN_POWER, Kind
 from vvdp.design.optimise import Optimum
 from vvdp.design.problem import Problem, Side
 from vvdp.design.variables import redesign
+from vvdp.evaluation.bench import rotary_bench
+from vvdp.evaluation.summary import simulated_summary, summary
 from vvdp.geometry.shape_tables import given_shape
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.link import quiet
 from vvdp.simulation.run import simulate
-from vvdp.systems.bench import rotary_bench
 from vvdp.systems.resolved import resolved_text
-from vvdp.systems.summary import simulated_summary, summary
 from vvdp.systems.system import System
 
 SIMULATED = (

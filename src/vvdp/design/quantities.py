@@ -24,9 +24,9 @@ from vvdp.base.kinds import (
 )
 from vvdp.base.params import field_kinds
 from vvdp.base.signal import signal_value
+from vvdp.evaluation.bench import rotary_bench
 from vvdp.fluid.oil import Oil, density, dynamic_viscosity, film_viscosity
 from vvdp.simulation.values import names
-from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System
 from vvdp.valve.condition import Condition
 from vvdp.valve.geometry import transition_fraction

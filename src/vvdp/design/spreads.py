@@ -12,8 +12,8 @@ from vvdp.base.signal import Signal, constant
 from vvdp.base.tables import Sourced, nearest
 from vvdp.base.units import parse
 from vvdp.design.quantities import Setup, loose_copy
-from vvdp.systems.bench import RotaryBench
-from vvdp.systems.range_display import value_words
+from vvdp.evaluation.bench import RotaryBench
+from vvdp.evaluation.range_display import value_words
 from vvdp.systems.system import System
 
 WIDE = 10.0

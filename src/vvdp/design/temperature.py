@@ -24,8 +24,8 @@ from vvdp.base.kinds import (
 from vvdp.base.params import Params
 from vvdp.design.problem import require_flow
 from vvdp.design.quantities import KINDS, Setup, quantities, setup, switching_condition
+from vvdp.evaluation.bench import rotary_bench
 from vvdp.fluid.oil import density, dynamic_viscosity, film_viscosity
-from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System
 from vvdp.valve.bearing import bearing_eccentricity, bearing_force, radial_jet_force
 from vvdp.valve.flow_map import averaged_spool_speed

@@ -21,8 +21,8 @@ from vvdp.design.problem import require_flow
 from vvdp.design.quantities import KINDS, LABELS, Quantities, Setup, key, quantities, setup, switching_condition
 from vvdp.design.spreads import Spread, with_inputs
 from vvdp.design.tolerance_runs import SimulatedDraws, as_rows, simulated_draws
+from vvdp.evaluation.ranges import Ranges
 from vvdp.numerics.gaussian_process import Surrogate, fit_surrogate
-from vvdp.systems.ranges import Ranges
 from vvdp.systems.system import System
 from vvdp.valve.losses import range_warnings
 

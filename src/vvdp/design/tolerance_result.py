@@ -11,9 +11,9 @@ from vvdp.base.kinds import COUNT, EFFICIENCY, Kind
 from vvdp.design.conditions import LEFT_OUT, conditions, sentence
 from vvdp.design.quantities import key
 from vvdp.design.tolerance import WORDS, Scatter, Tolerance
+from vvdp.evaluation.range_display import result_with_ranges
 from vvdp.results.chart import Bars, Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Finding, Grade, Listing, Number, Result, Row, Section, Table
-from vvdp.systems.range_display import result_with_ranges
 
 BINS, WIDEST_TITLE = 48, 16
 CLOSED_FORMS = (

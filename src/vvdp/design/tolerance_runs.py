@@ -10,9 +10,9 @@ from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.tables import Sourced
 from vvdp.design.spreads import Spread, bench_with
+from vvdp.evaluation.bench import rotary_bench
+from vvdp.evaluation.summary import simulated_summary
 from vvdp.simulation.batch import simulate_batch
-from vvdp.systems.bench import rotary_bench
-from vvdp.systems.summary import simulated_summary
 from vvdp.systems.system import System
 
 FEWEST = 8

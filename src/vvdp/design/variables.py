@@ -9,7 +9,7 @@ from vvdp.base.params import field_kinds
 from vvdp.base.tables import Table, copy_tables
 from vvdp.base.units import in_unit
 from vvdp.design.quantities import Setup, loose_copy
-from vvdp.systems.bench import rotary_bench
+from vvdp.evaluation.bench import rotary_bench
 from vvdp.systems.system import System
 from vvdp.valve.rotary import RotaryValve
 

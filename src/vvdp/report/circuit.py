@@ -6,6 +6,7 @@ from vvdp.base.display import signal_with_unit, with_unit
 from vvdp.base.kinds import AREA, DISPLACEMENT, FRACTION, PRESSURE_LEVEL, SPEED, TIME, VOLUME, Kind
 from vvdp.base.params import Params, default_values, field_kinds
 from vvdp.base.signal import Signal
+from vvdp.evaluation.overview import inside
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.assembly import Group, InnerCircuit
 from vvdp.network.graph import Graph, GraphComponent, GraphNode, GraphProgram, NodeKind
@@ -23,7 +24,6 @@ from vvdp.network.nodes import (
     Tank,
 )
 from vvdp.network.paths import paths_of
-from vvdp.systems.overview import inside
 
 Lines = tuple[str, ...]
 MOST_LABELS = 2

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from vvdp.base.display import with_unit
 from vvdp.base.kinds import DURATION, FLOW, GAUGE_PRESSURE, Kind
 from vvdp.base.manifest import open_directory
+from vvdp.evaluation.overview import flow_lines, node_lines
 from vvdp.report.circuit import Lines, figure_of, graph_of
 from vvdp.report.diagram import diagram
 from vvdp.report.drawing import Drawn
@@ -19,7 +20,6 @@ from vvdp.runs.run import RecordedRun, open_run
 from vvdp.runs.untold import untold_result
 from vvdp.simulation.link import quiet
 from vvdp.simulation.results import read_results
-from vvdp.systems.overview import flow_lines, node_lines
 from vvdp.systems.own_modules import UntrustedModuleError
 
 DIAGRAM = "circuit"

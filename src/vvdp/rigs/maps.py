@@ -24,6 +24,7 @@ from vvdp.base.files import clear_below, clear_unfinished
 from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.base.manifest import has_list, open_directory, refuse_foreign, refuse_links
 from vvdp.base.version import VERSION
+from vvdp.evaluation.load_ripple import estimated_ripple
 from vvdp.fluid.mixture import compression_energy_per_volume, specific_volume_ratio
 from vvdp.fluid.oil import density
 from vvdp.hydraulics.spool_drive import drive_power
@@ -44,7 +45,6 @@ from vvdp.studies.engine import HERE, Engine
 from vvdp.studies.run import hold_interrupts, silent
 from vvdp.studies.store import Finished, is_own, is_store, opened_store
 from vvdp.studies.work import Batching, check_same, kept_batches
-from vvdp.systems.load_ripple import estimated_ripple
 from vvdp.valve.losses import full_open_drop
 from vvdp.valve.torque import pwm_frequency
 

@@ -7,11 +7,11 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.signal import Signal, sine, step
+from vvdp.evaluation.bench import BenchSeries
 from vvdp.rigs.ripple import line_capacity
 from vvdp.simulation.model import Case
 from vvdp.steady.steady_states import Steady
 from vvdp.steady.waveform import whole_run
-from vvdp.systems.bench import BenchSeries
 
 PHASES = 8
 """Instants within a PWM period at which a step begins."""

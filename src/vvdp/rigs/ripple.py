@@ -9,6 +9,7 @@ from vvdp.base import kinds
 from vvdp.base.arrays import Array
 from vvdp.base.display import number, percent, plain, with_unit
 from vvdp.base.errors import ParameterError
+from vvdp.evaluation.load_ripple import estimated_ripple, vessel_capacity
 from vvdp.hydraulics.volume import Vessel
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Finding, Result, Table, numbers_of
@@ -17,7 +18,6 @@ from vvdp.simulation.link import quiet
 from vvdp.steady.steady_states import Steady, steady_states
 from vvdp.steady.test_stand import SetPoint, Stand
 from vvdp.steady.waveform import Waveform, harmonics, waveform
-from vvdp.systems.load_ripple import estimated_ripple, vessel_capacity
 
 DUTY_RATIOS = tuple(float(d) for d in np.round(np.linspace(0.15, 0.95, 9), 6))
 FREQUENCIES = (20.0, 30.0, 40.0, 60.0, 80.0, 120.0, 160.0)

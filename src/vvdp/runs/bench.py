@@ -23,13 +23,13 @@ from vvdp.base.kinds import (
 )
 from vvdp.base.signal import signal_value
 from vvdp.estimation.estimator import Estimate
+from vvdp.evaluation.bench import BenchSeries, RotaryBench
+from vvdp.evaluation.spool_estimate import STATED, UNITS, estimate_errors, of_what
 from vvdp.numerics.spectrum import line_spectrum
 from vvdp.results.result import Column, Finding, Grade, Listing, Row, Table
 from vvdp.runs.run import RecordedRun
 from vvdp.runs.tables import without_dust
 from vvdp.sensing.encoder import Shaft
-from vvdp.systems.bench import BenchSeries, RotaryBench
-from vvdp.systems.spool_estimate import STATED, UNITS, estimate_errors, of_what
 
 COMPONENTS = {
     "nozzle": "nozzles",

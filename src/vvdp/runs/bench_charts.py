@@ -6,12 +6,12 @@ import numpy as np
 
 from vvdp.base.display import percent, with_unit
 from vvdp.base.kinds import FREQUENCY
+from vvdp.evaluation.bench import RotaryBench
+from vvdp.evaluation.spool_estimate import SETTLED, UNITS, of_what
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Table
 from vvdp.runs.charts import SERIES, detail_words, upright, whole_words
 from vvdp.runs.run import RecordedRun
-from vvdp.systems.bench import RotaryBench
-from vvdp.systems.spool_estimate import SETTLED, UNITS, of_what
 
 CYCLE, SPECTRUM = "cycle", "amplitudes"
 """Names of the tables beside that of the series."""

@@ -6,18 +6,18 @@ import numpy as np
 
 from vvdp.base.display import number, percent, plain, with_unit
 from vvdp.base.kinds import DURATION, MEAN_POWER
+from vvdp.evaluation.bench import RotaryBench
+from vvdp.evaluation.bench_validity import efficiency_doubt
+from vvdp.evaluation.overview import expects_steady_state, impossible_part, loss_lines, node_lines, power_lines
+from vvdp.evaluation.spool_estimate import estimate_doubts
+from vvdp.evaluation.summary import is_closed
+from vvdp.evaluation.validity import broken_bounds
 from vvdp.results.result import Badge, Finding, Grade
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.balance import LIMIT
 from vvdp.simulation.outcome import SETTLED
 from vvdp.systems.assumed import assumed_words
-from vvdp.systems.bench import RotaryBench
-from vvdp.systems.bench_validity import efficiency_doubt
-from vvdp.systems.overview import expects_steady_state, impossible_part, loss_lines, node_lines, power_lines
-from vvdp.systems.spool_estimate import estimate_doubts
 from vvdp.systems.spool_travel import travel_warnings
-from vvdp.systems.summary import is_closed
-from vvdp.systems.validity import broken_bounds
 
 
 def badges(run: RecordedRun) -> Iterator[Badge]:

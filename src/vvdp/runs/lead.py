@@ -4,12 +4,12 @@ from collections.abc import Iterator
 
 from vvdp.base.display import percent, with_unit
 from vvdp.base.kinds import EFFICIENCY, MEAN_POWER, NUMBER
+from vvdp.evaluation.bench import RotaryBench
+from vvdp.evaluation.overview import loss_lines, power_lines
 from vvdp.results.result import Listing, Row
 from vvdp.runs.bench import components
 from vvdp.runs.ranges import headline, kept_ranges
 from vvdp.runs.run import RecordedRun
-from vvdp.systems.bench import RotaryBench
-from vvdp.systems.overview import loss_lines, power_lines
 
 MOST_RESULTS, MOST_LOSSES = 4, 3
 POWERS, LOSSES, DOUBT = "Power", "Largest losses", "Uncertainty"

@@ -4,15 +4,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from vvdp.base.errors import RunError
+from vvdp.evaluation.overview import node_lines
+from vvdp.evaluation.ranges import Ranges, at_ends, ranges_of, read_ranges
+from vvdp.evaluation.summary import simulated_summary
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.batch import case_shape, simulate_batch
 from vvdp.simulation.crew import never
 from vvdp.simulation.link import quiet
 from vvdp.simulation.outcome import Outcome, outcome
 from vvdp.simulation.run import simulate
-from vvdp.systems.overview import node_lines
-from vvdp.systems.ranges import Ranges, at_ends, ranges_of, read_ranges
-from vvdp.systems.summary import simulated_summary
 from vvdp.systems.system import System
 
 MOST_EVALUATIONS = 1.5e7

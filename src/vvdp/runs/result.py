@@ -2,6 +2,10 @@
 
 from collections.abc import Collection
 
+from vvdp.evaluation.bench import RotaryBench
+from vvdp.evaluation.overview import loss_lines, power_lines
+from vvdp.evaluation.quantities import quantities
+from vvdp.evaluation.range_display import result_with_ranges
 from vvdp.results.chart import Chart
 from vvdp.results.result import Finding, Grade, Listing, Result, Section, Table, sentences
 from vvdp.runs.bench import (
@@ -33,10 +37,6 @@ from vvdp.runs.tables import (
     series_table,
 )
 from vvdp.systems.assumed import assumed_words
-from vvdp.systems.bench import RotaryBench
-from vvdp.systems.overview import loss_lines, power_lines
-from vvdp.systems.quantities import quantities
-from vvdp.systems.range_display import result_with_ranges
 
 LEAD = "lead"
 """The listing at the head of the page."""

@@ -12,14 +12,14 @@ from vvdp.base.arrays import Array, Rows
 from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.manifest import Directory, open_directory
 from vvdp.base.tables import nearest
+from vvdp.evaluation.overview import flow_ports, inside, period
+from vvdp.evaluation.quantities import summary_numbers
 from vvdp.network.network import Network
 from vvdp.network.nodes import HydraulicNode, Junction, OilVolume
 from vvdp.results.result import Number
 from vvdp.simulation.record import Record
 from vvdp.simulation.results import read_results
 from vvdp.simulation.run import Run
-from vvdp.systems.overview import flow_ports, inside, period
-from vvdp.systems.quantities import summary_numbers
 from vvdp.systems.system import System, saved_system
 
 T = TypeVar("T")

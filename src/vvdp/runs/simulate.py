@@ -9,6 +9,11 @@ from typing import Any
 
 from vvdp.base.files import write_listed, write_whole
 from vvdp.base.tables import parsed_table, with_settings
+from vvdp.evaluation.accuracy import FINER, Move, moves
+from vvdp.evaluation.overview import warnings
+from vvdp.evaluation.pipe_waves import pipes
+from vvdp.evaluation.quantities import quantities, summary_units
+from vvdp.evaluation.summary import Summary, closed_forms, summary
 from vvdp.hydraulics.pipe import LinePipe
 from vvdp.results.result import Number, json_value
 from vvdp.runs.run import RecordedRun
@@ -16,13 +21,8 @@ from vvdp.simulation.link import quiet
 from vvdp.simulation.record import record_of
 from vvdp.simulation.results import Results, origin, write_results
 from vvdp.simulation.run import Run, simulate
-from vvdp.systems.accuracy import FINER, Move, moves
-from vvdp.systems.overview import warnings
 from vvdp.systems.own_modules import OwnModule
-from vvdp.systems.pipe_waves import pipes
-from vvdp.systems.quantities import quantities, summary_units
 from vvdp.systems.resolved import resolved_text
-from vvdp.systems.summary import Summary, closed_forms, summary
 from vvdp.systems.system import System, built_system
 
 FLAGS = ("energy_residual", "mass_residual", "second_law", "within_validity", "trusted")

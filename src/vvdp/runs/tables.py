@@ -19,13 +19,7 @@ from vvdp.base.kinds import (
     VELOCITY,
     Kind,
 )
-from vvdp.network.nodes import DrivenShaft, Rod, Shaft
-from vvdp.results.result import Column, Listing, Row, Table
-from vvdp.runs.run import RecordedRun
-from vvdp.simulation.balance import LIMIT
-from vvdp.simulation.record import Record
-from vvdp.systems.extras import Extras
-from vvdp.systems.overview import (
+from vvdp.evaluation.overview import (
     circuit_loss_lines,
     circuit_power_lines,
     flow_lines,
@@ -33,8 +27,14 @@ from vvdp.systems.overview import (
     node_lines,
     power_lines,
 )
-from vvdp.systems.valve_forms import placed_form_quantities
-from vvdp.systems.valve_numbers import valve_quantities
+from vvdp.evaluation.valve_forms import placed_form_quantities
+from vvdp.evaluation.valve_numbers import valve_quantities
+from vvdp.network.nodes import DrivenShaft, Rod, Shaft
+from vvdp.results.result import Column, Listing, Row, Table
+from vvdp.runs.run import RecordedRun
+from vvdp.simulation.balance import LIMIT
+from vvdp.simulation.record import Record
+from vvdp.systems.extras import Extras
 
 ROUNDING = 1e-9
 """What is stored counts as nothing below this share of the largest power."""

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from vvdp.base.signal import constant
+from vvdp.evaluation.summary import Summary, simulated_summary
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case
 from vvdp.steady.averages import averages, means_at
 from vvdp.steady.cycle_means import CycleMeans
 from vvdp.steady.shooting import Periodic, periodic_states
 from vvdp.steady.test_stand import SetPoint, Stand
-from vvdp.systems.summary import Summary, simulated_summary
 from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import pwm_frequency
 

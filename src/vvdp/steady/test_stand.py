@@ -11,14 +11,14 @@ import numpy as np
 from vvdp.base.kinds import SPEED, DutyRatio, Pressure, Speed, Temperature
 from vvdp.base.rules import require_positive_value
 from vvdp.base.signal import constant
+from vvdp.evaluation.bench import RotaryBench, rotary_bench
+from vvdp.evaluation.unit_rig import STIFF_COUPLING, unit_on_rig
 from vvdp.fluid.oil import density, film_viscosity
 from vvdp.hydraulics.orifice import Orifice, orifice_area_for
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Stepping
 from vvdp.steady.cycle_means import SLOWEST, CycleMeans, CyclePoint, cycle_means
-from vvdp.systems.bench import RotaryBench, rotary_bench
 from vvdp.systems.system import System
-from vvdp.systems.unit_rig import STIFF_COUPLING, unit_on_rig
 from vvdp.valve.leakage import leakage_conductance
 from vvdp.valve.torque import friction_coefficient
 

@@ -21,6 +21,9 @@ from vvdp.base.kinds import NUMBER, Kind
 from vvdp.base.signal import Signal
 from vvdp.base.tables import Sourced, Table, copy_tables, nearest, with_settings
 from vvdp.base.version import VERSION
+from vvdp.evaluation.overview import warnings
+from vvdp.evaluation.quantities import quantities
+from vvdp.evaluation.summary import simulated_summary
 from vvdp.results.result import Column
 from vvdp.simulation.batch import case_shape, simulate_batch
 from vvdp.simulation.layout import case_form
@@ -35,10 +38,7 @@ from vvdp.studies.study import Settings, Study
 from vvdp.studies.work import Batching, check_same, kept_batches
 from vvdp.systems.drawn_parts import setting_path
 from vvdp.systems.options import lasting
-from vvdp.systems.overview import warnings
-from vvdp.systems.quantities import quantities
 from vvdp.systems.resolved import resolved_text
-from vvdp.systems.summary import simulated_summary
 from vvdp.systems.system import System, load_system
 
 

@@ -12,16 +12,16 @@ import numpy as np
 from vvdp.base.conservation import Books
 from vvdp.base.display import display_unit
 from vvdp.base.kinds import DURATION, EXCHANGED_ENERGY, Kind
+from vvdp.evaluation.overview import expects_steady_state
+from vvdp.evaluation.quantities import quantities
+from vvdp.evaluation.summary import node_numbers, part_numbers
+from vvdp.evaluation.validity import bounds, cavitation_pressure
 from vvdp.network.nodes import HydraulicNode
 from vvdp.simulation.balance import LIMIT, SLACK
 from vvdp.simulation.outcome import SETTLED, SLOWEST, SMALL, Outcome, Window
 from vvdp.simulation.values import flat, leaves
 from vvdp.systems.bound import Bound
-from vvdp.systems.overview import expects_steady_state
-from vvdp.systems.quantities import quantities
-from vvdp.systems.summary import node_numbers, part_numbers
 from vvdp.systems.system import System
-from vvdp.systems.validity import bounds, cavitation_pressure
 
 BOOKS = "books."
 FAR = 1e9

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from vvdp.base.errors import unusable
+from vvdp.evaluation.overview import warnings
 from vvdp.report.html import inline_svg, row, table, text
 from vvdp.report.interactive import MOTION, is_live, live_body, live_head
 from vvdp.report.interactive import asset as shared_asset
@@ -27,7 +28,6 @@ from vvdp.simulation.parts import outputs_size
 from vvdp.simulation.prepare import prepare
 from vvdp.simulation.run import simulate
 from vvdp.systems.changeable import Changeable, changeable_values
-from vvdp.systems.overview import warnings
 from vvdp.systems.resolved import resolved_text
 from vvdp.systems.system import System
 from vvdp.web.call import call

@@ -8,6 +8,7 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.display import key_suffix, with_unit
 from vvdp.base.kinds import AREA, FLOW, FRACTION, GAUGE_PRESSURE, POSITION, SPEED, VELOCITY, Kind
+from vvdp.evaluation.overview import flow_ports, inside
 from vvdp.network.network import Part
 from vvdp.network.nodes import HydraulicNode, Junction, OilVolume
 from vvdp.report.circuit import graph_of
@@ -18,7 +19,6 @@ from vvdp.report.shown import column_unit
 from vvdp.results.result import Column, Table
 from vvdp.runs.run import RecordedRun
 from vvdp.runs.tables import series_table
-from vvdp.systems.overview import flow_ports, inside
 from vvdp.systems.system import System
 
 FIRST_MARK = 0xE000

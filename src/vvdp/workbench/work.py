@@ -12,6 +12,7 @@ from vvdp.base.errors import ConfigError, RunError, VvdpError
 from vvdp.base.kinds import Kind
 from vvdp.base.tables import Sourced
 from vvdp.base.units import in_unit
+from vvdp.evaluation.summary import run_summary
 from vvdp.report.result_page import listing_html
 from vvdp.results.chart import Chart
 from vvdp.results.result import Table
@@ -21,7 +22,6 @@ from vvdp.runs.simulate import json_summary, recorded_run, with_closed_forms
 from vvdp.runs.tables import screen_listings
 from vvdp.simulation.record import record_of
 from vvdp.simulation.run import Run, simulate
-from vvdp.systems.summary import run_summary
 from vvdp.systems.system import System
 from vvdp.workbench import scope
 from vvdp.workbench.offer import Asked, Offer

@@ -4,9 +4,9 @@ import re
 from functools import cache
 
 from vvdp.base.tables import parsed_table
+from vvdp.machines import machine
 from vvdp.simulation.run import Run, simulate
 from vvdp.systems.circuits import table_slots
-from vvdp.systems.displacement import machine
 from vvdp.systems.system import System, built_system, shipped_systems
 
 OFF = {
@@ -31,7 +31,7 @@ def prescribed_text(circuit: str, **commands: str) -> str:
         kept.append('[axial_drive]\nlag = "10 ms"\n')
     rows = {name: value if value.startswith("{") else f'"{value}"' for name, value in (OFF | commands).items()}
     table = "\n".join(f"{name} = {value}" for name, value in rows.items())
-    head = f'title = "prescribed"\ncircuit = "vvdp.systems.displacement.machine:{circuit}"\n\n'
+    head = f'title = "prescribed"\ncircuit = "vvdp.machines.machine:{circuit}"\n\n'
     return head + "".join(kept) + f"\n[prescribed]\n{table}\n"
 
 

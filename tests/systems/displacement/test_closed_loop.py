@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 from vvdp.base.tables import parsed_table, with_settings
-from vvdp.simulation.record import record_of
-from vvdp.simulation.run import Run, simulate
-from vvdp.systems.displacement.stages import (
+from vvdp.evaluation.summary import run_summary
+from vvdp.machines.stages import (
     CONTROL,
     EMERGENCY,
     HOLD,
@@ -24,7 +23,8 @@ from vvdp.systems.displacement.stages import (
     RETURN,
     SPIN,
 )
-from vvdp.systems.summary import run_summary
+from vvdp.simulation.record import record_of
+from vvdp.simulation.run import Run, simulate
 from vvdp.systems.system import System, built_system, load_system, shipped_systems
 
 CM, BAR = 1e-2, 1e5

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from vvdp.control.reference import Reference, ReferenceFilter
-from vvdp.systems.displacement.common_loop import CommonLoop, asked_of
-from vvdp.systems.displacement.duties import shipped_duties
-from vvdp.systems.displacement.machine_loop import MachineLoop
-from vvdp.systems.displacement.rival_account import COMMON_RATE, SAMPLE, common_reference, system_for
-from vvdp.systems.displacement.rival_circuits import CIRCUITS, RETURN
-from vvdp.systems.displacement.rival_loop import Joint, LoopMemory, OneWay, PositionLaw, Pressures, one_way_actuation
+from vvdp.machines.common_loop import CommonLoop, asked_of
+from vvdp.machines.duties import shipped_duties
+from vvdp.machines.machine_loop import MachineLoop
+from vvdp.machines.rival_loop import Joint, LoopMemory, OneWay, PositionLaw, Pressures, one_way_actuation
+from vvdp.rivals.rival_account import COMMON_RATE, SAMPLE, common_reference, system_for
+from vvdp.rivals.rival_circuits import CIRCUITS, RETURN
 
 HEAVY = next(each for each in shipped_duties() if each.name == "heavy")
 METERED = [each for each in CIRCUITS if RETURN in each.sinks]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import ParameterError
-from vvdp.systems.displacement.cycle import (
+from vvdp.machines.cycle import (
     OwnCycle,
     Triangle,
     cycle_position,

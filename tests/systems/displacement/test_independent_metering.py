@@ -4,9 +4,10 @@ import pytest
 
 from vvdp.control.reference import ReferenceFilter
 from vvdp.hydraulics.flow_control_unit import OnOffValve
-from vvdp.systems.displacement.duties import shipped_duties
-from vvdp.systems.displacement.duty_cycle import DutyCycle
-from vvdp.systems.displacement.independent_metering import (
+from vvdp.machines.duties import shipped_duties
+from vvdp.machines.duty_cycle import DutyCycle
+from vvdp.machines.rival_loop import CylinderReading, LoopTable, RivalLoop
+from vvdp.rivals.independent_metering import (
     EdgeLoop,
     Edges,
     Sides,
@@ -17,9 +18,8 @@ from vvdp.systems.displacement.independent_metering import (
     unit_step,
     valve_step,
 )
-from vvdp.systems.displacement.rival_account import system_for
-from vvdp.systems.displacement.rival_circuits import CIRCUITS
-from vvdp.systems.displacement.rival_loop import CylinderReading, LoopTable, RivalLoop
+from vvdp.rivals.rival_account import system_for
+from vvdp.rivals.rival_circuits import CIRCUITS
 
 LEVEL = 101325.0
 CYCLE = DutyCycle(times=(0.0, 1.0, 2.0), positions=(0.1, 0.2, 0.1), forces=(-1000.0,) * 3)

@@ -17,15 +17,15 @@ from tests.systems.displacement.machine_texts import (
 
 from vvdp.base.errors import ConfigError, ParameterError
 from vvdp.base.tables import parsed_table
+from vvdp.evaluation.summary import run_summary
+from vvdp.evaluation.validity import broken_bounds
 from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.hydraulics.friction import RodFriction
+from vvdp.machines.machine_checks import CylinderDuty, working_pressures
+from vvdp.machines.machine_power import PARTS, mean_powers, whole_periods
 from vvdp.simulation.balance import balance_between
 from vvdp.simulation.values import flat
-from vvdp.systems.displacement.machine_checks import CylinderDuty, working_pressures
-from vvdp.systems.displacement.machine_power import PARTS, mean_powers, whole_periods
-from vvdp.systems.summary import run_summary
 from vvdp.systems.system import built_system, shipped_systems
-from vvdp.systems.validity import broken_bounds
 
 STOP = 0.9
 """When everything is switched off [s]."""

@@ -9,12 +9,12 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.signal import ramp
 from vvdp.fluid.mixture import fluid_state
 from vvdp.hydraulics.digital_pump import stroke_share
+from vvdp.machines.duties import shipped_duties
+from vvdp.machines.duty_cycle import DutyCycle
+from vvdp.rivals.piston_pumps import FlowDemand, PistonLaw, piston_start, piston_step
+from vvdp.rivals.rival_account import system_for
+from vvdp.rivals.rival_circuits import CIRCUITS, with_value
 from vvdp.simulation.run import simulate
-from vvdp.systems.displacement.duties import shipped_duties
-from vvdp.systems.displacement.duty_cycle import DutyCycle
-from vvdp.systems.displacement.piston_pumps import FlowDemand, PistonLaw, piston_start, piston_step
-from vvdp.systems.displacement.rival_account import system_for
-from vvdp.systems.displacement.rival_circuits import CIRCUITS, with_value
 
 A, B = 20.26e-4, 10.77e-4
 """Areas of the cylinder [m^2]."""

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import ConfigError
-from vvdp.systems.displacement.cycle import cycle_position
-from vvdp.systems.displacement.machine_loop import PROGRAM
-from vvdp.systems.displacement.recorded_cycle import recorded_cycle, with_cycle
+from vvdp.machines.cycle import cycle_position
+from vvdp.machines.machine_loop import PROGRAM
+from vvdp.machines.recorded_cycle import recorded_cycle, with_cycle
 from vvdp.systems.system import load_system
 
 TIMES = np.arange(0.0, 8.0, 2e-3)

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from vvdp.evaluation.summary import summary
 from vvdp.simulation.run import simulate
-from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system
 
 PAGE = " ".join((Path(__file__).parents[3] / "docs/models/components.md").read_text("utf-8").split())

@@ -5,8 +5,8 @@ import pytest
 
 from vvdp.base.errors import ParameterError
 from vvdp.control.reference import ReferenceFilter
-from vvdp.systems.displacement.duty_cycle import DutyCycle, cycle_point
-from vvdp.systems.displacement.rival_loop import (
+from vvdp.machines.duty_cycle import DutyCycle, cycle_point
+from vvdp.machines.rival_loop import (
     CylinderReading,
     Joint,
     LoopTable,

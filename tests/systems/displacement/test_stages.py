@@ -3,7 +3,7 @@
 import pytest
 
 from vvdp.base.errors import ParameterError
-from vvdp.systems.displacement.stages import (
+from vvdp.machines.stages import (
     CONTROL,
     EMERGENCY,
     HOLD,

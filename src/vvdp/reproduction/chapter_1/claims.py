@@ -4,12 +4,12 @@ from functools import cache
 
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
 from vvdp.results.verdict import Statement, number_statement
-from vvdp.rigs.actuation_claim import actuation_claim
-from vvdp.rigs.claim import Claim
-from vvdp.rigs.driving_claim import driving_claim
-from vvdp.rigs.ripple_claim import ripple_claim
-from vvdp.rigs.supply_claim import supply_claim
-from vvdp.rigs.throttling_claim import throttling_claim
+from vvdp.rivals.actuation_claim import actuation_claim
+from vvdp.rivals.claim import Claim
+from vvdp.rivals.driving_claim import driving_claim
+from vvdp.rivals.ripple_claim import ripple_claim
+from vvdp.rivals.supply_claim import supply_claim
+from vvdp.rivals.throttling_claim import throttling_claim
 from vvdp.steady.test_stand import stand
 from vvdp.systems.system import load_system
 

@@ -1,0 +1,252 @@
+"""The pump unit of a rotary valve taken out of a circuit and put on a test rig: against the pressure of a source, or
+with the line that it feeds and an orifice that holds its pressure.
+
+The rig is a system like any other: a text with the values that the file of the circuit gives, with origin and range.
+"""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from vvdp.base.errors import ConfigError, Fault
+from vvdp.base.kinds import ANGLE, AREA, COUPLING, DUTY_RATIO, POWER, PRESSURE_LEVEL, SPEED, TEMPERATURE, VOLUME, Kind
+from vvdp.base.params import Params, default_values, field_kinds, field_names
+from vvdp.base.tables import Table
+from vvdp.evaluation.bench import RotaryBench
+from vvdp.evaluation.valve_numbers import PlacedValve
+from vvdp.evaluation.valve_unit import ValveUnit, at_start, chosen_valve, neighbour, start_numbers, valve_unit
+from vvdp.fluid.oil import Oil, density
+from vvdp.geometry.shape_tables import NAME as SHAPE
+from vvdp.hydraulics.check_valve import CheckPoppet, CheckValve
+from vvdp.hydraulics.orifice import Orifice, orifice_area_for
+from vvdp.hydraulics.pump import Pump
+from vvdp.hydraulics.relief_valve import ReliefValve
+from vvdp.hydraulics.spool_drive import SpoolDrive
+from vvdp.hydraulics.volume import Vessel
+from vvdp.network.network import Part
+from vvdp.network.nodes import Chamber, DrivenShaft, Node, OilVolume
+from vvdp.systems.spool_travel import spool_source
+from vvdp.systems.system import System, built_system
+
+Entries = Mapping[str, Any]
+"""What a file says in a table, by key."""
+
+STIFF_COUPLING = 1.0
+"""Of a motor that holds the spool at its own speed [N m s]."""
+HALF = 0.5
+"""Duty ratio of a unit whose circuit starts with a port closed; share of the relief setting if it has no load then;
+share of the pump flow through the orifice if the circuit has none. All assumed."""
+
+
+def unit_on_rig(system: System, verb: str, part: str = "") -> System:
+    """A test rig with the pump unit of a rotary valve; the system itself if it is one whose duty ratio is prescribed.
+
+    The rig holds what the circuit has at the start of its run: oil temperature, tank pressure, pump speed (the rated
+    one if the motor stands then), load pressure (half the relief setting if there is none) and duty ratio (a half if a
+    port is closed).
+
+    verb  that needs the rig, for messages
+    part  name of the valve where there are several, or of the part that it is alone in
+
+    Raises ConfigError if there is none, or if its inlet or spool joins what a rig does not have.
+    """
+    placed = chosen_valve(system, verb, part)
+    if isinstance(system.extras, RotaryBench) and not isinstance(spool_source(system.circuit.network), str):
+        return system
+    rig = _Rig(system, placed, valve_unit(system, verb, placed.name))
+    rig.refuse_others(verb)
+    return built_system(Table(system.name, rig.content, {}), f"{system.name}-{placed.name}", system.folder)
+
+
+class _File(NamedTuple):
+    """What the file of a circuit says of its oil, nodes and components."""
+
+    system: System
+
+    def component(self, part: Part, values: Params) -> Entries:
+        """Of the values of a component: in its own table, or in one of the circuit's."""
+        shared = next((name for name, table in self.system.tables.items() if table is values), "")
+        return self.table("components", part.name) or self.table(shared)
+
+    def node(self, name: str) -> Entries:
+        """Of a node."""
+        return self.table("nodes", name) or self.table(name)
+
+    def oil(self, node: str) -> Entries:
+        """Of the oil in a node."""
+        return self.table("oils", self.node(node).get("oil", "")) or self.table("oil")
+
+    def table(self, *names: str) -> Entries:
+        """A table by its path; empty if there is none."""
+        found: Any = self.system.content
+        for name in names:
+            found = found.get(name, {})
+        return {**found}
+
+
+class _Rig:
+    """What the text of a rig is made of: a unit, and the circuit that it is taken from."""
+
+    def __init__(self, system: System, placed: PlacedValve, unit: ValveUnit) -> None:
+        self.system, self.placed, self.unit, self.file = system, placed, unit, _File(system)
+        self.network, self.nodes = system.circuit.network, placed.part.nodes
+        self.start, self.line = start_numbers(system), _line(self.network.nodes[self.nodes["load"]])
+        inlet, spool = self.nodes["inlet"], self.nodes["spool"]
+        poppet = next(each for each in placed.part.values if isinstance(each, CheckPoppet))
+        bypass = neighbour(self.network, CheckValve, "a", inlet)
+        found: dict[str, tuple[Part, Params] | None] = {
+            "pump": neighbour(self.network, Pump, "outlet", inlet),
+            "relief_valve": neighbour(self.network, ReliefValve, "a", inlet),
+            "valve": (placed.part, unit.valve),
+            "check_valve": (placed.part, poppet),
+            "spool_drive": neighbour(self.network, SpoolDrive, "spool", spool),
+            "bypass": bypass if bypass and bypass[0].nodes["b"] == self.nodes["load"] else None,
+        }
+        self.parts = {name: each for name, each in found.items() if each is not None}
+        self.pump_speed = _pump_speed(self)
+
+    def refuse_others(self, verb: str) -> None:
+        """Raises ConfigError if more is joined to inlet and spool than the rig has; meters alone may be."""
+        own, ends = {part.name for part, _ in self.parts.values()}, {self.nodes["inlet"], self.nodes["spool"]}
+        others = [
+            part.name
+            for part in self.network.parts.values()
+            if part.name not in own and ends & {*part.nodes.values()} and len(part.nodes) > 1
+        ]
+        if others:
+            message = (
+                f"`vvdp {verb}` puts the pump unit of {self.placed.name!r} on a test rig, which has no place for "
+                f"{', '.join(others)} at its inlet or its spool"
+            )
+            raise ConfigError([Fault(self.system.name, 0, "", message)])
+
+    @property
+    def content(self) -> Entries:
+        """The tables of the rig."""
+        given, unit = self.system.content, self.unit
+        rated = unit.pump.displacement * self.pump_speed * (unit.relief_valve.cracking_pressure - unit.tank_pressure)
+        cavitation = at_start(self.placed.part.inputs["cavitation_pressure"], self.start)
+        usual = _value(rated, POWER, "the whole pump flow at the setting of the relief valve")
+        inlet = self.file.node(self.nodes["inlet"]).get(
+            "volume", _value(unit.inlet_volume, VOLUME, "as in the circuit")
+        )
+        return {
+            "title": f"{self.system.title}: pump unit of {self.placed.name.replace('_', ' ')} on a test rig",
+            "circuit": "constant-load" if self.line is None else "orifice-load",
+            "oil": _entries(unit.oil, self.file.oil(self.nodes["inlet"]), Oil),
+            "spool_drive": {"coupling": _coupling(self)},
+            **{
+                name: _entries(values, self.file.component(part, values), type(values))
+                for name, (part, values) in self.parts.items()
+            },
+            "motor": {"rated_power": given.get("motor", {}).get("rated_power", usual)},
+            "inlet": {"volume": inlet},
+            **_load(self),
+            "operation": _operation(self),
+            "limits": given.get("limits", {"cavitation_pressure": _at_start(cavitation, PRESSURE_LEVEL)}),
+            **({SHAPE: given[SHAPE]} if SHAPE in given else {}),
+            "run": given["run"],
+        }
+
+
+def _operation(rig: _Rig) -> Entries:
+    """What the rig holds."""
+    unit, drive = rig.unit, rig.parts.get("spool_drive")
+    turning = rig.network.nodes[drive[0].nodes["motor"] if drive else rig.nodes["spool"]]
+    motor = at_start(turning.speed, rig.start) if isinstance(turning, DrivenShaft) else 0.0
+    switches = 0.0 < unit.duty_ratio < 1.0
+    half = _value(HALF, DUTY_RATIO, "a port is closed when the circuit's run starts", "assumed")
+    return {
+        "pump_speed": _at_start(rig.pump_speed, SPEED),
+        "oil_temperature": _at_start(unit.temperature, TEMPERATURE),
+        "duty_ratio": _at_start(unit.duty_ratio, DUTY_RATIO) if switches else half,
+        "spool_motor_speed": _at_start(motor, SPEED),
+        "tank_pressure": _at_start(unit.tank_pressure, PRESSURE_LEVEL),
+    }
+
+
+def _coupling(rig: _Rig) -> Entries:
+    """What joins the spool to its motor where the circuit has no drive with a coupling."""
+    if isinstance(rig.network.nodes[rig.nodes["spool"]], DrivenShaft):
+        return _value(STIFF_COUPLING, COUPLING, "holds the spool at the speed of its shaft", "assumed")
+    return _value(0.0, COUPLING, "the flow alone turns the spool")
+
+
+def _pump_speed(rig: _Rig) -> float:
+    """The speed of the pump's shaft at the start; the rated one of its motor if that still stands [rad/s]."""
+    shaft = rig.network.nodes[rig.parts["pump"][0].nodes["shaft"]]
+    source = shaft.speed if isinstance(shaft, DrivenShaft) else None
+    motor = rig.network.parts.get(source.partition(".")[0]) if isinstance(source, str) else None
+    stands = rig.unit.pump_speed == 0.0 and motor is not None and "rated_speed" in motor.inputs
+    return at_start(motor.inputs["rated_speed"], rig.start) if motor and stands else rig.unit.pump_speed
+
+
+def _load(rig: _Rig) -> Entries:
+    """The tables of the load, and of the start: that of the circuit, with a load pressure above that of the tank."""
+    unit, start = rig.unit, _start(rig)
+    pressure, held = unit.load_pressure, _at_start(unit.load_pressure, PRESSURE_LEVEL)
+    if not pressure > unit.tank_pressure:
+        pressure = unit.tank_pressure + HALF * (unit.relief_valve.cracking_pressure - unit.tank_pressure)
+        held = _value(pressure, PRESSURE_LEVEL, "half the setting of the relief valve: no load at the start", "assumed")
+    if rig.line is None:
+        return {"load": {"pressure": held}, "initial": start}
+    return {
+        "load_line": _entries(rig.line, rig.file.node(rig.nodes["load"]), Vessel),
+        "load": _orifice(rig, pressure),
+        "initial": {**start, "load_pressure": held},
+    }
+
+
+def _line(node: Node) -> Vessel | None:
+    """The volume that a unit feeds; None if a source or the end of a pipe holds the pressure there."""
+    values = node.values if isinstance(node, OilVolume) else None
+    if isinstance(values, Chamber):
+        return Vessel(
+            oil_volume=values.volume, hose_compliance=0.0, gas_volume=0.0, precharge_pressure=0.0, gas_exponent=1.0
+        )
+    return values if isinstance(values, Vessel) else None
+
+
+def _orifice(rig: _Rig, pressure: float) -> Entries:
+    """The orifice from line to tank: that of the circuit, else one that passes what the unit delivers."""
+    unit, own = rig.unit, neighbour(rig.network, Orifice, "a", rig.nodes["load"])
+    if own is not None and own[0].nodes["b"] == rig.nodes["tank"] and "area" in (given := rig.file.component(*own)):
+        return {"area": given["area"], **_entries(own[1], given, Orifice)}
+    density_there = float(density(unit.temperature, unit.oil))
+    delivered = HALF * unit.pump.displacement * rig.pump_speed
+    area = orifice_area_for(delivered, pressure - unit.tank_pressure, density_there, Orifice())
+    note = "passes half the pump flow at the load pressure: the circuit has no orifice there"
+    return {"area": _value(area, AREA, note, "assumed")}
+
+
+def _start(rig: _Rig) -> Entries:
+    """Where the run of the rig starts, but for its load: as that of the circuit."""
+    inlet, spool = rig.nodes["inlet"], rig.nodes["spool"]
+    return {
+        "inlet_pressure": _at_start(rig.start[inlet], PRESSURE_LEVEL),
+        "spool_speed": _at_start(rig.start.get(f"{spool}.speed", 0.0), SPEED),
+        "spool_angle": _at_start(rig.start.get(f"{spool}.angle", 0.0), ANGLE),
+    }
+
+
+def _entries(values: Params, written: Entries, cls: type[Params]) -> Entries:
+    """The entries of a table of a class: as the file has them, and the usual values that it leaves out."""
+    defaults = default_values(cls)
+    usual = {name: value for name in field_names(cls) if (value := getattr(values, name)) != defaults.get(name)}
+    return {
+        name: written[name] if name in written else _value(usual[name], kind, "usual value", "assumed")
+        for name, kind in field_kinds(cls).items()
+        if kind is not None and (name in written or name in usual)
+    }
+
+
+def _at_start(value: float, kind: Kind) -> dict[str, str]:
+    return _value(value, kind, "at the start of the circuit's run")
+
+
+def _value(value: float, kind: Kind, note: str, status: str = "derived") -> dict[str, str]:
+    """An entry with a value [SI] and where it comes from; a pressure level is absolute."""
+    if kind.name == PRESSURE_LEVEL.name:
+        text = f"{float(value) / 1e5!r} bara"
+    else:
+        text = f"{float(value)!r} {kind.unit}" if kind.unit != "1" else repr(float(value))
+    return {"value": text, "status": status, "note": note}

@@ -1,0 +1,1 @@
+"""Circuits that functions draw: benches of the rotary valve, its axial drives, cylinders in displacement control."""

@@ -1,0 +1,273 @@
+"""Rivals with a metering edge of its own at every port of the cylinder, at a pump that matches the load's pressure.
+
+The edges are proportional valves, or digital flow control units: on/off valves in parallel, of which a code opens some.
+Into the supply side an edge meters the flow, out of the return side it holds the supply side at its level, by the law
+of all meter-out throttles. The pump receives the pressure of the chamber that is fed, and holds a margin above it.
+
+Source  ours, docs/circuits-compared.md
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.kinds import Count, Force, Number, Position, Pressure
+from vvdp.base.params import Params
+from vvdp.components.controlled_valves import PROPORTIONAL_VALVE
+from vvdp.components.flow_control_units import add_flow_control_unit
+from vvdp.hydraulics.flow_control_unit import code_count
+from vvdp.hydraulics.proportional_valve import ProportionalValve
+from vvdp.machines.duty_cycle import cycle_point
+from vvdp.machines.rival_loop import (
+    Conductance,
+    CylinderReading,
+    Joint,
+    LoopMemory,
+    RivalLoop,
+    loop_start,
+    next_memory,
+    one_way_actuation,
+    wanted_motion,
+)
+from vvdp.network.network import Network
+from vvdp.network.program import ProgramType
+from vvdp.rivals.digital_supply import FlowControlUnit
+from vvdp.rivals.load_following import FollowingPump
+from vvdp.rivals.rivals import LOOP
+
+LEAST_DROP = 1e5
+"""Drop over an edge below which its loop calculates with this one [Pa]."""
+
+
+class EdgeLoop(Params):
+    """A position loop with four edges. An edge passes its `step` times its command, which is `highest` at most: of a
+    proportional valve its conductance times an opening, of a unit that of its smallest valve times a code."""
+
+    loop: RivalLoop
+    supply_step: Conductance
+    return_step: Conductance
+    highest: Count
+
+
+class EdgeCommand(NamedTuple):
+    """What it commands: each edge, and the pressure of the chamber that is fed, absolute; `reference` is shown, and
+    `force` is what the duty cycle puts on the rod."""
+
+    supply_a: Number
+    supply_b: Number
+    return_a: Number
+    return_b: Number
+    load_pressure: Pressure
+    reference: Position
+    force: Force
+
+
+class Sides(NamedTuple):
+    """What stands against each other while a cylinder moves to one side: areas of supply and return [m^2], force
+    against the motion [N], pressures of what feeds it and of the chamber that is fed, gauge [Pa]."""
+
+    supply_area: float
+    return_area: float
+    force: float
+    feed: float
+    fed: float
+
+
+class Edges(NamedTuple):
+    """Commands of the edge into the supply side and of that out of the return side."""
+
+    into: Number
+    out: Number
+
+
+def edge_speed(into: float, out: float, sides: Sides) -> float:
+    """The steady speed of a rod between two edges [m/s]; 0 where one is closed or the load is too much.
+
+    P_s = P - (A_s v/K_i)^2 and P_r = (A_r v/K_o)^2 hold P_s A_s - P_r A_r = F at
+    v = root((P A_s - F)/(A_s^3/K_i^2 + A_r^3/K_o^2)).
+
+    into, out  conductances K_i and K_o [m^3/(s Pa^0.5)]
+    """
+    left = sides.feed * sides.supply_area - sides.force
+    if into <= 0.0 or out <= 0.0 or left <= 0.0:
+        return 0.0
+    return float(np.sqrt(left / (sides.supply_area**3 / into**2 + sides.return_area**3 / out**2)))
+
+
+def metered_edges(flow: float, opening: float, sides: Sides, settings: EdgeLoop) -> Edges:
+    """Commands for a flow, each between 0 and the highest: K_i = Q/root(P - P_s) into the supply side.
+
+    A chamber whose pressure exceeds that of its feed is closed, so that nothing falls back.
+
+    flow     into the supply side [m^3/s]
+    opening  of the return by the law of meter-out throttles [1]
+    """
+    drop, highest = sides.feed - sides.fed, settings.highest
+    into = flow / (settings.supply_step * np.sqrt(max(drop, LEAST_DROP))) if drop > 0.0 else 0.0
+    out = opening * settings.loop.valve_conductance / settings.return_step
+    return Edges(float(min(into, highest)), float(min(out, highest)))
+
+
+def best_codes(speed: float, edges: Edges, sides: Sides, settings: EdgeLoop) -> Edges:
+    """The codes next to two commands whose steady speed is closest to the wanted one [m/s]."""
+    best, least = Edges(np.floor(edges.into), np.floor(edges.out)), np.inf
+    for more_in in (0.0, 1.0):
+        for more_out in (0.0, 1.0):
+            codes = Edges(
+                min(float(np.floor(edges.into)) + more_in, settings.highest),
+                min(float(np.floor(edges.out)) + more_out, settings.highest),
+            )
+            found = edge_speed(codes.into * settings.supply_step, codes.out * settings.return_step, sides)
+            if abs(found - speed) < least:
+                best, least = codes, abs(found - speed)
+    return best
+
+
+def valve_step(
+    t: float, memory: LoopMemory, seen: CylinderReading, settings: EdgeLoop
+) -> tuple[LoopMemory, EdgeCommand]:
+    """Program: proportional valves as edges."""
+    kept, sides, flow, opening = edge_demand(t, memory, seen, settings)
+    return kept, edge_command(t, kept, metered_edges(flow, opening, sides, settings), seen, settings)
+
+
+def unit_step(
+    t: float, memory: LoopMemory, seen: CylinderReading, settings: EdgeLoop
+) -> tuple[LoopMemory, EdgeCommand]:
+    """Program: digital flow control units as edges, by the pair of codes whose speed is closest."""
+    kept, sides, flow, opening = edge_demand(t, memory, seen, settings)
+    edges = metered_edges(flow, opening, sides, settings)
+    codes = best_codes(flow / sides.supply_area, edges, sides, settings)
+    return kept, edge_command(t, kept, codes, seen, settings)
+
+
+class EdgeDemand(NamedTuple):
+    """Memory after a sample, what stands against each other, and what is asked for: flow and opening of the return."""
+
+    memory: LoopMemory
+    sides: Sides
+    flow: float
+    opening: float
+
+
+def edge_demand(t: float, memory: LoopMemory, seen: CylinderReading, settings: EdgeLoop) -> EdgeDemand:
+    """What is asked of the edges at a sample, as `one_way_step`."""
+    loop = settings.loop
+    kept = next_memory(t, memory, seen, loop)
+    found = one_way_actuation(kept, seen.position, loop)
+    force, level, is_out = wanted_motion(kept, seen.position, loop).force, loop.reference_pressure, found.side > 0.0
+    sides = Sides(
+        supply_area=loop.area_a if is_out else loop.area_b,
+        return_area=loop.area_b if is_out else loop.area_a,
+        force=found.side * force,
+        feed=kept.pressures.supply - level,
+        fed=(kept.pressures.a if is_out else kept.pressures.b) - level,
+    )
+    joined = LoopMemory(kept.reference, kept.pressures, Joint(found.side, found.side))
+    return EdgeDemand(joined, sides, found.flow, found.opening)
+
+
+def edge_command(t: float, memory: LoopMemory, edges: Edges, seen: CylinderReading, settings: EdgeLoop) -> EdgeCommand:
+    """The command of each edge: those of the other side are closed."""
+    out = 1.0 if memory.joint.side > 0.0 else 0.0
+    return EdgeCommand(
+        supply_a=out * edges.into,
+        supply_b=(1.0 - out) * edges.into,
+        return_a=(1.0 - out) * edges.out,
+        return_b=out * edges.out,
+        load_pressure=seen.pressure_a if out > 0.0 else seen.pressure_b,
+        reference=memory.reference.position,
+        force=cycle_point(t, settings.loop.cycle).force,
+    )
+
+
+def edge_start(settings: EdgeLoop) -> LoopMemory:
+    """The memory before the first sample: at rest at the beginning of the cycle."""
+    return loop_start(settings.loop)
+
+
+AT_REST = EdgeCommand(
+    supply_a=0.0, supply_b=0.0, return_a=0.0, return_b=0.0, load_pressure=101325.0, reference=0.0, force=0.0
+)
+"""The command before the first sample."""
+VALVE_LOOP = ProgramType(valve_step, CylinderReading, AT_REST, EdgeLoop, edge_start)
+UNIT_LOOP = ProgramType(unit_step, CylinderReading, AT_REST, EdgeLoop, edge_start)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ValveTables(FollowingPump):
+    """The same as `FollowingPump` with proportional valves into and out of each chamber."""
+
+    supply_valve: ProportionalValve
+    return_valve: ProportionalValve
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnitTables(FollowingPump):
+    """The same with digital flow control units into and out of each chamber."""
+
+    supply_unit: FlowControlUnit
+    return_unit: FlowControlUnit
+
+
+def independent_valves(tables: ValveTables) -> Network:
+    """One to three cylinders, each with four proportional valves, at a pump that matches the pressure of the load."""
+    supply, back = tables.supply_valve, tables.return_valve
+
+    def add_edges(net: Network, suffix: str) -> None:
+        for side in "ab":
+            joints = f"chamber_{side}{suffix}", f"{LOOP}{suffix}"
+            net.add(
+                f"supply_valve_{side}{suffix}", PROPORTIONAL_VALVE, supply,
+                a="pump_line", b=joints[0], command=f"{joints[1]}.supply_{side}",
+            )  # fmt: skip
+            net.add(
+                f"return_valve_{side}{suffix}", PROPORTIONAL_VALVE, back,
+                a=joints[0], b="tank", command=f"{joints[1]}.return_{side}",
+            )  # fmt: skip
+
+    def settings(loop: RivalLoop) -> EdgeLoop:
+        return EdgeLoop(loop=loop, supply_step=supply.conductance, return_step=back.conductance, highest=1.0)
+
+    return _matched_network(tables, VALVE_LOOP, back.conductance, settings, add_edges)
+
+
+def independent_units(tables: UnitTables) -> Network:
+    """The same with four digital flow control units at each cylinder."""
+    supply, back = tables.supply_unit, tables.return_unit
+    highest = float(min(code_count(supply.parts), code_count(back.parts)) - 1)
+
+    def add_edges(net: Network, suffix: str) -> None:
+        for side in "ab":
+            chamber, loop = f"chamber_{side}{suffix}", f"{LOOP}{suffix}"
+            into, out = ("pump_line", chamber), (chamber, "tank")
+            add_flow_control_unit(net, f"supply_{side}", supply.parts, into, f"{loop}.supply_{side}", suffix)
+            add_flow_control_unit(net, f"return_{side}", back.parts, out, f"{loop}.return_{side}", suffix)
+
+    def settings(loop: RivalLoop) -> EdgeLoop:
+        return EdgeLoop(loop=loop, supply_step=supply.conductance, return_step=back.conductance, highest=highest)
+
+    return _matched_network(tables, UNIT_LOOP, highest * back.conductance, settings, add_edges)
+
+
+def _matched_network(
+    tables: FollowingPump,
+    program: ProgramType,
+    conductance: float,
+    settings: Callable[[RivalLoop], EdgeLoop],
+    add_edges: Callable[[Network, str], None],
+) -> Network:
+    """Pump, line and cylinders; `conductance` is that of an edge in the return, `add_edges` adds a cylinder's."""
+    net = tables.network(program, settings(tables.settings(tables.largest_flow, conductance)), "pump_line")
+    tables.add_shaft(net)
+    net.volume("pump_line", tables.pump_line, start="initial.supply_pressure")
+    rivals = tables.rivals
+    for suffix, rival in rivals.items():
+        if suffix:
+            own = settings(rival.settings(tables.largest_flow, conductance))
+            rival.add_actuator(net, program, own, "pump_line", suffix)
+        add_edges(net, suffix)
+    tables.add_following_pump(net, [f"{LOOP}{suffix}.load_pressure" for suffix in rivals])
+    return net
