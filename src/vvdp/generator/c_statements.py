@@ -331,8 +331,8 @@ def _return(text: Text, statement: tree.Return) -> None:
         lines = [f"result->{n} = {v};" for n, v in zip(names, row(text, value, result), strict=True)] + ["return;"]
     else:
         made = fields_made(text, value, "result->") if isinstance(value, tree.Make) else []
-        written = made or [("*result", one(text, value))]  # fields are written one by one, so that none is copied
-        lines = [*(f"{path} = {each};" for path, each in written), "return;"]
+        parts = made or [("*result", one(text, value))]  # fields are written one by one, so that none is copied
+        lines = [*(f"{path} = {each};" for path, each in parts), "return;"]
     for line in [*lines[:-1], *["*workspace = entered;"] * frees, lines[-1]]:
         text.put(line)
 
