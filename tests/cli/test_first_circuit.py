@@ -31,7 +31,7 @@ def test_the_page_does_what_it_says(vvdp, here, changed, is_shown):
         assert answer.code == (3 if "results/rough" in block else 0), answer.err
         assert is_shown(shown, answer.out), (block, answer.out)
         ran += 1
-    assert ran == 11
+    assert ran == 12
     assert (here / "results" / "limits" / "report.html").is_file()
     _mistakes(vvdp, here / "press.toml")
 
