@@ -345,7 +345,7 @@ def test_a_map_on_dask_is_the_map_here(source_stand, simulated, tmp_path):
 def test_a_worker_with_another_program_is_refused(source_stand, tmp_path, monkeypatch):
     linked = maps.link(source_stand.model, source_stand.bench.case)
     digests = iter(["here", "there"])
-    monkeypatch.setattr(maps, "link", lambda *_: linked._replace(digest=next(digests)))
+    monkeypatch.setattr(maps, "link", lambda *_, **_options: linked._replace(digest=next(digests)))
     with pytest.raises(RunError, match=wording.progress.other_machine):
         simulated_map(source_stand, COARSE, tmp_path)
 
