@@ -1,6 +1,6 @@
 """Powers and exponentials as C99, from the tables and series of `simulation.in_place`, with the same bits.
 
-`fma` is called by name: a compiler makes one instruction of it where it may, and the C library works it out elsewhere,
+`fma` is called by name: a compiler makes one instruction of it where it may, and the C library calculates it elsewhere,
 with the same result. On x86-64 this is chosen when the code is loaded. Compiled code has these bits on processors with
 fused operations only.
 """

@@ -1,8 +1,9 @@
 """Operations that C leaves undefined or does otherwise than the language, as short functions in C99."""
 
 SELDOM = """\
-/* Functions that take little of the time: their code is short rather than fast. */
-#ifdef __GNUC__
+/* Functions that take little of the time: their code is short rather than fast, but where vectors are wide: there, GCC
+   12.2 copies constants wrongly in short code. */
+#if defined(__GNUC__) && !defined(__AVX__)
 #define SELDOM __attribute__((cold))
 #else
 #define SELDOM

@@ -66,7 +66,7 @@ def write_c(
 
     prefix     begins the name of everything that other text can see
     supplied   by the names of intrinsics, their C text, which defines a static function of that name
-    often      names, in Python, of functions that run most of the time: the compiler is told to make all others short
+    often      names, in Python, of functions that run most of the time: the compiler is asked to make all others short
                but entries and what these call
 
     Raises ValueError where an intrinsic has no C text.
