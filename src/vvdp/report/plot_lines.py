@@ -94,9 +94,11 @@ def draw_flag(axes: "Axes", line: Line, table: Table, colour: str, row: int) -> 
     """Draws a bar in a row, counted from below, while a flag is 1."""
     x, y = (shown_values(table, key, line.rows) for key in (line.x, line.y))
     kept = kept_places(x, y)
-    low, label = np.full(kept.size, row + 0.5 - 0.5 * FLAG_HEIGHT), line_label(line, table)
-    high = low + FLAG_HEIGHT * y[kept]
-    axes.fill_between(x[kept], low, high, step="post", facecolor=colour, linewidth=0.0, label=label)
+    x, changes = x[kept], np.diff(y[kept] == 1.0, prepend=False, append=False)
+    begins, ends = x[np.flatnonzero(changes)[::2]], x[np.flatnonzero(changes)[1::2].clip(max=x.size - 1)]
+    place = (row + 0.5 - 0.5 * FLAG_HEIGHT, FLAG_HEIGHT)
+    bars = list(zip(begins, ends - begins, strict=True))
+    axes.broken_barh(bars, place, facecolor=colour, linewidth=0.0, label=line_label(line, table))
 
 
 def _fill_band(axes: "Axes", x: Array, ends: tuple[Array, Array], colour: str) -> Any:
