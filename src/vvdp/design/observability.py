@@ -196,7 +196,7 @@ def _windows_table(windows: Iterator[Window]) -> Table:
             "low_rad_s": Column(rows[:, 1], SPOOL_SPEED, "from"),
             "high_rad_s": Column(rows[:, 2], SPOOL_SPEED, "to"),
         },
-        note="Below 0.01 an observer has little to go by, below 0.001 it should keep what it believes of the noise. A "
+        note="Below 0.01 an observer is uncertain, below 0.001 it should keep its last estimate of the noise. A "
         "window that ends with the speeds that are drawn may go on beyond.",
     )
 
@@ -286,7 +286,7 @@ def _findings(moved: AxialPlant, numbers: dict[str, float], tables: dict[str, Ta
         fails = margin < FREEZE_BELOW
         yield Finding(
             text=f"At {speed} the margin is {number(margin, 2)}: "
-            + ("the sensor scheme fails." if fails else "an observer has little to go by."),
+            + ("the sensor scheme fails." if fails else "an observer is uncertain."),
             grade=Grade.BAD if fails else Grade.WARNING,
             title="Position hidden by the noise",
             remedy="Turn the spool at another speed, or measure the chamber's pressure as well.",
@@ -298,7 +298,7 @@ def _findings(moved: AxialPlant, numbers: dict[str, float], tables: dict[str, Ta
         yield Finding(text="Nothing draws the position back, so that no spool speed loses it.")
         return
     yield Finding(text=f"Position and velocity are lost at {', '.join(plain(f, 4) for f in turns)} rev/s.")
-    for limit, words in ((WARN_BELOW, "little to go by"), (FREEZE_BELOW, "the scheme fails")):
+    for limit, words in ((WARN_BELOW, "uncertain"), (FREEZE_BELOW, "the scheme fails")):
         yield Finding(text=f"The margin is below {limit:g} ({words}) {_stretches(tables['windows'], limit)}.")
     if "with_pressure" in tables["beside"].columns:
         least = float(tables["beside"]["with_pressure"].min())

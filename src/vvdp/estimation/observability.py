@@ -18,7 +18,7 @@ from vvdp.base.kinds import SPEED, Mass, Stiffness, Time, ViscousFriction
 from vvdp.base.rules import require_positive_value
 
 WARN_BELOW = 0.01
-"""Margin below which an observer has little to go by."""
+"""Margin below which an observer is uncertain."""
 FREEZE_BELOW = 1e-3
 """Margin below which what is believed of the noise should stay as it is."""
 MOST_HARMONICS = 200
