@@ -119,7 +119,7 @@ def test_an_interrupt_keeps_what_is_done(vvdp, here, monkeypatch):
 def test_the_example_of_the_guide_is_real(vvdp, here):
     guide = (DOCUMENTS / "command-line.md").read_text("utf-8")
     command, _, rest = guide.partition("    $ vvdp compare circuits ")[2].partition("\n")
-    shown = [line.strip() for line in rest.partition("\nDrawn is")[0].splitlines() if line.strip()]
+    shown = [line.strip() for line in rest.partition("\n*Drawn* is")[0].splitlines() if line.strip()]
     answer = vvdp("compare", "circuits", *shlex.split(command))
     assert len(shown) > 8
     assert [line for line in shown if line not in {line.strip() for line in answer.out.splitlines()}] == []

@@ -103,7 +103,7 @@ def estimate(
     files: Files,
     output: Output,
 ) -> None:
-    """Estimate angle and speed of a shaft, such as a valve's spool, from a measured log.
+    """Estimate angle and speed of a shaft from a measured log.
 
     Name the channel with --wave, --counts or --edges, or in a config file. Ctrl-C keeps the results so far.
     """

@@ -116,8 +116,10 @@ def _abreast(axes: "Axes") -> int:
 
 
 def printed_point(axes: "Axes", panel: Lines, owners: Sequence[Table]) -> float:
-    """How far x runs along a printed point, as shown; 0 on a logarithmic scale."""
+    """How far x runs along a printed point, as shown; 0 on a logarithmic scale, or without rows."""
     columns = [(own.columns[line.x], own[line.x]) for line, own in zip(panel.lines, owners, strict=True)]
+    if not all(x.size for _, x in columns):
+        return 0.0
     left = min(float(np.nanmin(x)) for _, x in columns) if panel.left is None else panel.left
     right = max(float(np.nanmax(x)) for _, x in columns) if panel.right is None else panel.right
     scale = column_unit(columns[0][0]).scale
