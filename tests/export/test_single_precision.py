@@ -180,5 +180,5 @@ def test_every_step_that_allows_it_is_close_in_single_precision(tmp_path):
             allowed.add(f"{name} {part}")
     assert allowed == {
         "accumulator-charging unloading", "axial-chamber drive_wanted", "axial-gerotor drive_wanted",
-        "axial-gerotor drive_law", "transmission-speed-control forward",
+        "axial-gerotor drive_law", "digital-pump-control pistons", "transmission-speed-control forward",
     }  # fmt: skip
