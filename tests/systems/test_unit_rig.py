@@ -137,19 +137,23 @@ def test_a_spool_whose_speed_is_prescribed_keeps_it():
     assert speed == pytest.approx(50.0 * np.pi, abs=1.0)
 
 
-def leaky():
-    """A drawn unit with an orifice from its inlet to the tank, which no rig has."""
+DRAIN = {"type": "orifice", "a": "inlet", "b": "tank", "area": "1 mm^2"}
+BRAKE = {"type": "rotor", "shaft": "spool", "inertia": "1e-5 kg*m^2", "shaft_damping": "1e-4 N*m*s"}
+
+
+def joined(**more):
+    """A drawn unit with more at its inlet or spool than a rig has."""
     part = tomllib.loads(resources.files("vvdp.systems").joinpath("parts", "pump-unit.toml").read_text("utf-8"))
     nodes = {
         "tank": {"type": "tank"},
         "load": {"type": "pressure-source", "pressure": "70 bar"},
         "shaft": {"type": "driven-shaft", "speed": "1800 rpm"},
     }
-    drain = {"drain": {"type": "orifice", "a": "inlet", "b": "tank", "area": "1 mm^2"}}
-    content = {"nodes": part["nodes"] | nodes, "components": part["components"] | drain, "run": {"until": "0.1 s"}}
-    return built_system(Table("leaky", content, {}), "leaky")
+    content = {"nodes": part["nodes"] | nodes, "components": part["components"] | more, "run": {"until": "0.1 s"}}
+    return built_system(Table("joined", content, {}), "joined")
 
 
-def test_more_at_the_inlet_than_a_rig_has_is_refused_by_name():
-    with pytest.raises(ConfigError, match=wording.rig.no_place.format(others="drain")):
-        unit_on_rig(leaky(), "map")
+@pytest.mark.parametrize("more", [{"drain": DRAIN}, {"brake": BRAKE}], ids=lambda more: next(iter(more)))
+def test_more_at_inlet_or_spool_than_a_rig_has_is_refused_by_name(more):
+    with pytest.raises(ConfigError, match=wording.rig.no_place.format(others=next(iter(more)))):
+        unit_on_rig(joined(**more), "map")

@@ -105,12 +105,12 @@ class _Rig:
         self.pump_speed = _pump_speed(self)
 
     def refuse_others(self, verb: str) -> None:
-        """Raises ConfigError if more is joined to inlet and spool than the rig has; meters alone may be."""
+        """Raises ConfigError if more than meters is joined to inlet and spool beside what the rig has."""
         own, ends = {part.name for part, _ in self.parts.values()}, {self.nodes["inlet"], self.nodes["spool"]}
         others = [
             part.name
             for part in self.network.parts.values()
-            if part.name not in own and ends & {*part.nodes.values()} and len(part.nodes) > 1
+            if part.name not in own and ends & {*part.nodes.values()} and part.component.offered
         ]
         if others:
             message = (

@@ -110,16 +110,15 @@ def chosen_valve(system: LoadedSystem, verb: str, part: str = "", option: str = 
     return next(iter(found.values()))
 
 
-def valve_unit(system: LoadedSystem, verb: str, part: str = "", option: str = "--part") -> ValveUnit:
+def valve_unit(system: LoadedSystem, verb: str, part: str = "") -> ValveUnit:
     """The rotary valve of a system with what feeds it, found in its network.
 
-    verb    that needs it, for messages
-    part    name of the valve where there are several, or of the part that it is alone in
-    option  that gives `part`, for messages
+    verb  that needs it, for messages
+    part  name of the valve where there are several, or of the part that it is alone in
 
     Raises ConfigError if there is none, or no pump of fixed displacement or no relief valve at its inlet.
     """
-    placed, network = chosen_valve(system, verb, part, option), system.circuit.network
+    placed, network = chosen_valve(system, verb, part), system.circuit.network
     inlet, load, tank = (placed.part.nodes[port] for port in ("inlet", "load", "tank"))
     pump, pump_values = neighbour(network, Pump, "outlet", inlet) or _lacking(system, verb, placed.name, "pump")
     relief, relief_values = neighbour(network, ReliefValve, "a", inlet) or _lacking(

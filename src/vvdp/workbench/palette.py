@@ -11,7 +11,7 @@ from vvdp.network.component import Component, Role
 from vvdp.network.graph import NodeKind
 from vvdp.report.symbol_set import LONELY, entry, generic, picture
 from vvdp.report.symbol_set import NODES as NODE_SYMBOLS
-from vvdp.systems.drawing import NODES, NodeType
+from vvdp.systems.drawing import NODES
 from vvdp.systems.library_pages import library_page
 from vvdp.systems.part_files import shipped_part, shipped_parts
 from vvdp.systems.part_offers import part_ports, part_values
@@ -31,10 +31,8 @@ NODE_KINDS: Mapping[str, tuple[NodeKind, str]] = {
 }
 WITHOUT_VALUES = frozenset({"tank"})
 """Nodes whose values may all be left out, though their class has no defaults."""
-MASS = 'mass = "0.5 kg"'
-"""What a rod needs if nothing on it has a mass."""
-INERTIA = 'inertia = "4e-5 kg*m^2"'
-"""What a shaft needs if nothing on it has an inertia."""
+NEEDED = {"rod": 'mass = "0.5 kg"', "shaft": 'inertia = "4e-5 kg*m^2"'}
+"""What a rod or a shaft needs if nothing on it has a mass or an inertia, assumed."""
 
 
 @cache
@@ -47,19 +45,9 @@ def _nodes() -> Iterator[dict[str, Any]]:
     for name, node in NODES.items():
         kind, joins = NODE_KINDS[name]
         symbol = {**LONELY, **NODE_SYMBOLS}[kind]()
-        lines = list(_node_lines(name, node))
+        own = [] if name in WITHOUT_VALUES else [*_value_lines(node.table)]
+        lines = [NEEDED[name]] if name in NEEDED else own
         yield {"table": "nodes", "type": name, "symbol": picture(symbol), "joins": joins, "ports": {}, "lines": lines}
-
-
-def _node_lines(name: str, node: NodeType) -> Iterator[str]:
-    """The values with which a node is drawn alone."""
-    match name:
-        case "rod":
-            yield MASS
-        case "shaft":
-            yield INERTIA
-        case _ if name not in WITHOUT_VALUES:
-            yield from _value_lines(node.table)
 
 
 def _components() -> Iterator[dict[str, Any]]:
