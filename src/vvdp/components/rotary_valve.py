@@ -5,6 +5,7 @@ from typing import NamedTuple
 from vvdp.base.kinds import (
     Conductance,
     Coupling,
+    DutyRatio,
     ExchangedPower,
     Flow,
     Fraction,
@@ -96,7 +97,7 @@ def rotary_valve_start(valve: RotaryValve) -> RotaryValveState:
     return RotaryValveState(1.0)
 
 
-def duty_position(duty_ratio: float, valve: RotaryValve) -> float:
+def duty_position(duty_ratio: DutyRatio, valve: RotaryValve) -> Position:
     """Axial position of the spool [m] that gives a duty ratio: x = d L."""
     return duty_ratio * valve.helix_length
 
@@ -237,4 +238,5 @@ ROTARY_VALVE = Component(
     inertia=rotary_valve_inertia,
     mark=rotary_valve_periods,
     averages=("leakage", "load_opening", "cavitating"),
+    given_by={"axial_position": duty_position},
 )

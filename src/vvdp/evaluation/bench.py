@@ -13,7 +13,7 @@ from vvdp.evaluation.bench_overview import ANALYTIC, OVERVIEW, OVERVIEW_NOTE, QU
 from vvdp.evaluation.bench_validity import bench_bounds, bench_warnings, efficiency, transition_loss
 from vvdp.evaluation.bench_values import BenchValues
 from vvdp.evaluation.port_cavitation import lowest_cavitation_number
-from vvdp.evaluation.spool_estimate import estimate_lines, estimate_numbers, estimate_quantities
+from vvdp.evaluation.spool_estimate import estimate_lines, estimate_numbers, estimate_quantities, spool_watch
 from vvdp.evaluation.valve_forms import unit_forms, unit_limits
 from vvdp.evaluation.valve_unit import ValveUnit
 from vvdp.fluid.oil import Oil, density
@@ -36,8 +36,6 @@ from vvdp.systems.system import System
 from vvdp.valve.losses import full_open_loss
 from vvdp.valve.rotary import RotaryValve
 
-WATCHING = ("encoder", "spool_filter")
-"""Tables of a watched spool; a system file has both or neither."""
 SOFTENING = ("bypass", "mouth")
 """Components of soft switching that lose power beside the valve."""
 
@@ -97,7 +95,8 @@ class RotaryBench(Extras):
         self.load: OrificeLoad | PressureLoad = given["load"]
         self.load_line: Vessel | None = given.get("load_line")
         self.programs = reported_programs(system, system.stepping.sample_period) or Extras(system)
-        if self.is_watched:
+        self.watch = spool_watch(system.circuit.network, "spool")
+        if self.watch:
             self.QUANTITIES = QUANTITIES | estimate_quantities(self.averaging_angle)
             self.OVERVIEW = (*OVERVIEW, *estimate_lines(self.averaging_angle))
         self.QUANTITIES = {**self.QUANTITIES, **self.programs.QUANTITIES}
@@ -178,15 +177,9 @@ class RotaryBench(Extras):
         return any(self.tables.get(name) is not None for name in ("bypass", "chamber"))
 
     @property
-    def is_watched(self) -> bool:
-        """Whether an encoder of its own watches the spool, not that of a control."""
-        return "encoder" in self.system.circuit.network.programs and "encoder" in self.tables
-
-    @property
     def averaging_angle(self) -> float:
         """Angle over which the estimated speed of a watched spool is a mean [rad]; 0 where it is of the instant."""
-        settings = self.tables.get("spool_filter")
-        leaves_ripple = settings is not None and settings.ripple_order == 0.0
+        leaves_ripple = self.watch is not None and self.watch.settings.ripple_order == 0.0
         return 2.0 * np.pi / self.valve.sections if leaves_ripple else 0.0
 
     @property
@@ -240,9 +233,9 @@ class RotaryBench(Extras):
     def hold(self) -> "RotaryBench":
         """The same bench with all that is prescribed held at its first value, the axial position as a duty ratio.
 
-        The pump does not pulsate and nothing watches the spool: only what repeats itself with the valve is left.
+        The pump does not pulsate: only what repeats itself with the valve is left.
         """
-        tables = {name: _hold_table(table) for name, table in self.tables.items() if name not in WATCHING}
+        tables = {name: _hold_table(table) for name, table in self.tables.items()}
         operation = tables["operation"]
         tables["operation"] = DutyOperation(
             pump_speed=operation.pump_speed,
@@ -334,9 +327,10 @@ class RotaryBench(Extras):
 
     def record_numbers(self, run: Run) -> Summary:
         """How good the estimate of a watched spool was; empty for a short run, or without an encoder."""
-        if not self.is_watched:
+        if self.watch is None:
             return self.programs.record_numbers(run)
-        estimate, sampled = run.command.encoder._asdict(), run.memory["encoder"].encoder._asdict()
+        estimate = getattr(run.command, self.watch.filter)._asdict()
+        sampled = run.memory[self.watch.encoder]._asdict()
         return estimate_numbers(run.times, estimate, sampled, self.averaging_angle)
 
     def closed_forms(self, found: Mapping[str, float | bool]) -> Summary:
@@ -388,7 +382,7 @@ class RotaryBench(Extras):
 
 def rotary_bench(system: System, verb: str) -> RotaryBench:
     """The bench that a system is. Raises ConfigError, which names `verb`, where it is none."""
-    found = system.extras
+    found = (system.counterpart or system).extras
     if isinstance(found, RotaryBench):
         return found
     message = (

@@ -3,17 +3,18 @@
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from vvdp.base.display import key_suffix, percent
-from vvdp.base.kinds import GAUGE_PRESSURE, POSITION, SPEED, VELOCITY, Kind
+from vvdp.base.display import key_suffix, percent, with_unit
+from vvdp.base.kinds import GAUGE_PRESSURE, MEAN_POWER, POSITION, SPEED, VELOCITY, Kind
 from vvdp.base.signal import Signal
 from vvdp.base.units import ATMOSPHERE
 from vvdp.evaluation.summary import is_closed
 from vvdp.evaluation.validity import broken_bounds
 from vvdp.network.network import Network, Part
-from vvdp.network.nodes import HydraulicNode, Rod, Shaft
+from vvdp.network.nodes import DrivenShaft, HydraulicNode, Rod, Shaft
 from vvdp.network.paths import flows_of, moving_parts
 from vvdp.network.sense import idle_nodes
 from vvdp.simulation.outcome import SETTLED
+from vvdp.systems.extras import shows_all
 from vvdp.systems.plausibility import idle_orifices
 from vvdp.systems.spool_travel import travel_warnings
 from vvdp.systems.system import System
@@ -155,8 +156,18 @@ def warnings(system: System, found: Mapping[str, float | bool]) -> Iterator[str]
             f"not settled: a mean would still change by more than {percent(SETTLED)} if the run went on; let it last "
             "longer (run.until), or average later (run.average_from)"
         )
+    if not shows_all(system):
+        yield from overloaded_drives(system, found)
     if system.extras is not None:
         yield from system.extras.warnings(found)
+
+
+def overloaded_drives(system: System, found: Mapping[str, float | bool]) -> Iterator[str]:
+    """Which driven shafts take more power on average than their drive is rated for."""
+    for name, node in system.circuit.network.nodes.items():
+        if isinstance(node, DrivenShaft) and found.get(f"power_{name}_W", 0.0) > node.rated_power:
+            taken, rated = (with_unit(power, MEAN_POWER) for power in (found[f"power_{name}_W"], node.rated_power))
+            yield f"{name} takes {taken} on average, more than the {rated} that its drive is rated for"
 
 
 def _impossible(system: System, found: Mapping[str, float | bool]) -> Iterator[str]:

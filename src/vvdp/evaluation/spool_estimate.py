@@ -8,6 +8,8 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.display import percent, with_unit
 from vvdp.base.kinds import ANGLE, COUNT, DURATION, EFFICIENCY, NUMBER, SPEED, Kind
+from vvdp.estimation.event_settings import EventFilter
+from vvdp.network.network import Network
 from vvdp.numerics.kalman import chance_band
 from vvdp.systems.extras import Line, Summary
 
@@ -22,6 +24,28 @@ MODEST = 2.0
 be.
 """
 UNITS: Mapping[str, tuple[Kind, str]] = {"angle": (ANGLE, "rad"), "speed": (SPEED, "rad_s")}
+
+
+class SpoolWatch(NamedTuple):
+    """An event filter that watches a spool through an encoder: the names of both programs, and the filter's values."""
+
+    filter: str
+    encoder: str
+    settings: EventFilter
+
+
+def spool_watch(network: Network, spool: str) -> SpoolWatch | None:
+    """The first event filter that watches a shaft; None where there is none."""
+    for name, program in network.programs.items():
+        source = program.reads.get("edges")
+        encoder = source.partition(".")[0] if isinstance(source, str) else ""
+        if (
+            isinstance(program.settings, EventFilter)
+            and encoder in network.programs
+            and network.programs[encoder].reads.get("angle") == f"{spool}.angle"
+        ):
+            return SpoolWatch(name, encoder, program.settings)
+    return None
 
 
 class EstimateErrors(NamedTuple):

@@ -15,7 +15,7 @@ from vvdp.hydraulics.pump import pump_friction_power
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Network
 from vvdp.network.nodes import Connection, Shaft, Source
-from vvdp.systems.extras import LoadedSystem, Summary
+from vvdp.systems.extras import LoadedSystem, Summary, shows_all
 from vvdp.valve.losses import range_warnings
 from vvdp.valve.validity import CAVITATION_PRESSURE
 
@@ -65,7 +65,7 @@ def placed_forms(system: LoadedSystem, found: Mapping[str, float | bool]) -> Sum
     run has not settled, or `unit_limits` says why.
     """
     network, numbers = system.circuit.network, Summary()
-    if network.extras is not None or not found.get("settled") or not is_steady(network):
+    if shows_all(system) or not found.get("settled") or not is_steady(network):
         return numbers
     for placed in placed_valves(network):
         unit = _closed_unit(system, placed)
@@ -81,7 +81,7 @@ def placed_forms(system: LoadedSystem, found: Mapping[str, float | bool]) -> Sum
 
 def placed_form_quantities(system: LoadedSystem) -> Iterator[tuple[str, tuple[Kind, str]]]:
     """Kind and label of the analytic results of each rotary valve, by key."""
-    for placed in placed_valves(system.circuit.network) if system.circuit.network.extras is None else ():
+    for placed in () if shows_all(system) else placed_valves(system.circuit.network):
         for key in ANALYTIC:
             kind, label = QUANTITIES[key]
             yield f"{placed.name}_{key}", (kind, f"{placed.name.replace('_', ' ')} {label}")

@@ -13,7 +13,7 @@ from vvdp.fluid.oil import density
 from vvdp.network.network import Network, Part
 from vvdp.network.nodes import DrivenShaft, HydraulicNode
 from vvdp.systems.bound import Bound
-from vvdp.systems.extras import LoadedSystem, Summary
+from vvdp.systems.extras import LoadedSystem, Summary, shows_all
 from vvdp.valve.losses import full_open_loss
 from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import pwm_frequency
@@ -54,7 +54,7 @@ def valve_numbers(system: LoadedSystem, means: Mapping[str, float], found: Summa
     means  of all that the books add up, by its path in them
     """
     numbers = Summary()
-    for valve in placed_valves(system.circuit.network) if system.circuit.network.extras is None else ():
+    for valve in () if shows_all(system) else placed_valves(system.circuit.network):
         name, own = valve.name, valve.part.name
         reading = valve_reading(system, valve, found)
         drops = sum(means[f"spent.{own}.{loss}"] for loss in ("nozzle", "centre_section", "outlet_turbine"))
@@ -109,13 +109,13 @@ def valve_reading(system: LoadedSystem, valve: PlacedValve, found: Mapping[str, 
 
 def placed_valve_bounds(system: LoadedSystem, found: Mapping[str, float | bool]) -> Iterator[Bound]:
     """The bounds of the laws of each rotary valve at what a run has `found`."""
-    for valve in placed_valves(system.circuit.network) if system.circuit.network.extras is None else ():
+    for valve in () if shows_all(system) else placed_valves(system.circuit.network):
         yield from valve_bounds(valve_reading(system, valve, found), valve.name.replace("_", " "))
 
 
 def valve_quantities(system: LoadedSystem) -> Iterator[tuple[str, tuple[Kind, str]]]:
     """Kind and label of the numbers of each rotary valve, by key."""
-    for valve in placed_valves(system.circuit.network) if system.circuit.network.extras is None else ():
+    for valve in () if shows_all(system) else placed_valves(system.circuit.network):
         name, words = valve.name, valve.name.replace("_", " ")
         yield f"{name}_pwm_frequency_Hz", (FREQUENCY, f"{words} PWM frequency")
         yield f"{name}_load_opening", (FRACTION, f"open fraction of the load port of {words}, mean")

@@ -6,12 +6,10 @@ are its tables.
 
 from dataclasses import dataclass, replace
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.params import Params
 from vvdp.components.pump_unit import PumpUnit, UnitJoints, add_pump_unit
 from vvdp.components.resistances import ORIFICE
 from vvdp.components.rotary_valve import duty_position
-from vvdp.estimation.event_settings import EventFilterValues
 from vvdp.evaluation.bench import RotaryBench
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.check_valve import CheckPoppet, CheckValve
@@ -22,7 +20,6 @@ from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber, Connection, Source
-from vvdp.programs.spool_encoder import EncoderTable, add_encoder, watch_settings
 from vvdp.systems.bench_tables import (
     AxialOperation,
     DriveMotor,
@@ -104,10 +101,8 @@ class OrificeBench(BenchTables):
 
 @dataclass(frozen=True, kw_only=True)
 class FittedUnit(BenchTables):
-    """A pump unit that an encoder may watch, and that may be switched softly."""
+    """A pump unit that may be switched softly."""
 
-    encoder: EncoderTable | None = None
-    spool_filter: EventFilterValues | None = None
     bypass: CheckValve | None = None
     chamber: SwitchChamber | None = None
 
@@ -119,12 +114,12 @@ class FittedUnit(BenchTables):
 
 @dataclass(frozen=True, kw_only=True)
 class FittedOrificeBench(FittedUnit, OrificeBench):
-    """A pump unit with a line and an orifice; watched, or switched softly, if its tables say so."""
+    """A pump unit with a line and an orifice; switched softly if its tables say so."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class FittedPressureBench(FittedUnit):
-    """A pump unit against a pressure source; watched, or switched softly, if its tables say so."""
+    """A pump unit against a pressure source; switched softly if its tables say so."""
 
     load: PressureLoad
 
@@ -133,7 +128,6 @@ def orifice_load(tables: FittedOrificeBench) -> Network:
     """A pump unit that feeds a line with or without accumulator and, from it, an orifice to the tank."""
     net = new_bench(tables)
     join_load(net, tables, tables.joints)
-    _watch(net, tables)
     return net
 
 
@@ -142,7 +136,6 @@ def constant_load(tables: FittedPressureBench) -> Network:
     net = new_bench(tables)
     net.pressure_source("load_line", tables.load.pressure)
     add_pump_unit(net, tables.unit, tables.joints)
-    _watch(net, tables)
     return net
 
 
@@ -173,12 +166,3 @@ def join_load(net: Network, tables: OrificeBench, joined: UnitJoints) -> None:
 def cavitation_limit(limits: Limits) -> float:
     """Pressure below which cavitation is assumed, absolute [Pa]."""
     return limits.cavitation_pressure
-
-
-def _watch(net: Network, tables: FittedUnit) -> None:
-    encoder, spool_filter = tables.encoder, tables.spool_filter
-    if (encoder is None) != (spool_filter is None):
-        missing = "encoder" if encoder is None else "spool_filter"
-        raise ParameterError(f"table {missing!r} is missing; a watched spool needs both an encoder and a spool_filter")
-    if encoder is not None and spool_filter is not None:
-        add_encoder(net, "spool", watch_settings(encoder, spool_filter, tables.initial.spool_angle))

@@ -6,7 +6,7 @@ stated twice. `docs/components.md` shows one being written.
 
 import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum, auto
 from functools import cached_property
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
@@ -83,6 +83,8 @@ class Component:
     cooling  cooling(values) -> Coolant, to which the oil behind it gives heat where there is a heat balance
     suited   suited(values) -> the component of the same ports and values that stands in its place, where most values
              need less than all
+    given_by by the name of an input, a function of another quantity and of Params that gives it: a file may say that
+             quantity instead
     offered  whether a system file can name it
     """
 
@@ -98,6 +100,7 @@ class Component:
     averages: tuple[str, ...] = ()
     cooling: Callable[..., Any] | None = None
     suited: "Callable[..., Component] | None" = None
+    given_by: Mapping[str, Callable[..., float]] = field(default_factory=dict, hash=False)
     offered: bool = True
 
     @property
@@ -179,6 +182,14 @@ class Component:
     def inputs(self) -> tuple[Argument, ...]:
         """The arguments that a signal, a connection or a command has to give."""
         return tuple(a for a in self.arguments if a.role is Role.INPUT)
+
+    @cached_property
+    def alternatives(self) -> Mapping[str, Argument]:
+        """The quantities that a file may say instead of an input, by the name of the input."""
+        return {
+            name: next(a for a in self.arguments_of(function) if a.role is Role.INPUT)
+            for name, function in self.given_by.items()
+        }
 
     @cached_property
     def wall_ports(self) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from typing import Any
 
 from vvdp.base.errors import NetworkError
 from vvdp.base.kinds import PRESSURE_LEVEL, Kind
-from vvdp.base.params import Params, field_kinds
+from vvdp.base.params import Params, field_kinds, field_names
 from vvdp.base.signal import Signal, constant, signal_value
 from vvdp.base.tables import nearest
 from vvdp.fluid.oil import Oil, modulus_at
@@ -18,6 +18,7 @@ from vvdp.hydraulics.volume import Vessel
 from vvdp.network.assembly import Assembly, Group, InnerCircuit
 from vvdp.network.component import Component, Role, check_component
 from vvdp.network.nodes import (
+    UNRATED,
     Chamber,
     Connection,
     DrivenShaft,
@@ -146,9 +147,9 @@ class Network:
         _check_values(name, values, Rotor, NoneType)
         self._add_node(Shaft(name, values, angle, speed))
 
-    def driven_shaft(self, name: str, speed: Source) -> None:
-        """Add a shaft whose speed [rad/s] is prescribed or commanded."""
-        self._add_node(DrivenShaft(name, _signal(name, speed)))
+    def driven_shaft(self, name: str, speed: Source, rated_power: float = UNRATED) -> None:
+        """Add a shaft whose speed [rad/s] is prescribed or commanded, by a drive of a rated power [W]."""
+        self._add_node(DrivenShaft(name, _signal(name, speed), rated_power))
 
     def rod(self, name: str, values: Load | None = None, *, position: Start = 0.0, velocity: Start = 0.0) -> None:
         """Add a mass that moves along a line, at first at `position` [m] with `velocity` [m/s]."""
@@ -274,6 +275,10 @@ class Network:
         pieces = {piece for name, group in self.groups.items() if name in names for piece in group.parts}
         return tuple(name for name in self.parts if name in names or name in pieces)
 
+    def is_drawn_like(self, other: "Network") -> bool:
+        """Whether it has the nodes and components of another network, joined in the same way and with equal values."""
+        return _drawn(self) == _drawn(other)
+
     def start_value(self, start: Start) -> float:
         """The number of a start value. Raises NetworkError where its path leads nowhere."""
         if not isinstance(start, str):
@@ -349,6 +354,19 @@ class Network:
             raise NetworkError(f"{name} joins nodes of different oils: {ends}")
         if len({oil.reference_pressure for oil in oils.values()}) > 1:
             raise NetworkError(f"{name} joins oils of different reference pressures: {ends}")
+
+
+def _drawn(network: Network) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What a network is drawn of: the type of each node; type, values and nodes of each component."""
+    nodes = {name: type(node) for name, node in network.nodes.items()}
+    parts = {part.name: (part.component, _own_values(part), dict(part.nodes)) for part in network.parts.values()}
+    return nodes, parts
+
+
+def _own_values(part: Part) -> list[dict[str, Any]]:
+    """The values of a component by the classes that it takes; a table may hold more."""
+    pairs = zip(part.component.params, part.values, strict=True)
+    return [{name: getattr(values, name) for name in field_names(cls)} for cls, values in pairs]
 
 
 def _signal(name: str, source: object) -> Source:

@@ -40,6 +40,8 @@ class Connection:
     sources: tuple[Signal | Params | str, ...]
 
 
+UNRATED = 1e9
+"""Rated power of a drive that has no limit [W]."""
 Start: TypeAlias = float | str
 """A number at which a run begins, in SI, or where it stands among the network's values: "initial.inlet_pressure"."""
 Source: TypeAlias = float | Signal | str | Connection
@@ -94,10 +96,13 @@ class Shaft:
 
 @dataclass(frozen=True)
 class DrivenShaft:
-    """A shaft whose speed is prescribed or commanded, whatever torque that takes."""
+    """A shaft whose speed is prescribed or commanded, whatever torque that takes; `rated_power` is that of what drives
+    it [W].
+    """
 
     name: str
     speed: Source
+    rated_power: float = UNRATED
 
 
 @dataclass(frozen=True)

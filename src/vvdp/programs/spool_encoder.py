@@ -103,10 +103,3 @@ def watch_settings(table: EncoderTable, values: EventFilterValues, angle: float)
     """Encoder and filter of two tables, for a spool that stands at `angle` [rad] at first."""
     encoder = encoder_of(table)
     return WatchSettings(encoder=encoder, filter=filter_of(values, encoder.wheel), angle=angle, seed=table.seed)
-
-
-def add_encoder(net: Network, spool: str, settings: WatchSettings) -> None:
-    """Watch the shaft `spool` with an encoder and its filter."""
-    unknown = to_estimate(watch_start(settings).filter.belief, 0.0, 0.0, 0.0, 0.0)
-    watch = ProgramType(watch_step, Shaft, unknown, WatchSettings, watch_start)
-    net.program("encoder", watch, settings, reads={"time": "t", "angle": f"{spool}.angle", "speed": f"{spool}.speed"})

@@ -37,7 +37,7 @@ def bench_charts(run: RecordedRun, bench: RotaryBench, series: Table, more: dict
         yield Chart(name=CYCLE_CHART, caption=caption, table=CYCLE, panels=panels, height=4.45)
     yield _whole(run)
     yield _speed(run, bench)
-    if bench.is_watched:
+    if bench.watch:
         yield _estimate(run, bench, series)
     if SPECTRUM in more:
         yield _spectrum(more[SPECTRUM])

@@ -1,7 +1,7 @@
 """Networks that a system file draws itself: its tables [nodes], [components] and [programs]."""
 
 import dataclasses
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,6 +15,7 @@ from vvdp.base.kinds import (
     Kind,
     Mass,
     Position,
+    Power,
     Pressure,
     PressureSignal,
     Speed,
@@ -41,9 +42,9 @@ from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.heat import HeatBalance
 from vvdp.hydraulics.volume import GasExponent, GasPressure, Vessel
 from vvdp.network.assembly import Assembly, InnerCircuit
-from vvdp.network.component import Component
+from vvdp.network.component import Argument, Component, Role
 from vvdp.network.network import ROOM_TEMPERATURE, Network
-from vvdp.network.nodes import Chamber, Load, Rotor
+from vvdp.network.nodes import UNRATED, Chamber, Connection, Load, Rotor
 from vvdp.systems.bench_tables import Limits
 from vvdp.systems.drawn_programs import ProgramDrawer
 from vvdp.systems.part_keys import PartType, other_type, part_keys
@@ -112,9 +113,10 @@ class ShaftTable(Params):
 
 
 class DrivenShaftTable(Params):
-    """A shaft whose speed is prescribed."""
+    """A shaft whose speed is prescribed; beyond the rated power of what drives it, a run warns."""
 
     speed: SpeedSignal
+    rated_power: Power = UNRATED
 
 
 class RodTable(Params):
@@ -151,7 +153,7 @@ def _add_shaft(net: Network, name: str, v: ShaftTable, oil: Oil) -> None:
 
 
 def _add_driven_shaft(net: Network, name: str, v: DrivenShaftTable, oil: Oil) -> None:
-    net.driven_shaft(name, v.speed)
+    net.driven_shaft(name, v.speed, v.rated_power)
 
 
 def _add_rod(net: Network, name: str, v: RodTable, oil: Oil) -> None:
@@ -212,6 +214,7 @@ class Drawer(ProgramDrawer):
         for name, part in self._validly_named_parts(net, "components"):
             self._add_component(net, name, part)
         self._add_programs(net, dict(self._validly_named_parts(net, "programs")))
+        self.rows = [row for row in self.rows if (row.key, row.value) != ("rated_power", UNRATED)]  # no limit
         return None if self.faults else net
 
     def _add_circuit(self, net: Network, name: str, drawn: Mapping[str, Any]) -> None:
@@ -291,7 +294,7 @@ class Drawer(ProgramDrawer):
             case {"pressure": {"from": str() as source, **rest}} if cls is SourceTable and not rest:
                 return SimpleNamespace(pressure=source)
             case {"speed": {"from": str() as source, **rest}} if cls is DrivenShaftTable and not rest:
-                return SimpleNamespace(speed=source)
+                return SimpleNamespace(speed=source, rated_power=UNRATED)
         return self._table(cls, path, own)
 
     def _place(self, net: Network, name: str, path: str, part: Mapping[str, object]) -> None:
@@ -317,14 +320,13 @@ class Drawer(ProgramDrawer):
             self._add_assembly(net, name, part, component)
         if component is None or isinstance(component, Assembly):
             return
-        inputs = {argument.name for argument in component.inputs}
         if not self._has_own_keys(path, part, COMPONENTS):
             return
         values = [
             self._table(cls, path, {k: part[k] for k in field_names(cls) if k in part}) for cls in component.params
         ]
         joints = {key: part[key] for key in component.ports if key in part}
-        joints |= self._inputs(component, path, {key: part[key] for key in inputs if key in part})
+        joints |= self._inputs(component, path, part, values)
         start = self._start(component, path, part.get("start"))
         ends = [node for node in joints.values() if isinstance(node, str)]
         if not self._has_faults(path) and not any(self._has_faults(f"nodes.{node}") for node in ends):
@@ -357,18 +359,37 @@ class Drawer(ProgramDrawer):
     def _has_faults(self, path: str) -> bool:
         return any(fault.key == path or fault.key.startswith(f"{path}.") for fault in self.faults)
 
-    def _inputs(self, component: Component, path: str, given: Mapping[str, object]) -> dict[str, Any]:
-        """Sources of inputs: `{ from = "spool.speed" }`, or a signal."""
+    def _inputs(
+        self, component: Component, path: str, part: Mapping[str, object], values: Sequence[Params]
+    ) -> dict[str, Any]:
+        """Sources of inputs, or of the quantities that are said instead of them."""
+        others = component.alternatives
+        given = self._sources((*component.inputs, *others.values()), path, part)
+        for name, other in others.items():
+            if other.name in given and name in given:
+                self._fault(f"{path}.{other.name}", f"contradicts {name}; give one of the two")
+            elif other.name in given:
+                function = component.given_by[name]
+                classes = [each.type for each in component.arguments_of(function) if each.role is Role.PARAMS]
+                own = (next((each for each in values if isinstance(each, cls)), None) for cls in classes)
+                given[name] = Connection(function, (given[other.name], *filter(None, own)))
+            given.pop(other.name, None)
+        return given
+
+    def _sources(self, inputs: Sequence[Argument], path: str, part: Mapping[str, object]) -> dict[str, Any]:
+        """Sources of inputs by name: `{ from = "spool.speed" }`, or a signal."""
         found: dict[str, Any] = {}
         signals = {}
-        for key, entry in given.items():
+        kinds = {argument.name: argument.kind for argument in inputs if argument.name in part}
+        for key in kinds:
+            entry = part[key]
             match entry:
                 case {"from": str() as source, **rest} if not rest:
                     found[key] = source
                 case _:
                     signals[key] = entry
-        kinds = tuple((a.name, a.kind) for a in component.inputs if a.name in signals)
-        table = self._table(_signals_class(kinds), path, signals) if signals else None
+        own = tuple((key, kinds[key]) for key in signals)
+        table = self._table(_signals_class(own), path, signals) if signals else None
         return found | ({key: getattr(table, key) for key in signals} if table else {})
 
     def _start(self, component: Component, path: str, given: Any) -> Any:

@@ -19,7 +19,6 @@ from vvdp.systems.part_files import (
     GROUPS,
     PARTS,
     PORT,
-    VALUES,
     PartFile,
     ports_of,
     read_used_part,
@@ -54,13 +53,13 @@ def expand(table: Table, folder: Path) -> Expanded:
     faults: list[Fault] = []
     content, file = table.content, Path(table.place).name
     ports = ports_of(content)
-    if ports or VALUES in content:
+    if ports:
         words = f'only a part has this; use the file in another one: [parts.NAME] file = "{file}"'
-        faults.append(fault_at(table, f"nodes.{ports[0]}" if ports else VALUES, words))
+        faults.append(fault_at(table, f"nodes.{ports[0]}", words))
     for group in (*GROUPS, PARTS) if PARTS in content else ():
         inner_table(content, group, table, faults)
     _refuse(faults)
-    if PARTS not in content or "circuit" in content:
+    if PARTS not in content:
         return Expanded(table, {})
     top = PartFile(file, table, folder / file)
     circuit = DrawnCircuit(faults)

@@ -94,9 +94,9 @@ class Extras:
     CLOSED_FORMS: tuple[str, ...] = ()
     """Keys of what `closed_forms` gives."""
 
-    def __init__(self, system: "LoadedSystem") -> None:
+    def __init__(self, system: "LoadedSystem", tables: "Mapping[str, Any] | None" = None) -> None:
         self.system = system
-        self.tables: Mapping[str, Any] = system.tables
+        self.tables: Mapping[str, Any] = system.tables if tables is None else tables
 
     @property
     def temperature(self) -> "Signal":
@@ -130,3 +130,8 @@ class Extras:
     def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:  # noqa: ARG002
         """Further figures of a report, each over the columns of a table."""
         return ()
+
+
+def shows_all(system: LoadedSystem) -> bool:
+    """Whether the numbers that a system brings along are all that a user is shown of its valves."""
+    return system.extras is not None and system.extras.IS_ALL

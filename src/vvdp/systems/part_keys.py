@@ -34,8 +34,10 @@ def part_keys(part: PartType) -> PartKeys:
     elif isinstance(part, Assembly):
         classes, joined, optional = (part.params,), {*part.ports}, {"at", "start"}
     else:
-        joined = {*part.ports, *(each.name for each in part.inputs if each.default is None)}
-        classes, optional = tuple(part.params), {"at", "start", *(each.name for each in part.inputs)}
+        others = {each.name for each in part.alternatives.values()}
+        needed_inputs = {each.name for each in part.inputs if each.default is None and each.name not in part.given_by}
+        joined = {*part.ports, *needed_inputs}
+        classes, optional = tuple(part.params), {"at", "start", *others, *(each.name for each in part.inputs)}
     fields = {key for cls in classes for key in field_names(cls)}
     needed = {"type", *joined, *(fields - {key for cls in classes for key in default_values(cls)})}
     return PartKeys(frozenset(needed), frozenset({*needed, *fields, *optional}))

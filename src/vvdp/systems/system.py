@@ -56,11 +56,13 @@ from vvdp.systems.options import duration_of, lasting, option_keys, without_othe
 from vvdp.systems.own_modules import OwnModule, folder_of_saved, own_module
 from vvdp.systems.own_programs import absolute_fmus, own_code
 from vvdp.systems.program_reports import reported_programs
+from vvdp.systems.short_paths import full_settings, with_full_paths
 from vvdp.systems.spool_travel import rotary_valves
 from vvdp.valve.rotary import RotaryValve
 
 HEADINGS = ("title", "circuit")
 DRAWN = ("nodes", "components", "parts")
+OF_ANY_CIRCUIT = ("run", FAULTS, SHAPE)
 
 
 SAMPLES_PER_SWING = 20
@@ -140,8 +142,25 @@ class System:
     @cached_property
     def extras(self) -> Extras | None:
         """What the system brings along beyond others; None where that is nothing."""
-        found = self.circuit.network.extras
-        return reported_programs(self, self.stepping.sample_period) if found is None else found(self)
+        if found := self.circuit.network.extras:
+            return found(self, self.tables)
+        if (named := self.counterpart) and (found := named.circuit.network.extras):
+            return found(self, named.tables)
+        return reported_programs(self, self.stepping.sample_period)
+
+    @cached_property
+    def counterpart(self) -> "System | None":
+        """The circuit that a drawn file names, as its function draws it from the tables of the file; None where it names
+        none, and where the file draws another one."""
+        if self.function is not None or "circuit" not in self.content:
+            return None
+        try:
+            own = table_slots(network_function(self.content["circuit"], self.folder))
+            kept = {name: table for name, table in self.content.items() if name in (*own, *HEADINGS, *OF_ANY_CIRCUIT)}
+            found = built_system(Table(self.name, kept, {}), self.name, self.folder)
+        except (ConfigError, ParameterError):
+            return None
+        return found if found.circuit.network.is_drawn_like(self.circuit.network) else None
 
     @cached_property
     def shape(self) -> ValveShape | None:
@@ -241,6 +260,8 @@ def load_system(name: str, settings: Sequence[str] = (), until: str | None = Non
     """
     plain = system_table(name)
     place = readable(Path(name).stem), Path(name).parent
+    if settings:
+        settings = full_settings(plain, settings)
     table = with_settings(without_other_position(plain, settings), list(settings)) if settings else plain
     if until is not None:
         if "run.until" in option_keys(settings):
@@ -285,7 +306,9 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     """
     faults: list[Fault] = []
     expansion = expand(table, folder)
-    table = absolute_fmus(expansion.table, folder)
+    written = absolute_fmus(expansion.table, folder)
+    full = with_full_paths(written, faults)
+    table = full.table
     content = dict(table.content)
     run, method = _run_table(content.pop("run", None), table, faults)
     function = _function(table, folder, faults)
@@ -307,15 +330,15 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         except (NetworkError, ParameterError) as problem:
             faults.append(_locate_fault(without_class(str(problem)), table))
     if faults or circuit is None or stepping is None or run is None:
-        raise ConfigError(list(dict.fromkeys(map(expansion.locate, faults))))
+        raise ConfigError(list(dict.fromkeys(expansion.locate(full.locate(fault)) for fault in faults)))
     return System(
         name=name,
         title=str(table.content.get("title", name)),
         circuit=circuit,
         stepping=stepping,
         tables=values,
-        rows=tuple(rows),
-        content=table.content,
+        rows=full.rows(rows),
+        content=written.content,
         folder=folder,
         function=function,
         lengths=lengths,
@@ -420,7 +443,7 @@ def _locate_fault(message: str, table: Table) -> Fault:
 def _function(table: Table, folder: Path, faults: list[Fault]) -> NetworkFunction | None:
     """The function that draws the circuit; None where the file draws it itself, or names none."""
     name = table.content.get("circuit")
-    if name is None and not set(DRAWN).isdisjoint(table.content):
+    if not set(DRAWN).isdisjoint(table.content):
         return None
     line = table.lines.get("circuit", 0)
     if not isinstance(name, str):
