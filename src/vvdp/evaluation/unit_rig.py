@@ -50,9 +50,9 @@ def unit_on_rig(system: System, verb: str, part: str = "") -> System:
     Raises ConfigError if there is none, or if its inlet or spool joins what a rig does not have.
     """
     placed = chosen_valve(system, verb, part)
-    rig = system.counterpart or system
-    if isinstance(rig.extras, RotaryBench) and not isinstance(spool_source(rig.circuit.network), str):
-        return rig
+    bench = system.counterpart or system
+    if isinstance(bench.extras, RotaryBench) and not isinstance(spool_source(bench.circuit.network), str):
+        return bench
     rig = _Rig(system, placed, valve_unit(system, verb, placed.name))
     rig.refuse_others(verb)
     return built_system(Table(system.name, rig.content, {}), f"{system.name}-{placed.name}", system.folder)

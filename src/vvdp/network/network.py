@@ -116,7 +116,7 @@ class Network:
         self.positions: dict[str, tuple[float, float]] = {}
         self.groups: dict[str, Group] = {}
         self.circuits: dict[str, InnerCircuit] = {}
-        self.extras: Callable[[Any], Any] | None = None
+        self.extras: Callable[[Any, Mapping[str, Any]], Any] | None = None
 
     def volume(self, name: str, values: Chamber | Vessel, *, start: Start, oil: Oil | None = None) -> None:
         """Add oil under one pressure, at first `start` [Pa, absolute]."""
@@ -277,7 +277,7 @@ class Network:
 
     def is_drawn_like(self, other: "Network") -> bool:
         """Whether it has the nodes and components of another network, joined in the same way and with equal values."""
-        return _drawn(self) == _drawn(other)
+        return _drawing_of(self) == _drawing_of(other)
 
     def start_value(self, start: Start) -> float:
         """The number of a start value. Raises NetworkError where its path leads nowhere."""
@@ -356,7 +356,7 @@ class Network:
             raise NetworkError(f"{name} joins oils of different reference pressures: {ends}")
 
 
-def _drawn(network: Network) -> tuple[dict[str, Any], dict[str, Any]]:
+def _drawing_of(network: Network) -> tuple[dict[str, Any], dict[str, Any]]:
     """What a network is drawn of: the type of each node; type, values and nodes of each component."""
     nodes = {name: type(node) for name, node in network.nodes.items()}
     parts = {part.name: (part.component, _own_values(part), dict(part.nodes)) for part in network.parts.values()}

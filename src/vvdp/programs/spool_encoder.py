@@ -7,12 +7,10 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, Count, Fraction, FractionSignal, Length
 from vvdp.base.params import Params
 from vvdp.base.rules import require_positive
-from vvdp.estimation.estimator import Estimate, to_estimate
+from vvdp.estimation.estimator import Estimate
 from vvdp.estimation.event_filter import event_filter_step
 from vvdp.estimation.event_memory import EventFilterMemory, event_filter_start
 from vvdp.estimation.event_settings import EventFilter, EventFilterValues, event_filter
-from vvdp.network.network import Network
-from vvdp.network.program import ProgramType
 from vvdp.sensing.encoder import (
     NO_FAULTS,
     SAMPLED,

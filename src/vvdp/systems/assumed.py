@@ -2,8 +2,11 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from vvdp.base.tables import Sourced
+from vvdp.components.drives import DRIVE_COUPLING
+from vvdp.network.network import Network
 
 MOST_NAMED = 3
 """So many tables are named; the others are added up."""
@@ -24,6 +27,18 @@ def is_idle(row: Sourced, values: Mapping[str, float]) -> bool:
     values  of all rows, by table and key [SI]
     """
     return bool(row.idle_at) and all(values.get(setting) == 0.0 for setting in row.idle_at)
+
+
+def with_idle_speeds(rows: Sequence[Sourced], network: Network) -> list[Sourced]:
+    """The rows of a drawn circuit; the speed of a shaft that turns spools through couplings alone is without effect
+    while these do not couple."""
+    couplings: dict[str, list[str]] = {}
+    for part in network.parts.values():
+        for port, node in part.nodes.items():
+            coupling = f"components.{part.name}.coupling" if (part.component, port) == (DRIVE_COUPLING, "motor") else ""
+            couplings.setdefault(f"nodes.{node}.speed", []).append(coupling)
+    idle = {speed: tuple(each) for speed, each in couplings.items() if all(each)}
+    return [replace(row, idle_at=idle[row.setting]) if row.setting in idle else row for row in rows]
 
 
 def assumed_words(rows: Sequence[Sourced]) -> str:

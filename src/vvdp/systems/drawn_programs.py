@@ -73,7 +73,13 @@ class ProgramDrawer(ABC):
         for each in kinds.written.values():
             if not self._has_faults(each.path):
                 self._add_program(net, each, kinds)
-        self.rows[:] = [row for row in self.rows if row.value not in (-LARGEST, LARGEST)]  # no limit is no value
+        times = field_kinds(ProgramTimes)
+        self.rows[:] = [
+            row
+            for row in self.rows
+            if row.value not in (-LARGEST, LARGEST)  # no limit is no value
+            and not (row.note == "default" and row.key in times and row.table.startswith("programs."))
+        ]
 
     def _written_part(self, name: str, part: Mapping[str, object]) -> "WrittenPart | None":
         """A program as it stands in the file, with its inputs by name; None where its type or keys are wrong."""

@@ -27,85 +27,91 @@ FAULTS = "faults"
 
 @dataclass(frozen=True)
 class FullTable:
-    """A drawn circuit in which each value stands with its node, component or program; `short` are the paths of the file
-    for those that stand elsewhere in it."""
+    """A drawn circuit in which each value stands with its node, component or program.
+
+    short  the paths that the file has for values that stand elsewhere in it
+    order  the tables of the file
+    """
 
     table: Table
     short: Mapping[str, str]
+    order: tuple[str, ...] = ()
+
+    def path_of(self, full: str) -> str:
+        """The path of a value in the file; of one that it leaves out, that of the table in which it would stand."""
+        group, _, rest = full.partition(".")
+        is_inner = group in GROUPS and rest.partition(".")[0] in self.order
+        return self.short.get(full, rest if is_inner else full)
 
     def locate(self, fault: Fault) -> Fault:
         """A fault at the path that the file has."""
-        path = self.short.get(fault.key)
-        return fault if path is None else replace(fault, key=path)
+        return replace(fault, key=self.path_of(fault.key))
 
     def rows(self, rows: Sequence[Sourced]) -> tuple[Sourced, ...]:
-        """Values under the paths that the file has, each once, where it has some in the order of its tables."""
+        """Values under the paths that the file has, each once; with short paths, in the order of the file's tables."""
         if not self.short:
             return tuple(rows)
-        places = {path: number for number, path in enumerate(dict.fromkeys(self.short.values()))}
-        named = {row.setting: row for row in map(self._rename, reversed(rows))}
-        return tuple(sorted(reversed(named.values()), key=lambda row: places.get(row.setting, -1)))
+        named: dict[str, Sourced] = {}
+        for row in map(self._rename, rows):
+            named.setdefault(row.setting, row)
+        places = {table: number for number, table in enumerate(self.order)}
+        return tuple(sorted(named.values(), key=lambda row: places.get(row.table.partition(".")[0], 0)))
 
     def _rename(self, row: Sourced) -> Sourced:
-        path = self.short.get(row.setting)
-        if path is None:
-            return row
-        table, _, key = path.rpartition(".")
-        return replace(row, table=table, key=key)
+        table, _, key = self.path_of(row.setting).rpartition(".")
+        return replace(row, table=table, key=key, idle_at=tuple(map(self.path_of, row.idle_at)))
 
 
 def with_full_paths(table: Table, faults: list[Fault]) -> FullTable:
     """The drawn circuit with all values at their full paths; faults are appended for those that stand twice.
 
-    A table that is not drawn is returned as it is.
+    A table in which nothing is drawn is returned as it is.
     """
     names = _names(table.content)
-    targets = dict(_targets(as_table(table.content.get(VALUES)), ()))
     if not names:
         return FullTable(table, {})
+    targets = dict(_targets(as_table(table.content.get(VALUES)), ()))
     _refuse_targets(targets, names, table, faults)
     content, lines, short = copy_tables(table.content), dict(table.lines), dict[str, str]()
     content.pop(VALUES, None)
-    for name, given in table.content.items():
-        if not isinstance(given, Mapping) or (name in TABLES and name not in OWN) or name in ("run", VALUES):
-            continue
-        for key, entry in given.items():
-            outer = f"{name}.{key}"
-            paths = targets.get(outer, (f"{names[name]}.{outer}",) if name in names and name not in OWN else ())
-            for path in paths:
-                if _has(table.content, path):
-                    faults.append(fault_at(table, outer, f"is given twice; {path} stands in the file as well"))
-                _set(content, path, entry)
-                lines |= {path + line.removeprefix(outer): at for line, at in lines.items() if _is_below(line, outer)}
-                short[path] = outer
-            if paths and not (name in OWN and key in field_names(OWN[name])):
-                del content[name][key]
-        if name not in OWN and not content[name]:
-            del content[name]
+    for outer, entry in _short_entries(table.content):
+        name, _, key = outer.partition(".")
+        usual = (f"{names[name]}.{outer}",) if name in names and name not in OWN else ()
+        paths = targets.get(outer, usual)
+        for path in paths:
+            if _has(table.content, path) or path in short:
+                words = f"is given twice; {short.get(path, path)} stands in the file as well"
+                faults.append(fault_at(table, outer, words))
+            _set(content, path, entry)
+            lines |= {path + line.removeprefix(outer): at for line, at in lines.items() if _is_below(line, outer)}
+            short[path] = outer
+        if paths and not (name in OWN and key in field_names(OWN[name])):
+            del content[name][key]
+    content = {name: inner for name, inner in content.items() if inner != {} or name in OWN}
     if isinstance(content.get(FAULTS), Mapping):
         content[FAULTS] = {name: _fault_with_full_path(each, short) for name, each in content[FAULTS].items()}
-    return FullTable(Table(table.place, content, lines), short)
+    return FullTable(Table(table.place, content, lines), short, tuple(table.content))
 
 
 def full_settings(table: Table, settings: Sequence[str]) -> list[str]:
     """Settings of the form path=value as `table` has their paths: a full one where it has a short one, and the other
     way round."""
-    short = with_full_paths(table, []).short
-    names = _names(table.content)
-
-    def path_of(given: str) -> str:
-        name, _, key = given.partition(".")
-        if given in short:
-            return short[given]
-        if name in names and name not in table.content:
-            return f"{names[name]}.{given}"
-        return given
-
+    short, names = with_full_paths(table, []).short, _names(table.content)
     found = []
     for setting in settings:
         path, equals, value = setting.partition("=")
-        found.append(path_of(path.strip()) + equals + value)
+        path = path.strip()
+        name = path.partition(".")[0]
+        full = f"{names[name]}.{path}" if name in names and name not in OWN else path
+        found.append(short.get(full, path if name in table.content else full) + equals + value)
     return found
+
+
+def _short_entries(content: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """The entries that may belong to a node, component or program, by their paths in the file."""
+    for name, given in content.items():
+        if isinstance(given, Mapping) and name not in ("run", VALUES) and (name in OWN or name not in TABLES):
+            yield from ((f"{name}.{key}", entry) for key, entry in given.items())
 
 
 def _names(content: Mapping[str, Any]) -> dict[str, str]:

@@ -1,7 +1,6 @@
 """Reading a system: from a shipped name or a file to checked values and a circuit that is ready to run."""
 
 import os
-import traceback
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields, replace
@@ -38,11 +37,9 @@ from vvdp.network.network import Network
 from vvdp.network.sense import check_sense
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Method, Stepping
-from vvdp.systems.assumed import assumed_rows
+from vvdp.systems.assumed import assumed_rows, with_idle_speeds
 from vvdp.systems.circuits import (
     NetworkFunction,
-    TableSlot,
-    circuit_names,
     draw,
     network_function,
     table_slots,
@@ -52,6 +49,7 @@ from vvdp.systems.expansion import expand
 from vvdp.systems.extras import Extras
 from vvdp.systems.fault_tables import FAULTS, FaultReader
 from vvdp.systems.faults import NamedFault, OtherValue, change_entries, change_tables, faulty_network
+from vvdp.systems.function_circuits import DRAWN, circuit_function, keys_of, network_of, read_tables
 from vvdp.systems.options import duration_of, lasting, option_keys, without_other_position
 from vvdp.systems.own_modules import OwnModule, folder_of_saved, own_module
 from vvdp.systems.own_programs import absolute_fmus, own_code
@@ -61,7 +59,6 @@ from vvdp.systems.spool_travel import rotary_valves
 from vvdp.valve.rotary import RotaryValve
 
 HEADINGS = ("title", "circuit")
-DRAWN = ("nodes", "components", "parts")
 OF_ANY_CIRCUIT = ("run", FAULTS, SHAPE)
 
 
@@ -142,16 +139,15 @@ class System:
     @cached_property
     def extras(self) -> Extras | None:
         """What the system brings along beyond others; None where that is nothing."""
-        if found := self.circuit.network.extras:
-            return found(self, self.tables)
-        if (named := self.counterpart) and (found := named.circuit.network.extras):
-            return found(self, named.tables)
-        return reported_programs(self, self.stepping.sample_period)
+        drawn = self.counterpart or self
+        extras = drawn.circuit.network.extras
+        found: Extras | None = extras and extras(self, drawn.tables)
+        return found or reported_programs(self, self.stepping.sample_period)
 
     @cached_property
     def counterpart(self) -> "System | None":
-        """The circuit that a drawn file names, as its function draws it from the tables of the file; None where it names
-        none, and where the file draws another one."""
+        """The circuit that a drawn file names, as its function draws it from the tables of the file; None where it
+        names none, and where the file draws another one."""
         if self.function is not None or "circuit" not in self.content:
             return None
         try:
@@ -311,7 +307,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     table = full.table
     content = dict(table.content)
     run, method = _run_table(content.pop("run", None), table, faults)
-    function = _function(table, folder, faults)
+    function = circuit_function(table, folder, faults)
     _refuse_unknown_tables(function, table, faults)
     content.pop(FAULTS, None)
     lengths = None if function is not None and SHAPE in table_slots(function) else content.pop(SHAPE, None)
@@ -322,20 +318,16 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         rows += [row for row in run[1] if (row.key, row.note) != ("longest_step", "default")]  # none
     if network is not None and lengths is not None:
         rows += _shape_rows(lengths, rotary_valves(network, values), table, faults)
-    circuit = stepping = None
+    built = None
     if network is not None and run is not None and not faults:
-        try:
-            circuit, stepping = _sensible_circuit(network, function), run[0].stepping(method)
-            _check_temperature(network.temperature, stepping.sample_period)
-        except (NetworkError, ParameterError) as problem:
-            faults.append(_locate_fault(without_class(str(problem)), table))
-    if faults or circuit is None or stepping is None or run is None:
+        built = _circuit_and_stepping(network, function is None, (run[0], method), table, faults)
+    if faults or built is None:
         raise ConfigError(list(dict.fromkeys(expansion.locate(full.locate(fault)) for fault in faults)))
     return System(
         name=name,
         title=str(table.content.get("title", name)),
-        circuit=circuit,
-        stepping=stepping,
+        circuit=built[0],
+        stepping=built[1],
         tables=values,
         rows=full.rows(rows),
         content=written.content,
@@ -347,11 +339,20 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     )
 
 
-def _sensible_circuit(network: Network, function: NetworkFunction | None) -> Circuit:
-    """The circuit of a network; one that a file draws has to make sense too. Raises NetworkError."""
-    if function is None:
-        check_sense(network)
-    return build_circuit(network)
+def _circuit_and_stepping(
+    network: Network, is_drawn: bool, run: tuple[RunTable, Method], table: Table, faults: list[Fault]
+) -> tuple[Circuit, Stepping] | None:
+    """The circuit of a network, which has to make sense where a file draws it, and how it is stepped; None, and a
+    fault, where that cannot be."""
+    try:
+        if is_drawn:
+            check_sense(network)
+        stepping = run[0].stepping(run[1])
+        _check_temperature(network.temperature, stepping.sample_period)
+        return build_circuit(network), stepping
+    except (NetworkError, ParameterError) as problem:
+        faults.append(_locate_fault(without_class(str(problem)), table))
+        return None
 
 
 def _refuse_unknown_tables(function: NetworkFunction | None, table: Table, faults: list[Fault]) -> None:
@@ -361,9 +362,9 @@ def _refuse_unknown_tables(function: NetworkFunction | None, table: Table, fault
     if function is None and set(DRAWN).isdisjoint(table.content):
         return  # it is not known which tables there should be
     own = TABLES if function is None else (*table_slots(function), FAULTS, SHAPE)
-    meant = [f"run.{key}" for key in (*_fields(RunTable), "method")]
+    meant = [f"run.{key}" for key in (*keys_of(RunTable), "method")]
     if function is None:
-        meant += [f"operation.{key}" for key in _fields(Temperature)]
+        meant += [f"operation.{key}" for key in keys_of(Temperature)]
     refuse_unknown(table.content, (*HEADINGS, *own, "run", *meant), "", table, faults)
 
 
@@ -384,11 +385,12 @@ def _draw(
 ) -> Drawing:
     """What a file draws, through its function or by itself."""
     if function is not None:
-        values, rows = _tables(function, content, table, faults)
-        return Drawing(None if faults else _drawn_by(function, values, table, faults), rows, values)
+        values, rows = read_tables(function, content, table, faults)
+        return Drawing(None if faults else network_of(function, values, table, faults), rows, values)
     if set(DRAWN).isdisjoint(content):
         return Drawing(None, [], {})
-    return draw_network(content, table, faults, folder)
+    found = draw_network(content, table, faults, folder)
+    return found if found.network is None else found._replace(rows=with_idle_speeds(found.rows, found.network))
 
 
 def _fail(
@@ -408,7 +410,7 @@ def _fail(
     def redraw(others: Sequence[OtherValue]) -> Network | None:
         if function is None:
             return draw_network(change_entries(content, others), table, wrong, folder).network
-        return _drawn_by(function, change_tables(drawing.tables, others), table, wrong)
+        return network_of(function, change_tables(drawing.tables, others), table, wrong)
 
     network = None
     try:
@@ -440,26 +442,6 @@ def _locate_fault(message: str, table: Table) -> Fault:
     return Fault(table.place, 0, "", message)
 
 
-def _function(table: Table, folder: Path, faults: list[Fault]) -> NetworkFunction | None:
-    """The function that draws the circuit; None where the file draws it itself, or names none."""
-    name = table.content.get("circuit")
-    if not set(DRAWN).isdisjoint(table.content):
-        return None
-    line = table.lines.get("circuit", 0)
-    if not isinstance(name, str):
-        what = "missing" if name is None else f"{name!r} is not a circuit"
-        message = f"{what}; expected {', '.join(circuit_names())}, module:function, or tables [nodes] and [components]"
-        faults.append(Fault(table.place, line, "circuit", message))
-        return None
-    try:
-        function = network_function(name, folder)
-        table_slots(function)
-    except ParameterError as problem:
-        faults.append(Fault(table.place, line, "circuit", str(problem)))
-        return None
-    return function
-
-
 def _run_table(given: Any, table: Table, faults: list[Fault]) -> tuple[tuple[RunTable, list[Sourced]] | None, Method]:
     """The [run] table and its method."""
     if not isinstance(given, Mapping):
@@ -474,68 +456,6 @@ def _run_table(given: Any, table: Table, faults: list[Fault]) -> tuple[tuple[Run
     found, rows = build(RunTable, content, "run", table, faults)
     rows = [replace(row, status="given") if row.note == "default" else row for row in rows]  # not on the circuit
     return (None if found is None else (found, rows)), method
-
-
-def _tables(
-    function: NetworkFunction, content: Mapping[str, object], table: Table, faults: list[Fault]
-) -> tuple[dict[str, Any], list[Sourced]]:
-    """The values of the tables that a circuit takes, and where each comes from."""
-    slots = table_slots(function)
-    values: dict[str, Any] = {}
-    rows: list[Sourced] = []
-    for key, slot in slots.items():
-        part = content.get(key)
-        if part is None and slot.optional:
-            continue
-        if not isinstance(part, Mapping):
-            what = "missing table" if part is None else f"{part!r} is not a table"
-            faults.append(Fault(table.place, table.lines.get(key, 0), key, what))
-            continue
-        cls = _class(slot, key, part, table, faults)
-        others = {field for other in slot.classes if other is not cls for field in _fields(other)} - _fields(cls)
-        values[key], found = build(cls, {k: v for k, v in part.items() if k not in others}, key, table, faults)
-        rows += found
-    return values, rows
-
-
-def _class(slot: TableSlot, name: str, part: Mapping[str, object], table: Table, faults: list[Fault]) -> type[Params]:
-    """The class of a table, with a fault where its keys belong to two."""
-    cls = slot.choice(part)
-    own = _fields(cls)
-    for other in slot.classes:
-        for key in part.keys() & (_fields(other) - own):
-            instead = ", ".join(sorted(own - _fields(other)))
-            message = f"contradicts {name}.{instead}; give one of the two"
-            faults.append(Fault(table.place, table.lines.get(f"{name}.{key}", 0), f"{name}.{key}", message))
-    return cls
-
-
-def _fields(cls: type[Params]) -> set[str]:
-    return {field.name for field in fields(cls)}  # type: ignore[arg-type]
-
-
-def _drawn_by(
-    function: NetworkFunction, values: Mapping[str, object], table: Table, faults: list[Fault]
-) -> Network | None:
-    """The network that a function draws, with a fault where it cannot."""
-    try:
-        network = draw(function, values)
-    except (NetworkError, ParameterError) as problem:
-        key, _, message = str(problem).partition(": ")
-        line = table.lines.get(key, 0)
-        text = message if line else without_class(str(problem))
-        faults.append(Fault(table.place, line, key if line else "", text))
-        return None
-    except Exception as problem:  # of code that is not ours
-        at = traceback.extract_tb(problem.__traceback__)[-1]
-        what = f"{type(problem).__name__}: {problem} ({at.filename}:{at.lineno})"
-        faults.append(Fault(table.place, table.lines.get("circuit", 0), "circuit", f"cannot be drawn: {what}"))
-        return None
-    if not isinstance(network, Network):
-        name = function.__qualname__
-        faults.append(Fault(table.place, table.lines.get("circuit", 0), "circuit", f"{name} returns no Network"))
-        return None
-    return network
 
 
 def _method(word: object, table: Table, faults: list[Fault]) -> Method:

@@ -1,0 +1,100 @@
+"""Circuits that a function draws from the tables of a system file."""
+
+import traceback
+from collections.abc import Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from vvdp.base.errors import Fault, NetworkError, ParameterError
+from vvdp.base.params import Params
+from vvdp.base.rules import without_class
+from vvdp.base.tables import Sourced, Table, build
+from vvdp.network.network import Network
+from vvdp.systems.circuits import NetworkFunction, TableSlot, circuit_names, draw, network_function, table_slots
+
+DRAWN = ("nodes", "components", "parts")
+"""Tables of which a file that draws its circuit has one."""
+
+
+def circuit_function(table: Table, folder: Path, faults: list[Fault]) -> NetworkFunction | None:
+    """The function that draws the circuit; None where the file draws it itself, or names none."""
+    name = table.content.get("circuit")
+    if not set(DRAWN).isdisjoint(table.content):
+        return None
+    line = table.lines.get("circuit", 0)
+    if not isinstance(name, str):
+        what = "missing" if name is None else f"{name!r} is not a circuit"
+        message = f"{what}; expected {', '.join(circuit_names())}, module:function, or tables [nodes] and [components]"
+        faults.append(Fault(table.place, line, "circuit", message))
+        return None
+    try:
+        function = network_function(name, folder)
+        table_slots(function)
+    except ParameterError as problem:
+        faults.append(Fault(table.place, line, "circuit", str(problem)))
+        return None
+    return function
+
+
+def read_tables(
+    function: NetworkFunction, content: Mapping[str, object], table: Table, faults: list[Fault]
+) -> tuple[dict[str, Any], list[Sourced]]:
+    """The values of the tables that a circuit takes, and where each comes from."""
+    slots = table_slots(function)
+    values: dict[str, Any] = {}
+    rows: list[Sourced] = []
+    for key, slot in slots.items():
+        part = content.get(key)
+        if part is None and slot.optional:
+            continue
+        if not isinstance(part, Mapping):
+            what = "missing table" if part is None else f"{part!r} is not a table"
+            faults.append(Fault(table.place, table.lines.get(key, 0), key, what))
+            continue
+        cls = _class(slot, key, part, table, faults)
+        others = {field for other in slot.classes if other is not cls for field in keys_of(other)} - keys_of(cls)
+        values[key], found = build(cls, {k: v for k, v in part.items() if k not in others}, key, table, faults)
+        rows += found
+    return values, rows
+
+
+def _class(slot: TableSlot, name: str, part: Mapping[str, object], table: Table, faults: list[Fault]) -> type[Params]:
+    """The class of a table, with a fault where its keys belong to two."""
+    cls = slot.choice(part)
+    own = keys_of(cls)
+    for other in slot.classes:
+        for key in part.keys() & (keys_of(other) - own):
+            instead = ", ".join(sorted(own - keys_of(other)))
+            message = f"contradicts {name}.{instead}; give one of the two"
+            faults.append(Fault(table.place, table.lines.get(f"{name}.{key}", 0), f"{name}.{key}", message))
+    return cls
+
+
+def keys_of(cls: type[Params]) -> set[str]:
+    """The keys of a table of this class."""
+    return {field.name for field in fields(cls)}  # type: ignore[arg-type]
+
+
+def network_of(
+    function: NetworkFunction, values: Mapping[str, object], table: Table, faults: list[Fault]
+) -> Network | None:
+    """The network that a function draws, with a fault where it cannot."""
+    try:
+        network = draw(function, values)
+    except (NetworkError, ParameterError) as problem:
+        key, _, message = str(problem).partition(": ")
+        line = table.lines.get(key, 0)
+        text = message if line else without_class(str(problem))
+        faults.append(Fault(table.place, line, key if line else "", text))
+        return None
+    except Exception as problem:  # of code that is not ours
+        at = traceback.extract_tb(problem.__traceback__)[-1]
+        what = f"{type(problem).__name__}: {problem} ({at.filename}:{at.lineno})"
+        faults.append(Fault(table.place, table.lines.get("circuit", 0), "circuit", f"cannot be drawn: {what}"))
+        return None
+    if not isinstance(network, Network):
+        name = function.__qualname__
+        faults.append(Fault(table.place, table.lines.get("circuit", 0), "circuit", f"{name} returns no Network"))
+        return None
+    return network
