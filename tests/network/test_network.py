@@ -591,7 +591,7 @@ def test_longer_helix_moves_the_spool_further():
     """The position follows from the duty ratio and the valve, which stands among the parameters once."""
     from vvdp.systems.system import load_system
 
-    system = load_system("prototype")
+    system = load_system("prototype").counterpart
     params = system.case.params
     longer = replace(params.valve, helix_length=1.1 * params.valve.helix_length)
     case = system.circuit.case_of(replace(params, valve=longer))

@@ -1,6 +1,5 @@
 """A spool that jams while the bench runs: how soon the program that watches it says so, and what it states."""
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -8,20 +7,13 @@ import pytest
 
 from vvdp.base.arrays import Array
 from vvdp.base.display import percent
-from vvdp.base.signal import step
-from vvdp.components.shafts import LOAD_TORQUE
 from vvdp.estimation.estimator import Estimate
 from vvdp.evaluation.summary import Summary, summary
-from vvdp.hydraulics.friction import smooth_sign
-from vvdp.machines.rotary_bench import orifice_load
-from vvdp.network.build import build
-from vvdp.network.nodes import Connection
 from vvdp.runs.bench import bench_series
 from vvdp.runs.bench_charts import bench_charts
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.record import record_of
 from vvdp.simulation.run import Run, simulate
-from vvdp.systems.circuits import draw
 from vvdp.systems.system import System, load_system
 
 pytestmark = pytest.mark.heavy
@@ -44,21 +36,17 @@ class Jam(NamedTuple):
     estimate: Estimate
 
 
-def jam_torque(torque, speed):
-    """Dry friction [N m] that brakes the spool."""
-    return -torque * smooth_sign(speed, 0.02)
+def _fault(at, torque):
+    return {"jams": "spool", "torque": f"{torque} N*m", "begin": f"{at} s"}
 
 
 def jam(at, torque, seed, until):
     """A run of the prototype in which dry friction of `torque` [N m] seizes the spool `at` a time [s]."""
-    system = load_system("prototype", [*SETTINGS, f"encoder.seed={seed}"], until=until)
-    network = draw(orifice_load, system.tables)
-    friction = Connection(jam_torque, (step(0.0, torque, at), "spool.speed"))
-    network.add("jam", LOAD_TORQUE, shaft="spool", torque=friction)
-    system = replace(system, circuit=build(network))
+    fault = [f"faults.jam.{key}={value}" for key, value in _fault(at, torque).items()]
+    system = load_system("prototype", [*SETTINGS, *fault, f"encoder.seed={seed}"], until=until)
     run = simulate(system.model, system.case, system.stepping)
-    sampled = run.memory["encoder"].encoder
-    return Jam(system, run, summary(system, run), sampled.time, sampled.speed, run.command.encoder)
+    sampled = run.memory["encoder"]
+    return Jam(system, run, summary(system, run), sampled.time, sampled.speed, run.command.spool_filter)
 
 
 @pytest.fixture(scope="module")
@@ -101,7 +89,7 @@ def test_a_spool_jams_with_the_motor_that_drives_it():
     )
     system = load_system("prototype", [*SETTINGS, *driven], until="1 s")
     run = simulate(system.model, system.case, system.stepping)
-    told = run.memory["encoder"].encoder.time[run.command.encoder.standstill > 0.5]
+    told = run.memory["encoder"].time[run.command.spool_filter.standstill > 0.5]
     assert 0.8 < told[0] < 0.8 + SOON
     assert summary(system, run)["standstill_time_s"] == pytest.approx(1.0 - told[0], abs=0.003)
 

@@ -98,7 +98,7 @@ def test_all_faults_are_told_at_once():
     [
         (
             ["operation.axial_position=5 mm", "operation.duty_ratio=0.2"],
-            wording.files.contradicts.format(key="operation.duty_ratio"),
+            "operation.duty_ratio: " + wording.files.contradicts.format(key="axial_position"),
         ),
         (["engine.speed=3 rpm"], wording.files.unknown_table),
         (["operation.oil_temperature=warm"], "oil_temperature"),
@@ -151,7 +151,9 @@ def test_missing_key_and_missing_table(tmp_path):
         wording.files.missing_key.format(key="volume") in fault
         for fault in broken(tmp_path, "volume = {", "volumes = {")
     )
-    assert any(wording.files.missing_table in fault for fault in broken(tmp_path, "[motor]", "[engine]"))
+    found = broken(tmp_path, "[motor]", "[engine]")
+    assert [fault for fault in found if "engine" in fault and wording.files.unknown_table in fault]
+    assert any("components.load: " in fault for fault in broken(tmp_path, "[load]\n", "[loads]\n"))
 
 
 def test_circuit_that_does_not_exist(tmp_path):

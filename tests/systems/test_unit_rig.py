@@ -51,10 +51,11 @@ def test_the_rig_has_the_values_of_the_circuit(name, part):
     assert {key: getattr(there, key) for key in HELD} == pytest.approx(held, rel=4e-16)
 
 
-def test_a_circuit_that_is_a_rig_already_is_the_same_system():
+def test_a_circuit_that_is_drawn_like_a_rig_is_that_rig():
     system = load_system("prototype")
-    assert unit_on_rig(system, "map") is system
-    assert unit_on_rig(system, "map", "valve") is system
+    assert unit_on_rig(system, "map") is system.counterpart
+    assert unit_on_rig(system, "map", "valve") is system.counterpart
+    assert unit_on_rig(system.counterpart, "map") is system.counterpart
 
 
 def without_rotor(system):

@@ -103,7 +103,7 @@ def test_a_type_that_is_no_text(table, word):
 def test_a_shaft_has_no_oil():
     text = DRAWN.replace("[run]", '[nodes.shaft]\ntype = "driven-shaft"\nspeed = "100 rpm"\noil = "other"\n[run]')
     (told,) = faults(text)
-    assert told.endswith("nodes.shaft.oil: unknown key; expected one of speed")
+    assert told.endswith("nodes.shaft.oil: unknown key; expected one of rated_power, speed")
 
 
 @pytest.mark.parametrize("name", [name for name, text in shipped_systems().items() if "[[" not in text])

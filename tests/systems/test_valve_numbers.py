@@ -2,6 +2,7 @@
 
 import math
 import tomllib
+from dataclasses import replace
 from importlib import resources
 
 import numpy as np
@@ -147,7 +148,9 @@ def test_the_unit_is_found_in_the_network(half):
 @pytest.mark.parametrize("name", ["prototype", "prototype-constant-load", "vvdp-duty-control"])
 def test_the_network_has_what_the_tables_say(name):
     system = load_system(name)
-    assert valve_unit(system, "valve") == system.extras.unit
+    found, said = valve_unit(system, "valve"), system.extras.unit
+    assert vars(found.oil) == vars(said.oil)
+    assert replace(found, oil=said.oil) == said
 
 
 def test_of_several_one_is_asked_for():

@@ -24,29 +24,34 @@ WHOLE = ("run.window=0 s",)
 """All of the run is kept."""
 
 
-def without(*tables):
+def unwatched():
+    """The prototype without its programs and what is said of them."""
     table = system_table("prototype")
-    return Table(table.place, {k: v for k, v in table.content.items() if k not in tables}, table.lines)
+    content = {k: v for k, v in table.content.items() if k not in ("programs", "encoder", "spool_filter")}
+    values = {k: v for k, v in content["values"].items() if k != "encoder"}
+    initial = {**values["initial"], "spool_angle": "nodes.spool.angle"}
+    return Table(table.place, {**content, "values": {**values, "initial": initial}}, table.lines)
 
 
 def test_the_loop_takes_the_same_steps_as_plain_python(ran):
     """Rows at the samples show the estimate of the sample before; its readings follow from the rows themselves."""
     _, run = ran("prototype", ["run.window=0 s"], "0.2 s")
-    settings = load_system("prototype").case.settings["encoder"]
-    spool, found = run.state.spool, run.command.encoder._asdict()
-    sensor = encoder_start(settings.encoder, 0.0, float(spool.angle[0]), 1.0)
-    memory = event_filter_start(settings.filter, 0.0, 0.0, 0.0)
+    settings = load_system("prototype").case.settings
+    wheel, belief = settings["encoder"].encoder, settings["spool_filter"]
+    spool, found = run.state.spool, run.command.spool_filter._asdict()
+    sensor = encoder_start(wheel, 0.0, float(spool.angle[0]), 1.0)
+    memory = event_filter_start(belief, 0.0, 0.0, 0.0)
     for k in range(run.times.size - 1):
         shaft = Shaft(float(run.times[k]), float(spool.angle[k]), float(spool.speed[k]))
-        sensor, reading = encoder_step(sensor, shaft, settings.encoder)
-        memory, estimate = event_filter_step(memory, reading, settings.filter)
+        sensor, reading = encoder_step(sensor, shaft, wheel)
+        memory, estimate = event_filter_step(memory, reading, belief)
         for name in ("angle", "speed", "angle_deviation", "innovation", "missed_edges"):
             assert found[name][k + 1] == pytest.approx(getattr(estimate, name), rel=1e-9, abs=1e-9), (name, k)
 
 
 def test_watching_changes_nothing_of_what_is_watched():
     watched = load_system("prototype", until="0.1 s")
-    alone = built_system(without("encoder", "spool_filter"), "prototype")
+    alone = built_system(unwatched(), "prototype")
     alone_run = simulate(alone.model, alone.case, watched.stepping)
     watched_run = simulate(watched.model, watched.case, watched.stepping)
     assert np.array_equal(flat(alone_run.state), flat(watched_run.state))
@@ -79,7 +84,7 @@ def test_the_estimate_knows_how_good_it_is(ran):
 
 def test_missed_edges_are_known_and_cost_no_sector(ran):
     found, run = ran("prototype", ["encoder.missed_edges=0.2"], "2 s")
-    errors = estimate_errors(run.command.encoder._asdict(), run.memory["encoder"].encoder._asdict(), 0.0).angle
+    errors = estimate_errors(run.command.spool_filter._asdict(), run.memory["encoder"]._asdict(), 0.0).angle
     assert np.max(np.abs(errors[run.times > 0.5])) < 0.5 * SECTOR
     spool = run.state.spool
     count = (spool.angle[-1] - spool.angle[0]) / SECTOR
@@ -106,7 +111,7 @@ def test_errors_over_a_reversal_are_against_what_the_spool_has_turned_through():
 def test_the_encoder_remembers_the_spool_of_the_last_sample(ran):
     """Rows at the samples show what was held until then: the spool one row before."""
     _, run = ran("prototype", ["run.window=0 s"], "0.2 s")
-    spool, sampled = run.state.spool, run.memory["encoder"].encoder
+    spool, sampled = run.state.spool, run.memory["encoder"]
     for shown, true in ((sampled.time, run.times), (sampled.angle, spool.angle), (sampled.speed, spool.speed)):
         assert shown[1:] == pytest.approx(true[:-1], rel=1e-12)
 
@@ -116,7 +121,7 @@ def test_a_short_run_has_no_errors_to_tell(ran):
 
 
 def test_the_filter_of_the_prototype_is_the_usual_one():
-    values = load_system("prototype").tables["spool_filter"]
+    values = load_system("prototype").case.settings["spool_filter"]
     usual = event_filter(equal_wheel(8))
     own = {"ripple_order", "ripple_variance", "ripple_drift"}
     assert values.ripple_order == load_system("prototype").tables["valve"].sections
@@ -124,12 +129,6 @@ def test_the_filter_of_the_prototype_is_the_usual_one():
         if field.name in own:
             continue
         assert getattr(values, field.name) == pytest.approx(getattr(usual, field.name), rel=1e-12), field.name
-
-
-@pytest.mark.parametrize("missing", ["encoder", "spool_filter"])
-def test_half_of_the_tables_is_refused(missing):
-    with pytest.raises(ConfigError, match="table " + wording.systems.is_missing.format(table=missing)):
-        built_system(without(missing), "prototype")
 
 
 @pytest.mark.parametrize(

@@ -42,7 +42,7 @@ class Steady:
         if self.periodic is None or self.periodic.outcome is None:
             return {}
         bench = self.stand.at(self.point)
-        return simulated_summary(self.periodic.outcome, replace(bench.system, tables=bench.tables))
+        return simulated_summary(self.periodic.outcome, replace(bench.system, own_tables=bench.tables))
 
 
 def steady_states(

@@ -201,7 +201,7 @@ class Drawer(ProgramDrawer):
         oil = self._table(UsualOil, "oil", self._inner("oil"))
         heat = self._given_table(Temperature, "operation")
         if oil is None:
-            return None
+            oil = UsualOil()  # a file without faults needs its own: the others are found meanwhile
         oils = {name: self._table(Oil, f"oils.{name}", part) for name, part in self._parts("oils")}
         values: dict[str, Params] = {name: found for name, found in oils.items() if found}
         if balance := self._given_table(HeatBalance, "heat"):

@@ -20,7 +20,8 @@ DRAWN = ("nodes", "components", "parts")
 def circuit_function(table: Table, folder: Path, faults: list[Fault]) -> NetworkFunction | None:
     """The function that draws the circuit; None where the file draws it itself, or names none."""
     name = table.content.get("circuit")
-    if not set(DRAWN).isdisjoint(table.content):
+    is_drawn = not set(DRAWN).isdisjoint(table.content)
+    if is_drawn and name is None:
         return None
     line = table.lines.get("circuit", 0)
     if not isinstance(name, str):
@@ -34,7 +35,7 @@ def circuit_function(table: Table, folder: Path, faults: list[Fault]) -> Network
     except ParameterError as problem:
         faults.append(Fault(table.place, line, "circuit", str(problem)))
         return None
-    return function
+    return None if is_drawn else function
 
 
 def read_tables(

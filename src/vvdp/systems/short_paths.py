@@ -12,7 +12,7 @@ from typing import Any
 
 from vvdp.base.errors import Fault
 from vvdp.base.params import field_names
-from vvdp.base.tables import Sourced, Table, copy_tables, fault_at, nearest
+from vvdp.base.tables import Sourced, Table, copy_tables, fault_at, nearest, refuse_unknown
 from vvdp.components.library import UsualOil
 from vvdp.hydraulics.heat import HeatBalance
 from vvdp.systems.bench_tables import Limits
@@ -87,6 +87,7 @@ def with_full_paths(table: Table, faults: list[Fault]) -> FullTable:
             short[path] = outer
         if paths and not (name in OWN and key in field_names(OWN[name])):
             del content[name][key]
+    _refuse_unknown_keys(content, targets, names, table, faults)
     content = {name: inner for name, inner in content.items() if inner != {} or name in OWN}
     if isinstance(content.get(FAULTS), Mapping):
         content[FAULTS] = {name: _fault_with_full_path(each, short) for name, each in content[FAULTS].items()}
@@ -144,6 +145,24 @@ def _refuse_targets(
                 known = [f"{of}.{each}" for each, of in names.items()]
                 meant = nearest(f"{group}.{name}", known)
                 faults.append(fault_at(table, f"{VALUES}.{outer}", f"{path!r} leads to nothing that is drawn{meant}"))
+
+
+def _refuse_unknown_keys(
+    content: Mapping[str, Any],
+    targets: Mapping[str, tuple[str, ...]],
+    names: Mapping[str, str],
+    table: Table,
+    faults: list[Fault],
+) -> None:
+    """A fault for each key left in a table of [values] that leads nowhere; it is taken out."""
+    for name in dict.fromkeys(path.partition(".")[0] for path in targets):
+        if name in names or not isinstance(content.get(name), dict):
+            continue
+        own = field_names(OWN[name]) if name in OWN else ()
+        known = [*own, *(path.partition(".")[2] for path in targets if path.partition(".")[0] == name)]
+        refuse_unknown(content[name], known, name, table, faults)
+        for key in [key for key in content[name] if key not in own]:
+            del content[name][key]
 
 
 def _has(content: Mapping[str, Any], path: str) -> bool:

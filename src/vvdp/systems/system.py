@@ -102,7 +102,7 @@ def _check_temperature(temperature: Signal, sample_period: float) -> None:
 class System:
     """A system ready to run: its circuit with values, and where each value comes from.
 
-    `function` drew the network from the tables; None where the file draws it itself. `redrawn` where these are not the
+    `function` drew the network from its `own_tables`; None where the file draws it itself. `redrawn` where these are not the
     tables of the file. Modules that the file names are looked for in `folder`. `lengths` is what the file says of the
     valve as a solid, `faults` what fails in the circuit. `module` is the one that the file names, as it was run.
     """
@@ -111,7 +111,7 @@ class System:
     title: str
     circuit: Circuit
     stepping: Stepping
-    tables: Mapping[str, Any]
+    own_tables: Mapping[str, Any]
     rows: tuple[Sourced, ...]
     content: Mapping[str, Any]
     folder: Path = Path()
@@ -130,6 +130,11 @@ class System:
     def case(self) -> Case:
         """The values that the circuit starts from."""
         return self.circuit.case
+
+    @property
+    def tables(self) -> Mapping[str, Any]:
+        """Values of the tables of its file, as the circuit that it names takes them."""
+        return (self.counterpart or self).own_tables
 
     @property
     def average_from(self) -> float:
@@ -202,7 +207,7 @@ class System:
             draw(function, given), given, self.faults, lambda others: draw(function, change_tables(given, others))
         )
         assert network is not None
-        return replace(self, circuit=build_circuit(network), tables=tables, redrawn=True)
+        return replace(self, circuit=build_circuit(network), own_tables=tables, redrawn=True)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """A system travels to other processes as its text: its functions are written again where it arrives."""
@@ -328,7 +333,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         title=str(table.content.get("title", name)),
         circuit=built[0],
         stepping=built[1],
-        tables=values,
+        own_tables=values,
         rows=full.rows(rows),
         content=written.content,
         folder=folder,
