@@ -110,7 +110,7 @@ def example(command: str) -> list[str]:
         "vvdp show prototype",
         "vvdp new my-pump --from prototype",
         "vvdp list",
-        "vvdp export c prototype --part encoder --out encoder",
+        "vvdp export c prototype --part estimate --out estimate",
     ],
 )
 def test_the_examples_of_the_guide_are_real(vvdp, here, command):

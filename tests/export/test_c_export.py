@@ -68,7 +68,7 @@ def test_a_value_is_read_from_its_numbers_and_written_back():
     assert out.tolist() == flat(VALUE).tolist()
 
 
-PARTS = [("prototype", "encoder"), ("buck-converter", CIRCUIT), ("displacement-chapter6", "control")]
+PARTS = [("prototype", "estimate"), ("buck-converter", CIRCUIT), ("displacement-chapter6", "control")]
 
 
 @pytest.mark.parametrize(("name", "part"), PARTS)
@@ -99,7 +99,7 @@ def make(folder, target, check=True):
 
 def test_objects_have_no_writable_memory_and_need_the_c_library_only(tmp_path):
     """By `nm`: D and B are writable data, U is what must come from elsewhere."""
-    made = write_folder(tmp_path, "prototype", "encoder", 3)
+    made = write_folder(tmp_path, "prototype", "estimate", 3)
     make(tmp_path, "test")
     objects = [str(tmp_path / f"{made.name}{end}.o") for end in ("", "_core")]
     done = subprocess.run([required_program("nm"), *objects], capture_output=True, text=True, check=True)
@@ -114,7 +114,7 @@ def test_objects_have_no_writable_memory_and_need_the_c_library_only(tmp_path):
 @pytest.mark.thorough
 def test_sanitisers_find_nothing(tmp_path):
     """Bounds of arrays, and all that C leaves undefined, over the samples of the vectors."""
-    write_folder(tmp_path, "prototype", "encoder", 30)
+    write_folder(tmp_path, "prototype", "estimate", 30)
     checks = "-g -fsanitize=address,undefined -fno-sanitize-recover=all"
     command = ["make", "-s", "test", f"CC={required_program('cc')} {checks}"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
@@ -165,13 +165,13 @@ def test_the_expected_bits_are_those_of_the_python_text():
 @pytest.mark.thorough
 def test_the_text_is_the_same_every_time():
     system = load_system("prototype")
-    first, again = (c_files(system, c_part(system, "encoder"), 3) for _ in range(2))
+    first, again = (c_files(system, c_part(system, "estimate"), 3) for _ in range(2))
     assert first == again
     assert all("/home" not in text and "/work" not in text for text in first.values())
 
 
 def test_an_unknown_part_is_refused_with_those_there_are():
-    with pytest.raises(ConfigError, match="encoder"):
+    with pytest.raises(ConfigError, match="estimate"):
         c_part(load_system("prototype"), "encodr")
 
 

@@ -20,7 +20,7 @@ from vvdp.systems.system import load_system
 @pytest.mark.skipif(not is_fused(), reason="a run has other bits on a processor without fused operations")
 @pytest.mark.parametrize(
     ("name", "program", "until"),
-    [("prototype", "encoder", "1 s"), ("displacement-chapter6", "control", "2 s"), ("linear-valves", "loop", "0.5 s")],
+    [("prototype", "estimate", "1 s"), ("displacement-chapter6", "control", "2 s"), ("linear-valves", "loop", "0.5 s")],
 )
 def test_samples_of_a_run_have_the_same_bits(name, program, until):
     """Rows are at the samples only, since other instants are the same but for rounding.

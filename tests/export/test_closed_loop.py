@@ -45,7 +45,7 @@ def build(tmp_path):
 @pytest.mark.parametrize(
     ("name", "part"),
     [
-        ("prototype", "encoder"),
+        ("prototype", "estimate"),
         ("linear-valves", "loop"),
         ("displacement-chapter6", "control"),
         pytest.param("axial-chamber", "drive_law", marks=pytest.mark.thorough),

@@ -84,7 +84,7 @@ def test_commands_and_outputs_are_those_in_force(host):
     """A row of a run at a sample has the command that held until then, the next row the one that was given there."""
     system = load_system("prototype")
     run, one = run_of("prototype", 0.02), host()
-    names = ["encoder.angle", "encoder.speed"]
+    names = ["estimate.angle", "estimate.speed"]
     places = [[path for path, _, _ in leaves(system.case.command)].index(name) for name in names]
     for number in range(1, 20):
         assert one.step(PERIOD) == OK
@@ -130,9 +130,9 @@ def test_a_state_between_a_sample_and_its_event_is_kept(tmp_path):
     other.time = one.time
     found = []
     for each in hosts:
-        before = each.get("encoder.angle")
+        before = each.get("estimate.angle")
         each.pass_event(clock)
-        found.append([*before, *each.get("encoder.angle")])
+        found.append([*before, *each.get("estimate.angle")])
         assert each.call("GetClock", (ctypes.c_uint32 * 1)(1), ctypes.c_size_t(1), None) == ERROR
         each.close()
     assert found[0] == found[1]
@@ -168,8 +168,8 @@ def test_a_value_that_is_set_has_the_bits_of_a_run_with_set(key, host):
         assert one.step(PERIOD) == OK
     paths = paths_of(load_system("prototype"))
     assert one.get(*paths).tobytes() == run.final[: len(paths)].tobytes()
-    command = [path for path, _, _ in leaves(run.case.command)].index("encoder.angle")
-    assert one.get("encoder.angle")[0] == run.reached.command[command]
+    command = [path for path, _, _ in leaves(run.case.command)].index("estimate.angle")
+    assert one.get("estimate.angle")[0] == run.reached.command[command]
     ends = [[each.final.tobytes(), each.reached.memory.tobytes()] for each in (run, plain)]
     assert ends[0] != ends[1]
 

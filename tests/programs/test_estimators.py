@@ -7,8 +7,10 @@ from vvdp.base.errors import ConfigError
 from vvdp.base.params import field_kinds
 from vvdp.base.tables import parsed_table
 from vvdp.control.flow_map import FlowMap, flow_for_duty
+from vvdp.estimation.estimator import to_estimate
 from vvdp.estimation.event_settings import EventFilterValues, event_filter
 from vvdp.network.build import build
+from vvdp.network.program import ProgramType
 from vvdp.programs.encoders import ShaftEncoder, encoder_settings
 from vvdp.programs.estimators import (
     CylinderLoad,
@@ -22,7 +24,8 @@ from vvdp.programs.estimators import (
     period_start,
     period_step,
 )
-from vvdp.programs.spool_encoder import add_encoder, watch_settings
+from vvdp.programs.spool_encoder import WatchSettings, watch_settings, watch_start, watch_step
+from vvdp.sensing.encoder import Shaft
 from vvdp.sensing.wheel import equal_wheel
 from vvdp.simulation.run import simulate
 from vvdp.systems.system import built_system
@@ -100,7 +103,11 @@ def test_two_programs_are_the_one_that_joins_them(system):
         threshold=network.programs["edges"].settings.encoder.threshold, hysteresis=0.02, noise=0.01,
         counter_bits=16.0, missed_edges=0.0, seed=3.0,
     )  # fmt: skip
-    add_encoder(network, "wheel", watch_settings(table, own, 0.0))
+    watch = watch_settings(table, own, 0.0)
+    unknown = to_estimate(watch_start(watch).filter.belief, 0.0, 0.0, 0.0, 0.0)
+    joined = ProgramType(watch_step, Shaft, unknown, WatchSettings, watch_start)
+    reads = {"time": "t", "angle": "wheel.angle", "speed": "wheel.speed"}
+    network.program("encoder", joined, watch, reads=reads)
     circuit = build(network)
     command = simulate(circuit.model, circuit.case, system.stepping).command
     del network.programs["encoder"]

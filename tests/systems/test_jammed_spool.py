@@ -46,7 +46,7 @@ def jam(at, torque, seed, until):
     system = load_system("prototype", [*SETTINGS, *fault, f"encoder.seed={seed}"], until=until)
     run = simulate(system.model, system.case, system.stepping)
     sampled = run.memory["encoder"]
-    return Jam(system, run, summary(system, run), sampled.time, sampled.speed, run.command.spool_filter)
+    return Jam(system, run, summary(system, run), sampled.time, sampled.speed, run.command.estimate)
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +89,7 @@ def test_a_spool_jams_with_the_motor_that_drives_it():
     )
     system = load_system("prototype", [*SETTINGS, *driven], until="1 s")
     run = simulate(system.model, system.case, system.stepping)
-    told = run.memory["encoder"].time[run.command.spool_filter.standstill > 0.5]
+    told = run.memory["encoder"].time[run.command.estimate.standstill > 0.5]
     assert 0.8 < told[0] < 0.8 + SOON
     assert summary(system, run)["standstill_time_s"] == pytest.approx(1.0 - told[0], abs=0.003)
 

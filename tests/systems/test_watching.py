@@ -28,7 +28,7 @@ def unwatched():
     """The prototype without its programs and what is said of them."""
     table = system_table("prototype")
     content = {k: v for k, v in table.content.items() if k not in ("programs", "encoder", "spool_filter")}
-    values = {k: v for k, v in content["values"].items() if k != "encoder"}
+    values = {k: v for k, v in content["values"].items() if k not in ("encoder", "spool_filter")}
     initial = {**values["initial"], "spool_angle": "nodes.spool.angle"}
     return Table(table.place, {**content, "values": {**values, "initial": initial}}, table.lines)
 
@@ -37,8 +37,8 @@ def test_the_loop_takes_the_same_steps_as_plain_python(ran):
     """Rows at the samples show the estimate of the sample before; its readings follow from the rows themselves."""
     _, run = ran("prototype", ["run.window=0 s"], "0.2 s")
     settings = load_system("prototype").case.settings
-    wheel, belief = settings["encoder"].encoder, settings["spool_filter"]
-    spool, found = run.state.spool, run.command.spool_filter._asdict()
+    wheel, belief = settings["encoder"].encoder, settings["estimate"]
+    spool, found = run.state.spool, run.command.estimate._asdict()
     sensor = encoder_start(wheel, 0.0, float(spool.angle[0]), 1.0)
     memory = event_filter_start(belief, 0.0, 0.0, 0.0)
     for k in range(run.times.size - 1):
@@ -84,7 +84,7 @@ def test_the_estimate_knows_how_good_it_is(ran):
 
 def test_missed_edges_are_known_and_cost_no_sector(ran):
     found, run = ran("prototype", ["encoder.missed_edges=0.2"], "2 s")
-    errors = estimate_errors(run.command.spool_filter._asdict(), run.memory["encoder"]._asdict(), 0.0).angle
+    errors = estimate_errors(run.command.estimate._asdict(), run.memory["encoder"]._asdict(), 0.0).angle
     assert np.max(np.abs(errors[run.times > 0.5])) < 0.5 * SECTOR
     spool = run.state.spool
     count = (spool.angle[-1] - spool.angle[0]) / SECTOR
@@ -121,7 +121,7 @@ def test_a_short_run_has_no_errors_to_tell(ran):
 
 
 def test_the_filter_of_the_prototype_is_the_usual_one():
-    values = load_system("prototype").case.settings["spool_filter"]
+    values = load_system("prototype").case.settings["estimate"]
     usual = event_filter(equal_wheel(8))
     own = {"ripple_order", "ripple_variance", "ripple_drift"}
     assert values.ripple_order == load_system("prototype").tables["valve"].sections

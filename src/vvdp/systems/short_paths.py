@@ -1,9 +1,9 @@
 """Short paths of a file that draws its circuit: the table of a node, component or program may stand under its name
 alone, and [values] gives a path of the file's own to any entry.
 
-`[valve] nozzle_area = "36.5 mm^2"` is `nozzle_area` of `[components.valve]`. With `[values.operation]
-pump_speed = "nodes.pump_shaft.speed"`, the file says `[operation] pump_speed = "1800 rpm"`. Both are the paths by which
-values are set, ranged and listed.
+`[valve] nozzle_area = "36.5 mm^2"` is `nozzle_area` of `[components.valve]`. With `[values] operation.pump_speed =
+"nodes.pump_shaft.speed"` the file says `[operation] pump_speed = "1800 rpm"`, with `check_valve = "components.valve"` it
+has a table [check_valve] with values of the valve. These are the paths by which values are set, ranged and listed.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -76,8 +76,8 @@ def with_full_paths(table: Table, faults: list[Fault]) -> FullTable:
     content.pop(VALUES, None)
     for outer, entry in _short_entries(table.content):
         name, _, key = outer.partition(".")
-        usual = (f"{names[name]}.{outer}",) if name in names and name not in OWN else ()
-        paths = targets.get(outer, usual)
+        usual = (f"{names[name]}.{name}",) if name in names and name not in OWN else ()
+        paths = targets.get(outer) or [f"{path}.{key}" for path in targets.get(name, usual)]
         for path in paths:
             if _has(table.content, path) or path in short:
                 words = f"is given twice; {short.get(path, path)} stands in the file as well"
@@ -135,13 +135,13 @@ def _refuse_targets(
 ) -> None:
     """A fault for each path of [values] that sets nothing."""
     for outer, paths in targets.items():
-        if "." not in outer or not paths:
-            words = f'expected [{VALUES}.TABLE] with KEY = "components.NAME.KEY", or a list of such paths'
+        if not paths:
+            words = 'expected a path, such as "components.pump.displacement", or a list of some'
             faults.append(fault_at(table, f"{VALUES}.{outer}", words))
         for path in paths:
             group, _, rest = path.partition(".")
             name, _, key = rest.partition(".")
-            if names.get(name) != group or not key:
+            if names.get(name) != group or bool(key) != ("." in outer):
                 known = [f"{of}.{each}" for each, of in names.items()]
                 meant = nearest(f"{group}.{name}", known)
                 faults.append(fault_at(table, f"{VALUES}.{outer}", f"{path!r} leads to nothing that is drawn{meant}"))
@@ -155,8 +155,8 @@ def _refuse_unknown_keys(
     faults: list[Fault],
 ) -> None:
     """A fault for each key left in a table of [values] that leads nowhere; it is taken out."""
-    for name in dict.fromkeys(path.partition(".")[0] for path in targets):
-        if name in names or not isinstance(content.get(name), dict):
+    for name in dict.fromkeys(path.partition(".")[0] for path in targets if "." in path):
+        if name in names or name in targets or not isinstance(content.get(name), dict):
             continue
         own = field_names(OWN[name]) if name in OWN else ()
         known = [*own, *(path.partition(".")[2] for path in targets if path.partition(".")[0] == name)]

@@ -102,9 +102,9 @@ def _check_temperature(temperature: Signal, sample_period: float) -> None:
 class System:
     """A system ready to run: its circuit with values, and where each value comes from.
 
-    `function` drew the network from its `own_tables`; None where the file draws it itself. `redrawn` where these are not the
-    tables of the file. Modules that the file names are looked for in `folder`. `lengths` is what the file says of the
-    valve as a solid, `faults` what fails in the circuit. `module` is the one that the file names, as it was run.
+    `function` drew the network from its `own_tables`; None where the file draws it itself. `redrawn` where these are
+    not the tables of the file. Modules that the file names are looked for in `folder`. `lengths` is what the file says
+    of the valve as a solid, `faults` what fails in the circuit. `module` is the one that the file names, as it was run.
     """
 
     name: str

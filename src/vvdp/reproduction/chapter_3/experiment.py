@@ -44,8 +44,8 @@ def prototype_run() -> RecordedRun:
 def estimated_turns() -> Table:
     """Time, estimated angle and inlet pressure of the last eleven turns."""
     run = prototype_run()
-    samples = np.flatnonzero(np.diff(run.memory("encoder.encoder.time"), prepend=-1.0) > 0.0)
-    estimate = np.interp(run.times, run.times[samples], run.command("encoder.angle")[samples])
+    samples = np.flatnonzero(np.diff(run.memory("encoder.time"), prepend=-1.0) > 0.0)
+    estimate = np.interp(run.times, run.times[samples], run.command("estimate.angle")[samples])
     shown = estimate >= estimate[-1] - REVOLUTIONS * TURN
     time, angle = run.times[shown], estimate[shown]
     columns = {
