@@ -2,8 +2,8 @@
 alone, and [values] gives a path of the file's own to any entry.
 
 `[valve] nozzle_area = "36.5 mm^2"` is `nozzle_area` of `[components.valve]`. With `[values] operation.pump_speed =
-"nodes.pump_shaft.speed"` the file says `[operation] pump_speed = "1800 rpm"`, with `check_valve = "components.valve"` it
-has a table [check_valve] with values of the valve. These are the paths by which values are set, ranged and listed.
+"nodes.pump_shaft.speed"` the file says `[operation] pump_speed = "1800 rpm"`, with `check_valve = "components.valve"`
+it has a table [check_valve] with values of the valve. These are the paths by which values are set, ranged and listed.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
