@@ -327,11 +327,12 @@ class RotaryBench(Extras):
 
     def record_numbers(self, run: Run) -> Summary:
         """How good the estimate of a watched spool was; empty for a short run, or without an encoder."""
+        found = self.programs.record_numbers(run)
         if self.watch is None:
-            return self.programs.record_numbers(run)
+            return found
         estimate = getattr(run.command, self.watch.filter)._asdict()
         sampled = run.memory[self.watch.encoder]._asdict()
-        return estimate_numbers(run.times, estimate, sampled, self.averaging_angle)
+        return found | estimate_numbers(run.times, estimate, sampled, self.averaging_angle)
 
     def closed_forms(self, found: Mapping[str, float | bool]) -> Summary:
         """The analytic results at the mean load pressure, to stand beside the simulated ones in `found`.

@@ -35,12 +35,13 @@ class SpoolWatch(NamedTuple):
 
 
 def spool_watch(network: Network, spool: str) -> SpoolWatch | None:
-    """The first event filter that watches a shaft; None where there is none."""
+    """The first event filter that knows the angle of a shaft, as its wheel has an index; None where there is none."""
     for name, program in network.programs.items():
         source = program.reads.get("edges")
         encoder = source.partition(".")[0] if isinstance(source, str) else ""
         if (
             isinstance(program.settings, EventFilter)
+            and program.settings.wheel.has_index
             and encoder in network.programs
             and network.programs[encoder].reads.get("angle") == f"{spool}.angle"
         ):

@@ -275,9 +275,17 @@ class Network:
         pieces = {piece for name, group in self.groups.items() if name in names for piece in group.parts}
         return tuple(name for name in self.parts if name in names or name in pieces)
 
-    def is_drawn_like(self, other: "Network") -> bool:
-        """Whether it has the nodes and components of another network, joined in the same way and with equal values."""
-        return _drawing_of(self) == _drawing_of(other)
+    def is_whole_in(self, other: "Network") -> bool:
+        """Whether another network has all its nodes and components, joined in the same way and with equal values, and
+        nothing else is joined to its nodes there, but to tanks."""
+        (nodes, parts), (other_nodes, other_parts) = _drawing_of(self), _drawing_of(other)
+        own = {name for name, kind in nodes.items() if kind is not Tank}
+        beside = (each[2].values() for name, each in other_parts.items() if name not in parts)
+        return (
+            nodes.items() <= other_nodes.items()
+            and all(other_parts.get(name) == part for name, part in parts.items())
+            and own.isdisjoint(node for ends in beside for node in ends)
+        )
 
     def start_value(self, start: Start) -> float:
         """The number of a start value. Raises NetworkError where its path leads nowhere."""

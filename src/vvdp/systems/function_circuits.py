@@ -72,6 +72,16 @@ def _class(slot: TableSlot, name: str, part: Mapping[str, object], table: Table,
     return cls
 
 
+def own_tables(function: NetworkFunction, content: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """What of a file a circuit takes: its tables, with the keys that it knows."""
+    known = {name: set().union(*map(keys_of, slot.classes)) for name, slot in table_slots(function).items()}
+    return {
+        name: {key: value for key, value in content[name].items() if key in keys}
+        for name, keys in known.items()
+        if isinstance(content.get(name), Mapping)
+    }
+
+
 def keys_of(cls: type[Params]) -> set[str]:
     """The keys of a table of this class."""
     return {field.name for field in fields(cls)}  # type: ignore[arg-type]

@@ -117,7 +117,7 @@ def _short_entries(content: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 def _names(content: Mapping[str, Any]) -> dict[str, str]:
     """The table in which each node, component and program stands, by its name."""
-    return {name: group for group in GROUPS for name in as_table(content.get(group))}
+    return {name: group for group in (*GROUPS, "oils") for name in as_table(content.get(group))}
 
 
 def _targets(given: Mapping[str, Any], above: tuple[str, ...]) -> Iterator[tuple[str, tuple[str, ...]]]:

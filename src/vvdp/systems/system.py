@@ -49,7 +49,7 @@ from vvdp.systems.expansion import expand
 from vvdp.systems.extras import Extras
 from vvdp.systems.fault_tables import FAULTS, FaultReader
 from vvdp.systems.faults import NamedFault, OtherValue, change_entries, change_tables, faulty_network
-from vvdp.systems.function_circuits import DRAWN, circuit_function, keys_of, network_of, read_tables
+from vvdp.systems.function_circuits import DRAWN, circuit_function, keys_of, network_of, own_tables, read_tables
 from vvdp.systems.options import duration_of, lasting, option_keys, without_other_position
 from vvdp.systems.own_modules import OwnModule, folder_of_saved, own_module
 from vvdp.systems.own_programs import absolute_fmus, own_code
@@ -152,16 +152,16 @@ class System:
     @cached_property
     def counterpart(self) -> "System | None":
         """The circuit that a drawn file names, as its function draws it from the tables of the file; None where it
-        names none, and where the file draws another one."""
+        names none, and where that is not what the file draws, apart from more that no node of it joins."""
         if self.function is not None or "circuit" not in self.content:
             return None
         try:
-            own = table_slots(network_function(self.content["circuit"], self.folder))
-            kept = {name: table for name, table in self.content.items() if name in (*own, *HEADINGS, *OF_ANY_CIRCUIT)}
-            found = built_system(Table(self.name, kept, {}), self.name, self.folder)
+            own = own_tables(network_function(self.content["circuit"], self.folder), self.content)
+            kept = {name: table for name, table in self.content.items() if name in (*HEADINGS, *OF_ANY_CIRCUIT)}
+            found = built_system(Table(self.name, own | kept, {}), self.name, self.folder)
         except (ConfigError, ParameterError):
             return None
-        return found if found.circuit.network.is_drawn_like(self.circuit.network) else None
+        return found if found.circuit.network.is_whole_in(self.circuit.network) else None
 
     @cached_property
     def shape(self) -> ValveShape | None:
