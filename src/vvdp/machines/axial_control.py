@@ -22,8 +22,6 @@ from vvdp.machines.chamber_feedback import (
     raw_backstepping_step,
     raw_passive_step,
     raw_printed_step,
-    watched_printed_step,
-    watched_raw_step,
 )
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
@@ -33,34 +31,26 @@ from vvdp.programs.chamber_loop import (
     BacksteppingLoop,
     ChamberLoop,
     PassiveLoop,
-    WatchedLoop,
     backstepping_step,
     chamber_loop_start,
     passive_step,
     printed_step,
-    watched_start,
-    watched_step,
 )
 from vvdp.programs.chamber_observer import observer_of
-from vvdp.programs.loop_report import ChamberLoopReport
-from vvdp.programs.spool_encoder import WatchSettings
 
 Step = Callable[..., Any]
 
 
 class Laws(NamedTuple):
-    """A law's programs: with the observer's estimate, or what the sensor shows; and both where an encoder watches it.
-    None: there is no such program."""
+    """A law's programs: with the observer's estimate, or with what the sensor shows."""
 
     observed: Step
     raw: Step
-    watched: Step | None
-    watched_raw: Step | None
 
 
-PASSIVE = Laws(passive_step, raw_passive_step, watched_step, watched_raw_step)
-PRINTED = Laws(printed_step, raw_printed_step, watched_printed_step, None)
-BACKSTEPPING = Laws(backstepping_step, raw_backstepping_step, None, None)
+PASSIVE = Laws(passive_step, raw_passive_step)
+PRINTED = Laws(printed_step, raw_printed_step)
+BACKSTEPPING = Laws(backstepping_step, raw_backstepping_step)
 
 
 @dataclass(frozen=True)
@@ -80,10 +70,7 @@ def chosen_law(
     pairs = ((PASSIVE, passivity), (PRINTED, printed_passivity), (BACKSTEPPING, backstepping))
     given = [ChosenLaw(laws, gains) for laws, gains in pairs if gains is not None]
     if len(given) != 1:
-        raise ParameterError(
-            "expected one table of gains: [passivity], [printed_passivity] or, where no encoder watches the spool, "
-            "[backstepping]"
-        )
+        raise ParameterError("expected one table of gains: [passivity], [printed_passivity] or [backstepping]")
     return given[0]
 
 
@@ -178,19 +165,6 @@ def add_chamber_control(net: Network, control: AxialControl, loop: ChamberLoop, 
     step = laws.observed if control.feedback is None else laws.raw
     kind = ProgramType(step, AxialPlace, UNKNOWN, type(loop), chamber_loop_start)
     net.program(PROGRAM, kind, loop, reads=_reads(spool), period=loop.observer.sample_period)
-
-
-def add_watched_control(
-    net: Network, control: AxialControl, loop: ChamberLoop, spool: str, watch: WatchSettings
-) -> None:
-    """The same with the spool watched by an encoder. Raises ParameterError for a law that has no such program."""
-    laws = control.law.laws
-    step = laws.watched if control.feedback is None else laws.watched_raw
-    if step is None or not isinstance(loop, PassiveLoop):
-        raise ParameterError("a table [raw_feedback] goes with [passivity] where an encoder watches the spool")
-    kind = ProgramType(step, AxialPlace, UNKNOWN, WatchedLoop, watched_start, report=ChamberLoopReport)
-    settings = WatchedLoop(watch=watch, loop=loop)
-    net.program(PROGRAM, kind, settings, reads=_reads(spool), period=loop.observer.sample_period)
 
 
 def _reads(spool: str) -> dict[str, str]:

@@ -15,21 +15,16 @@ from vvdp.control.chamber import ChamberReading
 from vvdp.control.passivity import passivity_law, printed_passivity_law
 from vvdp.control.reference import Rate
 from vvdp.estimation.axial_filter import Phase
-from vvdp.programs.axial_loop import AxialCommand, AxialPlace, known_phase, turned_phase
+from vvdp.programs.axial_loop import AxialCommand, AxialPlace, turned_phase
 from vvdp.programs.chamber_loop import (
     BacksteppingLoop,
     ChamberLoop,
     ChamberView,
     LoopMemory,
     PassiveLoop,
-    WatchedLoop,
-    WatchedMemory,
     chamber_command,
     chamber_view,
-    printed_axial_step,
 )
-from vvdp.programs.spool_encoder import watch_step
-from vvdp.sensing.encoder import Shaft
 
 
 class VelocityFilter(Params):
@@ -108,27 +103,3 @@ def raw_backstepping_step(
     view = raw_view(memory, place, turned_phase(place), signal_value(t, settings.wanted), settings)
     flow = backstepping_law(view.reference, view.reading, settings.gains, settings.drive)
     return chamber_command(view, flow, settings.gains, settings)
-
-
-def watched_raw_step(
-    t: float, memory: WatchedMemory, place: AxialPlace, settings: WatchedLoop
-) -> tuple[WatchedMemory, AxialCommand]:
-    """Program: as `watched_step`, but the law receives what the sensor shows."""
-    shaft = Shaft(place.time, place.angle, place.speed)
-    watch, estimate = watch_step(t, memory.watch, shaft, settings.watch)
-    wanted = signal_value(t, settings.loop.wanted)
-    phase = known_phase(estimate, watch.filter.slip, memory.watch.filter.slip)
-    loop, command = raw_passive_axial_step(memory.loop, place, phase, wanted, settings.loop)
-    return WatchedMemory(watch, loop), command
-
-
-def watched_printed_step(
-    t: float, memory: WatchedMemory, place: AxialPlace, settings: WatchedLoop
-) -> tuple[WatchedMemory, AxialCommand]:
-    """Program: as `watched_step`, with the published passivity law."""
-    shaft = Shaft(place.time, place.angle, place.speed)
-    watch, estimate = watch_step(t, memory.watch, shaft, settings.watch)
-    wanted = signal_value(t, settings.loop.wanted)
-    phase = known_phase(estimate, watch.filter.slip, memory.watch.filter.slip)
-    loop, command = printed_axial_step(memory.loop, place, phase, wanted, settings.loop)
-    return WatchedMemory(watch, loop), command

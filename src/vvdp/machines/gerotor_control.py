@@ -10,22 +10,13 @@ from vvdp.control.feedforward_pi import FeedforwardPI, SquareRate
 from vvdp.control.reference import Rate, ReferenceFilter
 from vvdp.estimation.gerotor_observer import GerotorObserver
 from vvdp.hydraulics.gerotor_drive import GerotorDrive
-from vvdp.network.network import Network
-from vvdp.network.program import ProgramType
-from vvdp.programs.axial_loop import PROGRAM, UNKNOWN, AxialObserverTable
+from vvdp.programs.axial_loop import AxialObserverTable
 from vvdp.programs.axial_sensor import AxialSensorTable, axial_sensor_of
 from vvdp.programs.gerotor_control import gerotor_observer_of
 from vvdp.programs.gerotor_loop import (
     DriveBelief,
-    GerotorLoop,
-    GerotorPlace,
     GerotorSequence,
-    WatchedGerotor,
-    watched_gerotor_start,
-    watched_gerotor_step,
 )
-from vvdp.programs.loop_report import SpoolLoopReport
-from vvdp.programs.spool_encoder import WatchSettings
 
 
 class PIGains(Params):
@@ -80,22 +71,3 @@ def control_values(tables: GerotorTables, drive: GerotorDrive) -> dict[str, Any]
 def periodic_observer(table: AxialObserverTable, drive: GerotorDrive, helix_length: float) -> GerotorObserver:
     """The periodic Kalman filter of a table; `helix_length` [m]."""
     return gerotor_observer_of(table, drive.area, drive.lower_end, helix_length)
-
-
-def add_watched_gerotor(
-    net: Network, tables: GerotorTables, drive: GerotorDrive, spool: str, watch: WatchSettings
-) -> None:
-    """Add the program that controls a gerotor drive whose spool turns with the shaft `spool`, watched by an encoder."""
-    observer = periodic_observer(tables.observer, drive, tables.helix_length)
-    loop = GerotorLoop(observer=observer, **control_values(tables, drive))
-    kind = ProgramType(
-        watched_gerotor_step,
-        GerotorPlace,
-        UNKNOWN,
-        WatchedGerotor,
-        watched_gerotor_start,
-        report=SpoolLoopReport,
-    )
-    settings = WatchedGerotor(watch=watch, loop=loop)
-    reads = {"time": "t", "angle": f"{spool}.angle", "speed": f"{spool}.speed", "position": "gerotor.position"}
-    net.program(PROGRAM, kind, settings, reads=reads, period=loop.sample_period)

@@ -64,13 +64,20 @@ class PumpUnitTables:
 
 @dataclass(frozen=True, kw_only=True)
 class BenchTables(PumpUnitTables):
-    """A pump unit on a test rig."""
+    """A pump unit on a test rig; switched softly if its tables say so."""
 
     motor: DriveMotor
     load: OrificeLoad | PressureLoad
     operation: DutyOperation | AxialOperation
     initial: InitialSupply
     limits: Limits
+    bypass: CheckValve | None = None
+    chamber: SwitchChamber | None = None
+
+    @property
+    def unit(self) -> PumpUnit:
+        """The pump unit with what switches it softly."""
+        return replace(super().unit, bypass=self.bypass, chamber=self.chamber)
 
     @property
     def joints(self) -> UnitJoints:
@@ -100,46 +107,30 @@ class OrificeBench(BenchTables):
 
 
 @dataclass(frozen=True, kw_only=True)
-class FittedUnit(BenchTables):
-    """A pump unit that may be switched softly."""
-
-    bypass: CheckValve | None = None
-    chamber: SwitchChamber | None = None
-
-    @property
-    def unit(self) -> PumpUnit:
-        """The pump unit with what switches it softly."""
-        return replace(super().unit, bypass=self.bypass, chamber=self.chamber)
-
-
-@dataclass(frozen=True, kw_only=True)
-class FittedOrificeBench(FittedUnit, OrificeBench):
-    """A pump unit with a line and an orifice; switched softly if its tables say so."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class FittedPressureBench(FittedUnit):
-    """A pump unit against a pressure source; switched softly if its tables say so."""
+class PressureBench(BenchTables):
+    """A pump unit against a pressure source."""
 
     load: PressureLoad
 
 
-def orifice_load(tables: FittedOrificeBench) -> Network:
+def orifice_load(tables: OrificeBench) -> Network:
     """A pump unit that feeds a line with or without accumulator and, from it, an orifice to the tank."""
-    net = new_bench(tables)
-    join_load(net, tables, tables.joints)
+    net = _new_bench(tables)
+    net.volume("load_line", tables.load_line, start="initial.load_pressure")
+    add_pump_unit(net, tables.unit, tables.joints)
+    net.add("load", ORIFICE, tables.load, a="load_line", b="tank", area=tables.load.area)
     return net
 
 
-def constant_load(tables: FittedPressureBench) -> Network:
+def constant_load(tables: PressureBench) -> Network:
     """A pump unit that works against a pressure source, which also feeds the valve's leakage."""
-    net = new_bench(tables)
+    net = _new_bench(tables)
     net.pressure_source("load_line", tables.load.pressure)
     add_pump_unit(net, tables.unit, tables.joints)
     return net
 
 
-def new_bench(tables: BenchTables) -> Network:
+def _new_bench(tables: BenchTables) -> Network:
     """The network of a bench with its tank, before anything else is drawn."""
     net = Network(
         tables.oil,
@@ -154,13 +145,6 @@ def new_bench(tables: BenchTables) -> Network:
     net.extras = RotaryBench
     net.tank("tank", tables.operation.tank_pressure)
     return net
-
-
-def join_load(net: Network, tables: OrificeBench, joined: UnitJoints) -> None:
-    """Add the pump unit, the line it delivers into, and the orifice from there to the tank."""
-    net.volume("load_line", tables.load_line, start="initial.load_pressure")
-    add_pump_unit(net, tables.unit, joined)
-    net.add("load", ORIFICE, tables.load, a="load_line", b="tank", area=tables.load.area)
 
 
 def cavitation_limit(limits: Limits) -> float:

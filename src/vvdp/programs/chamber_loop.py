@@ -28,15 +28,13 @@ from vvdp.programs.axial_loop import (
     Observed,
     Stage,
     Target,
-    known_phase,
     next_reference,
     show,
     turned_phase,
 )
 from vvdp.programs.chamber_observer import ChamberBelief, ChamberSight, first_belief, look
-from vvdp.programs.spool_encoder import WatchMemory, WatchSettings, watch_start, watch_step
+from vvdp.programs.spool_encoder import WatchMemory, WatchSettings, watch_start
 from vvdp.sensing.axial_sensor import AxialSensor, SpoolPlace, axial_sensor_start, axial_sensor_step
-from vvdp.sensing.encoder import Shaft
 from vvdp.sensing.instrument import InstrumentMemory
 
 
@@ -217,15 +215,3 @@ def backstepping_step(
 def watched_start(settings: WatchedLoop) -> WatchedMemory:
     """The memory before the first sample."""
     return WatchedMemory(watch_start(settings.watch), chamber_loop_start(settings.loop))
-
-
-def watched_step(
-    t: float, memory: WatchedMemory, place: AxialPlace, settings: WatchedLoop
-) -> tuple[WatchedMemory, AxialCommand]:
-    """Program: encoder and event filter give the spool's angle, then the passivity law acts."""
-    shaft = Shaft(place.time, place.angle, place.speed)
-    watch, estimate = watch_step(t, memory.watch, shaft, settings.watch)
-    wanted = signal_value(t, settings.loop.wanted)
-    phase = known_phase(estimate, watch.filter.slip, memory.watch.filter.slip)
-    loop, command = passive_axial_step(memory.loop, place, phase, wanted, settings.loop)
-    return WatchedMemory(watch, loop), command

@@ -12,7 +12,6 @@ import numpy as np
 from vvdp.base.kinds import Angle, Flow, Fraction, Position, PositionSignal, Speed, Time
 from vvdp.base.params import Params
 from vvdp.base.rules import require_positive
-from vvdp.base.signal import signal_value
 from vvdp.control.feedforward_pi import FeedforwardPI, PIMemory, pi_start, pi_step
 from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest
 from vvdp.estimation.axial_filter import AxialEstimate, AxialMemory, AxialSeen, Phase
@@ -29,15 +28,13 @@ from vvdp.programs.axial_loop import (
     Stage,
     Target,
     is_known,
-    known_phase,
     next_reference,
     next_stage,
     show,
     sight_of,
 )
-from vvdp.programs.spool_encoder import WatchMemory, WatchSettings, watch_start, watch_step
+from vvdp.programs.spool_encoder import WatchMemory, WatchSettings, watch_start
 from vvdp.sensing.axial_sensor import AxialSensor, SpoolPlace, axial_sensor_start, axial_sensor_step
-from vvdp.sensing.encoder import Shaft
 from vvdp.sensing.instrument import InstrumentMemory
 
 ALWAYS_SEEN = 2.0
@@ -225,15 +222,3 @@ def gerotor_axial_step(
 def watched_gerotor_start(settings: WatchedGerotor) -> WatchedGerotorMemory:
     """The memory before the first sample."""
     return WatchedGerotorMemory(watch_start(settings.watch), gerotor_loop_start(settings.loop))
-
-
-def watched_gerotor_step(
-    t: float, memory: WatchedGerotorMemory, place: GerotorPlace, settings: WatchedGerotor
-) -> tuple[WatchedGerotorMemory, AxialCommand]:
-    """Program: encoder and event filter give the spool's angle."""
-    shaft = Shaft(place.time, place.angle, place.speed)
-    watch, estimate = watch_step(t, memory.watch, shaft, settings.watch)
-    wanted = signal_value(t, settings.loop.wanted)
-    phase = known_phase(estimate, watch.filter.slip, memory.watch.filter.slip)
-    loop, command = gerotor_axial_step(memory.loop, place, phase, wanted, settings.loop)
-    return WatchedGerotorMemory(watch, loop), command
