@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from tests.systems.axial_texts import (
     MILD,
-    RAW,
     TABLE,
     backstepping_text,
     change,
+    raw_text,
     rename,
     rows_from,
     run_of,
@@ -123,7 +123,7 @@ def test_published_feedforward_on_the_page():
 
 @pytest.mark.thorough
 def test_storage_on_the_page():
-    raw = found_in(change(SHIPPED, "raw_feedback", **RAW))
+    raw = found_in(raw_text(SHIPPED))
     samples = 1e3 * (raw["duration_s"] - raw["control_begin_s"] - 1.0)
     assert f"and {raw['storage_rises']:.0f} of {samples:.0f} samples with raw feedback" in PAGE
     assert f"by up to {1e3 * raw['storage_rise_largest_J']:.2f} mJ" in PAGE
@@ -132,7 +132,7 @@ def test_storage_on_the_page():
 
 @pytest.mark.slow
 def test_ten_seeds_on_the_page():
-    held, raw = errors(SHIPPED, 10), errors(change(SHIPPED, "raw_feedback", **RAW), 10)
+    held, raw = errors(SHIPPED, 10), errors(raw_text(SHIPPED), 10)
     for name, column in (
         ("position against the reference", held[:, 0]),
         ("error of the estimate", held[:, 1]),
@@ -159,7 +159,7 @@ def test_changing_duty_ratio_on_the_pages():
 
 
 def test_witness_on_the_page():
-    held, raw = load_pressures(driven_text()), load_pressures(change(driven_text(), "raw_feedback", **RAW))
+    held, raw = load_pressures(driven_text()), load_pressures(raw_text(driven_text()))
     assert f"between {np.min(held):.2f} and {np.max(held):.2f} bar with the observer" in PAGE
     assert f"from {np.min(raw):.1f} to {np.max(raw):.1f} bar" in PAGE
 

@@ -17,7 +17,6 @@ HELIX = 20.32
 """Length of the helix [mm]."""
 TURN = 2.0 * np.pi
 RAW_RATE = 60.0 * TURN
-RAW = {"velocity_rate": f"{RAW_RATE} 1/s"}
 """Filter of the raw feedback: 60 Hz."""
 TABLE = {
     "error_rate": "50 1/s",
@@ -109,6 +108,13 @@ def told_sensor(text: str, velocity_rate: float) -> str:
     return change_table(text, "programs.told", **told)
 
 
+def raw_text(text: str) -> str:
+    """The pump unit whose law is told what the sensor shows, and its slope behind a filter."""
+    text = change_table(text, "programs.passivity", position="axial_sensor.position", velocity="told.rate")
+    told = {"type": "derivative", "reads": "axial_sensor.position", "time_constant": f"{1.0 / RAW_RATE!r} s"}
+    return change_table(text, "programs.told", **told)
+
+
 def told_estimate(text: str) -> str:
     """The drawn drive with a law that is told what the observer estimates."""
     text = without(text, "programs.told")
@@ -118,8 +124,9 @@ def told_estimate(text: str) -> str:
 
 
 def rename(text: str, table: str, new: str) -> str:
-    if "[parts.drive]" in text:
-        return change_table(text, "programs.drive.law", type=new.replace("_", "-"))
+    for law in ("programs.drive.law", f"programs.{table}"):
+        if f"[{law}]" in text or (law == "programs.drive.law" and "[parts.drive]" in text):
+            return change_table(text, law, type=new.replace("_", "-"))
     return text.replace(f"\n[{table}]\n", f"\n[{new}]\n")
 
 

@@ -6,6 +6,7 @@ from tests.systems.axial_texts import change, change_table, run_of, system_of
 from tests.words import wording
 
 from vvdp.base.errors import ConfigError
+from vvdp.evaluation.control_stages import reach_bounds
 from vvdp.evaluation.summary import summary
 from vvdp.programs.axial_loop import HOME, LEARN, RUN, STOP
 from vvdp.systems.system import shipped_systems
@@ -87,13 +88,16 @@ def test_pump_unit_is_held_within_the_dead_band(seeds):
         assert abs(found["mass_residual"]) < 1e-6
 
 
+def test_a_duty_ratio_beyond_the_drive_is_told():
+    """1.4 of a helix of 20.32 mm are 28.45 mm; the drive goes to 27 mm."""
+    system = system_of(change(UNIT, "operation", duty_ratio="1.4"))
+    (asked,) = (each for each in reach_bounds(system) if not each.is_kept)
+    assert asked.high == pytest.approx(28.448e-3)
+    assert "28.45 mm, above 27 mm; the drive ends there" in asked.sentence
+    assert all(each.is_kept for each in reach_bounds(system_of(UNIT)))
+
+
 def test_what_is_refused():
-    told = refusal(change(UNIT, "operation", duty_ratio="1.4"))
-    assert (
-        "operation.duty_ratio: "
-        + wording.systems.drive_range.format(low=28.45, high="28.45 mm", least=-6.2, most="27 mm")
-        in told
-    )
     for text in (SHIPPED, UNIT):
         refused = refusal(change(text, "calibration", lag="0 s"))
         assert "lag: " in refused and wording.systems.no_motor_follows.format(lag="0 ms") in refused

@@ -191,7 +191,7 @@ def test_sampling_limit_of_a_law_that_takes_its_mean():
 
 def test_a_hold_that_is_not_the_sample_period_is_refused():
     with pytest.raises(ConfigError, match=r"flow_hold: 0.002 s must be 0 or the sample_period, 0.001 s"):
-        load_system("vvdp-duty-control", ["passivity.flow_hold=2 ms"])
+        load_system("displacement-control", ["passivity.flow_hold=2 ms"])
 
 
 def held_text(period: float) -> str:

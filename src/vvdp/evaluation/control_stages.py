@@ -3,17 +3,24 @@
 Source  ours, docs/models/axial-control.md
 """
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 from vvdp.base.kinds import DURATION, POSITION
+from vvdp.base.signal import Signal
 from vvdp.network.network import Network
+from vvdp.network.nodes import Source
+from vvdp.programs.arithmetic import product_step
 from vvdp.programs.axial_loop import HOME, LEARN, AxialSequence, Stage
+from vvdp.programs.chamber_laws import ChamberLaw
 from vvdp.programs.chamber_loop import ChamberLoop
 from vvdp.programs.chamber_report import static_reach_of
+from vvdp.programs.report import origin
 from vvdp.simulation.outcome import Outcome
 from vvdp.systems.bound import Bound
 from vvdp.systems.extras import LoadedSystem
+from vvdp.systems.spool_travel import stop_travel
 
 PATIENCE = 2.0
 """Multiple of the time for homing and learning after which control counts as never begun [1]; assumed."""
@@ -60,20 +67,44 @@ def waiting_bounds(system: LoadedSystem, found: Mapping[str, float | bool]) -> I
 
 
 def reach_bounds(system: LoadedSystem) -> Iterator[Bound]:
-    """The bounds of the highest positions that are asked of drives by a chamber: their supply, at its lowest, has to
-    hold the spring there."""
-    for name, program in system.circuit.network.programs.items():
-        loop = getattr(program.settings, "loop", program.settings)
-        if isinstance(loop, ChamberLoop):
-            wanted = loop.wanted.extremes[1]
+    """The bounds of the highest positions that are asked of drives of a spool: a chamber's supply, at its lowest, has
+    to hold the spring there, and the drive has to go so far."""
+    network = system.circuit.network
+    travel = stop_travel(network)
+    for name, program in network.programs.items():
+        loop: Any = getattr(program.settings, "loop", program.settings)
+        wanted = loop.wanted if isinstance(loop, ChamberLoop) else program.reads.get("reference")
+        if wanted is None or (asked := highest_asked(network, wanted)) is None:
+            continue
+        limits = {}
+        if isinstance(loop, ChamberLoop | ChamberLaw):
+            words = "the pilot supply does not hold the spool there against the spring"
+            limits[words] = static_reach_of(loop.drive)
+        if travel is not None and program.type.report is not None and "reference" in program.reads:
+            limits["the drive ends there"] = travel.high
+        for words, most in limits.items():
             yield Bound(
                 label=f"position that is asked of {name.replace('_', ' ')}",
                 kind=POSITION,
-                low=wanted,
-                high=wanted,
-                most=static_reach_of(loop.drive),
-                otherwise="the pilot supply does not hold the spool there against the spring",
+                low=asked,
+                high=asked,
+                most=most,
+                otherwise=words,
             )
+
+
+def highest_asked(network: Network, source: Source) -> float | None:
+    """The highest value that a reference follows; None where more than signals and products of them make it."""
+    if isinstance(source, Signal):
+        return source.extremes[1]
+    program = origin(network, source)[0]
+    if program is None:
+        return None
+    followed = [program.reads["reads"]] if "reads" in program.reads else [*program.reads.values()]
+    if len(followed) > 1 and program.type.step is not product_step:
+        return None
+    highest = [highest_asked(network, each) for each in followed]
+    return None if None in highest else math.prod(each for each in highest if each is not None)
 
 
 def patience(sequence: AxialSequence) -> float:
