@@ -9,17 +9,8 @@ from vvdp.systems.drawn_parts import other_keys
 from vvdp.systems.system import System, load_system
 
 
-def variant(name: str, *, without: Sequence[str] = (), **tables: Mapping[str, object]) -> System:
-    """The shipped system called `name` without some tables and with other values, as a file writes them."""
-    system = load_system(name)
-    content = {table: values for table, values in system.table.content.items() if table not in without}
-    for table, values in tables.items():
-        content[table] = {**content.get(table, {}), **values}
-    return system.read_from(replace(system.table, content=content))
-
-
-def drawn_variant(name: str, changes: Mapping[str, object]) -> System:
-    """The shipped, drawn system called `name` with other entries by their paths, in its order; None leaves one out.
+def variant(name: str, changes: Mapping[str, object]) -> System:
+    """The shipped system called `name` with other entries by their paths, in its order; None leaves one out.
 
     Keys that another type does not take go with the old one.
     """

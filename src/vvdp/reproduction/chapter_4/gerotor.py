@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.reproduction.variant import drawn_variant
+from vvdp.reproduction.variant import variant
 from vvdp.sensing.axial_sensor import pollution_at
 from vvdp.simulation.run import simulate
 
@@ -88,7 +88,7 @@ def experiment(*changes: Changes) -> Samples:
 
 @cache
 def _samples(changes: str) -> Samples:
-    system = drawn_variant("axial-gerotor", json.loads(changes))
+    system = variant("axial-gerotor", json.loads(changes))
     run = simulate(system.model, system.case, system.stepping)
     programs: Any = system.circuit.network.programs
     period, near = programs["drive_law"].settings.sample_period, programs["drive_sensor"].settings.near

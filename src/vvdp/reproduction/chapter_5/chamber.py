@@ -10,7 +10,7 @@ import numpy as np
 from vvdp.control.chamber import ChamberDrive, volume_compliance
 from vvdp.programs.axial_numbers import Controlled, ExactLaw
 from vvdp.programs.chamber_report import ChamberLawReport
-from vvdp.reproduction.variant import drawn_variant
+from vvdp.reproduction.variant import variant
 from vvdp.simulation.run import simulate
 from vvdp.systems.system import System
 
@@ -72,7 +72,7 @@ def experiment(gains: Mapping[str, str] | None = None, changes: Changes = Mappin
         chosen |= {f"{LAW}.flow_gain": "4e-10 m^3/(s*Pa)", f"{LAW}.pressure_rate": "0 1/s"}
     else:
         chosen |= {f"{LAW}.type": "backstepping"} | {f"{LAW}.{key}": value for key, value in gains.items()}
-    return drawn_variant("axial-chamber", chosen | dict(changes))
+    return variant("axial-chamber", chosen | dict(changes))
 
 
 def law_report(system: System) -> ChamberLawReport:

@@ -1,7 +1,6 @@
 """Sections 5.2 and 5.7: the externally driven spool, two laws side by side, the spool that spins."""
 
 from functools import cache
-from typing import Any
 
 import numpy as np
 
@@ -251,17 +250,26 @@ def figure_5_7() -> Reproduction:
 @cache
 def spinning_run(raw: bool) -> Run:
     """The pump unit with its spool driven at 22.5 rev/s and an orifice for 400 psi; fed back raw, or the estimate."""
-    tables: dict[str, Any] = {
-        "spool_drive": {"coupling": "1 N*m*s"},
-        "operation": {"spool_motor_speed": "1350 rpm"},
-        "initial": {"spool_speed": "1350 rpm", "load_pressure": "27.6 bar"},
-        "load": {"area": "6.556 mm^2"},
-        "load_line": {"gas_volume": "0 cc", "precharge_pressure": "15 bar"},
-        "run": {"until": "2.6 s", "average_from": "2.1 s", "record_interval": "0.2 ms"},
+    changes: dict[str, object] = {
+        "spool_drive.coupling": "1 N*m*s",
+        "operation.spool_motor_speed": "1350 rpm",
+        "initial.spool_speed": "1350 rpm",
+        "initial.load_pressure": "27.6 bar",
+        "load.area": "6.556 mm^2",
+        "load_line.gas_volume": "0 cc",
+        "load_line.precharge_pressure": "15 bar",
+        "run.until": "2.6 s",
+        "run.average_from": "2.1 s",
+        "run.record_interval": "0.2 ms",
     }
     if raw:
-        tables["raw_feedback"] = {"velocity_rate": f"{60.0 * TURN} 1/s"}
-    system = variant("vvdp-duty-control", **tables)
+        shown = {"type": "derivative", "reads": "axial_sensor.position", "time_constant": f"{1.0 / (60.0 * TURN)!r} s"}
+        changes |= {
+            "programs.shown": shown,
+            "programs.passivity.position": "axial_sensor.position",
+            "programs.passivity.velocity": "shown.rate",
+        }
+    system = variant("vvdp-duty-control", changes)
     return simulate(system.model, system.case, system.stepping)
 
 
