@@ -171,7 +171,7 @@ def test_the_text_is_the_same_every_time():
 
 
 def test_an_unknown_part_is_refused_with_those_there_are():
-    with pytest.raises(ConfigError, match="estimate"):
+    with pytest.raises(ConfigError, match="encoder"):
         c_part(load_system("prototype"), "encodr")
 
 

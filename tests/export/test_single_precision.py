@@ -65,7 +65,7 @@ def refusal_of(name, part):
 
 
 def test_steps_that_work_with_numbers_that_grow_are_refused():
-    assert "memory.encoder.time is a time, which grows" in refusal_of("prototype", "encoder")
+    assert "memory.time is a time, which grows" in refusal_of("prototype", "encoder")
     assert "only the step of a program" in refusal_of("prototype", "circuit")
     assert "only the step of a program" in refusal_of("prototype", "machine")
 

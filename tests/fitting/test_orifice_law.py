@@ -42,7 +42,7 @@ def test_a_discharge_coefficient_that_no_orifice_has_is_a_warning():
     assert said.text == "The table gives C_d = 1.099, outside 0.3 to 1, with an area of 1 mm²."
     assert key_line(found).startswith("conductance")
     with pytest.raises(ParameterError, match=r"^hole: The table gives C_d = 1\.099"):
-        fit_orifice(columns, Restriction(RHO, 1e-6, "mine", "hole"))
+        fit_orifice(columns, Restriction(RHO, 1e-6, "mine", "hole", table="components.hole"))
     assert not fit_orifice(columns, Restriction(RHO, 2e-6)).findings
 
 
@@ -93,18 +93,23 @@ def system(text):
 
 def test_a_component_takes_what_it_has():
     """An orifice C_d, a valve with a conductance K; a pump neither."""
-    orifice = restriction_of(system(example_text("orifice")).circuit.network, "mine", "orifice")
+    orifice = restriction_of(system(example_text("orifice")).circuit.network, "mine", "orifice", "components.orifice")
     assert orifice.area == pytest.approx(5e-6) and 850.0 < orifice.density < 900.0
     line = next(settings(fit_orifice(measured(), orifice), Path("bench.csv"), orifice))
     assert line.startswith('components.orifice.discharge_coefficient={value="0.6')
-    valve = restriction_of(system(example_text("proportional-valve")).circuit.network, "mine", "proportional_valve")
+    valve = restriction_of(
+        system(example_text("proportional-valve")).circuit.network,
+        "mine",
+        "proportional_valve",
+        "components.proportional_valve",
+    )
     found = fit_orifice(measured(), valve)
     assert valve.area is None and [*found.valve] == ["flow_coefficient"]
     (line,) = settings(found, Path("bench.csv"), valve)
     assert line.startswith("components.proportional_valve.conductance={value=")
     assert key_line(found).startswith('conductance = "1.55') and "m^3/(s*Pa^0.5)" in line
     with pytest.raises(ParameterError, match="pump has neither"):
-        restriction_of(system(example_text("pump")).circuit.network, "mine", "pump")
+        restriction_of(system(example_text("pump")).circuit.network, "mine", "pump", "components.pump")
 
 
 def test_the_verb_writes_a_circuit_that_runs(vvdp, tmp_path, monkeypatch):  # noqa: F811
@@ -124,8 +129,21 @@ def test_the_verb_writes_a_circuit_that_runs(vvdp, tmp_path, monkeypatch):  # no
     assert float(written["discharge_coefficient"]["value"]) == pytest.approx(0.65, rel=1e-6)
     assert vvdp("show", "fit/fitted.toml").code == 0
     assert vvdp("fit", "bench.csv", "--law", "orifice", "--on", "mine.toml").code == 2
-    drawn_in_code = vvdp("fit", "bench.csv", "--law", "orifice", "--on", "prototype", "--component", "load")
-    assert drawn_in_code.code == 2 and drawn_in_code.err.startswith("--on: prototype: its file has no [components]")
+    in_code = vvdp("fit", "bench.csv", "--law", "orifice", "--on", "displacement-control", "--component", "load")
+    assert in_code.code == 2 and in_code.err.startswith("--on: displacement-control: its file has no [components]")
     assert "feed_a, drain_b, orifice" in vvdp(
         "fit", "bench.csv", "--law", "orifice", "--on", "mine.toml", "--component", "load"
     ).err  # fmt: skip
+
+
+def test_a_value_under_a_short_path_is_written_there(vvdp, tmp_path, monkeypatch):  # noqa: F811
+    """The load of the prototype has its values in a table [load]."""
+    monkeypatch.chdir(tmp_path)
+    rows = [f"{6e4 * q:.6f},{1e-5 * dp:.6f}" for q, dp in zip(*measured().values(), strict=True)]
+    Path("bench.csv").write_text("\n".join(["flow [lpm],pressure_drop [bar]", *rows]), "utf-8")
+    options = ("--law", "orifice", "--on", "prototype", "--component", "load", "--no-report", "--out", "fit")
+    answer = vvdp("fit", "bench.csv", *options, "--density", "870 kg/m^3", "--set", "load.area=5 mm^2")
+    assert answer.code == 0, answer.err
+    written = tomllib.loads(Path("fit/fitted.toml").read_text("utf-8"))
+    assert float(written["load"]["discharge_coefficient"]["value"]) == pytest.approx(0.65, rel=1e-6)
+    assert vvdp("show", "fit/fitted.toml").code == 0

@@ -8,6 +8,7 @@ from vvdp.base.errors import ConfigError
 from vvdp.base.tables import parsed_table
 from vvdp.evaluation.overview import warnings
 from vvdp.evaluation.summary import summary
+from vvdp.evaluation.unit_rig import unit_on_rig
 from vvdp.simulation.run import simulate
 from vvdp.simulation.values import flat
 from vvdp.systems.system import built_system, load_system, source_text
@@ -236,3 +237,12 @@ def test_another_value_in_the_drawing_is_another_circuit():
 def test_a_circuit_that_does_not_exist_is_refused_in_a_drawing_too():
     (told,) = faults_of(PROTOTYPE.replace('circuit = "orifice-load"', 'circuit = "orifice-lode"'))
     assert "orifice-load" in told
+
+
+def test_a_changed_prototype_still_goes_onto_a_rig():
+    """With a leak behind the load line its values are found in the tables by which the file has them."""
+    rig = unit_on_rig(built(with_leak("load_line")), "map")
+    assert rig.circuit_name == "orifice-load"
+    expected = load_system("prototype").tables
+    for name in ("pump", "valve", "relief_valve", "check_valve", "load_line"):
+        assert rig.tables[name] == expected[name], name

@@ -150,12 +150,14 @@ def _host(loaded: "System | None", name: str) -> "Host | None":
     """The rotary valve of the system, of several the one with a `name`."""
     from vvdp.evaluation.valve_unit import chosen_valve, valve_unit
     from vvdp.fitting.fitted import Host
+    from vvdp.systems.short_paths import path_in_file
 
     if loaded is None:
         return None
     placed = chosen_valve(loaded, "fit --on", name, "--component")
     unit = valve_unit(loaded, "fit --on", placed.name)
-    own = next((key for key, table in loaded.tables.items() if table is unit.valve), f"components.{placed.part.name}")
+    full = path_in_file(loaded.table, f"components.{placed.part.name}")
+    own = next((key for key, table in loaded.tables.items() if table is unit.valve), full)
     return Host(
         name=loaded.name,
         table=own,
@@ -175,6 +177,7 @@ def _restriction(given: Law, loaded: "System | None") -> "Restriction":
     from vvdp.components.library import UsualOil
     from vvdp.fitting.orifice import USUAL_TEMPERATURE, Restriction, restriction_of
     from vvdp.fluid.oil import density
+    from vvdp.systems.short_paths import path_in_file
 
     if (loaded is None) != (not given.component):
         raise ConfigError([Fault("--component", 0, given.component, "give it together with --on SYSTEM")])
@@ -184,7 +187,8 @@ def _restriction(given: Law, loaded: "System | None") -> "Restriction":
             [Fault("--on", 0, loaded.name, "its file has no [components]; give one that draws its circuit")]
         )
     if loaded is not None:
-        known = restriction_of(loaded.circuit.network, loaded.name, given.component)
+        place = path_in_file(loaded.table, f"components.{given.component}")
+        known = restriction_of(loaded.circuit.network, loaded.name, given.component, place)
     if given.density:
         known = known._replace(density=parse(given.density, DENSITY))
     return known._replace(area=parse(given.area, AREA)) if given.area else known

@@ -82,8 +82,8 @@ def _general_form(system: System, taken: Sequence[Spread]) -> System:
     try:
         between = bench_with(bench, {each.setting: float(each.quantile(0.5)) for each in taken})
     except ParameterError:  # what contradicts is informed of each draw
-        return system
-    return replace(system, circuit=system.with_tables(between.tables).circuit, redrawn=True)
+        return bench.system
+    return replace(bench.system, circuit=bench.system.with_tables(between.tables).circuit, redrawn=True)
 
 
 def _results(

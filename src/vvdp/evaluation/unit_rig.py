@@ -24,6 +24,7 @@ from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Part
 from vvdp.network.nodes import Chamber, DrivenShaft, Node, OilVolume
+from vvdp.systems.short_paths import with_full_paths
 from vvdp.systems.spool_travel import spool_source
 from vvdp.systems.system import System, built_system
 
@@ -59,9 +60,10 @@ def unit_on_rig(system: System, verb: str, part: str = "") -> System:
 
 
 class _File(NamedTuple):
-    """What the file of a circuit says of its oil, nodes and components."""
+    """What the file of a circuit says of its oil, nodes and components, each value with its full path."""
 
     system: System
+    content: Entries
 
     def component(self, part: Part, values: Params) -> Entries:
         """Of the values of a component: in its own table, or in one of the circuit's."""
@@ -78,7 +80,7 @@ class _File(NamedTuple):
 
     def table(self, *names: str) -> Entries:
         """A table by its path; empty if there is none."""
-        found: Any = self.system.content
+        found: Any = self.content
         for name in names:
             found = found.get(name, {})
         return {**found}
@@ -88,7 +90,8 @@ class _Rig:
     """What the text of a rig is made of: a unit, and the circuit that it is taken from."""
 
     def __init__(self, system: System, placed: PlacedValve, unit: ValveUnit) -> None:
-        self.system, self.placed, self.unit, self.file = system, placed, unit, _File(system)
+        full = with_full_paths(system.table, []).table.content
+        self.system, self.placed, self.unit, self.file = system, placed, unit, _File(system, full)
         self.network, self.nodes = system.circuit.network, placed.part.nodes
         self.start, self.line = start_numbers(system), _line(self.network.nodes[self.nodes["load"]])
         inlet, spool = self.nodes["inlet"], self.nodes["spool"]

@@ -32,13 +32,15 @@ KEYS = {CD: CD, K: "conductance"}
 
 
 class Restriction(NamedTuple):
-    """A restriction that was measured [SI]; `part` and `values` are those of the component that takes the fit."""
+    """A restriction that was measured [SI]; `part` and `values` are those of the component that takes the fit, `table`
+    is that of the file in which they stand."""
 
     density: float
     area: float | None = None
     name: str = ""
     part: str = ""
     values: Params | None = None
+    table: str = ""
 
     @property
     def conditions(self) -> dict[str, str]:
@@ -53,11 +55,14 @@ class Restriction(NamedTuple):
     def place(self, key: str) -> str | None:
         """Where a system file has the value; None if the component takes another one."""
         taken = self.values is not None and KEYS[key] in field_kinds(type(self.values))
-        return f"components.{self.part}.{KEYS[key]}" if taken else None
+        return f"{self.table}.{KEYS[key]}" if taken else None
 
 
-def restriction_of(network: Network, system: str, part: str) -> Restriction:
-    """What a component of a circuit has. Raises ParameterError if it is neither an orifice nor has a `conductance`."""
+def restriction_of(network: Network, system: str, part: str, table: str) -> Restriction:
+    """What a component of a circuit has, in a `table` of its file.
+
+    Raises ParameterError if it is neither an orifice nor has a `conductance`.
+    """
     if part not in network.parts:
         raise ParameterError(f"{part!r} is no component of {system}; it has {', '.join(network.parts)}")
     own = network.parts[part]
@@ -69,7 +74,7 @@ def restriction_of(network: Network, system: str, part: str) -> Restriction:
     source = own.inputs.get("area")
     area = float(signal_value(0.0, source)) if isinstance(source, Signal) else None
     temperature = float(signal_value(0.0, network.temperature))
-    return Restriction(float(density(temperature, oils[0])), area, system, part, taken[0])
+    return Restriction(float(density(temperature, oils[0])), area, system, part, taken[0], table)
 
 
 def _has_conductance(values: Params) -> bool:

@@ -1,6 +1,6 @@
-"""Shipped systems with other values and without some of their tables."""
+"""Shipped systems with other values."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 

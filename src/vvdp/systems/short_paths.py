@@ -94,6 +94,11 @@ def with_full_paths(table: Table, faults: list[Fault]) -> FullTable:
     return FullTable(Table(table.place, content, lines), short, tuple(table.content))
 
 
+def path_in_file(table: Table, full: str) -> str:
+    """The path that a file has for a full one: of a value, or of the table of a node, component or program."""
+    return with_full_paths(table, []).path_of(full)
+
+
 def full_settings(table: Table, settings: Sequence[str]) -> list[str]:
     """Settings of the form path=value as `table` has their paths: a full one where it has a short one, and the other
     way round."""

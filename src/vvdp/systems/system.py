@@ -199,7 +199,9 @@ class System:
         return built_system(table, self.name, self.folder)
 
     def with_tables(self, tables: Mapping[str, object]) -> "System":
-        """The same system drawn from other tables."""
+        """The same system drawn by its function, or that of the circuit which its file names, from other tables."""
+        if self.function is None and self.counterpart is not None:
+            return self.counterpart.with_tables(tables)
         function = self.function
         assert function is not None
         given = {name: table for name, table in tables.items() if name in table_slots(function)}
