@@ -9,10 +9,12 @@ from pathlib import Path
 from circuit_sentences import NONE, flowed, load_sentences, rows_between, sentences, short, spread_sentences
 
 from vvdp.base.display import with_unit
+from vvdp.base.signal import Signal
 from vvdp.comparison.circuit_result import FIGURES
 from vvdp.comparison.circuit_trials import CircuitComparison, CircuitRun, compare_circuits, run_pair
 from vvdp.comparison.equal_error import is_reached
 from vvdp.machines.duties import Duty, shipped_duties
+from vvdp.network.nodes import DrivenShaft
 from vvdp.rivals.rival_account import system_for
 from vvdp.rivals.rival_circuits import CIRCUITS, SINKS, RivalCircuit, with_value
 from vvdp.systems.system import load_system
@@ -26,6 +28,8 @@ SPREAD_BEGIN, SPREAD_END = "<!-- spread, made by docs/site/circuits_compared.py 
 SPREAD = ("vvdp", "vvdp-slow", "throttle", "bleed-off", "constant-pressure", "load-sensing", "digital-pump")
 OWN_RANGES = ("load-sensing", "digital-pump")
 """Circuits whose own values are spread; the others have the ranges of the pump of the first one."""
+PUMP_LOSSES = ("leakage_conductance", "friction_torque")
+"""Values of every pump."""
 LESS_IS_DEAR = ("valve_conductance",)
 """Values of which the lower end costs more."""
 SPREAD_DUTIES = ("triangle", "heavy")
@@ -71,7 +75,7 @@ Powers = Mapping[tuple[str, str], float]
 def pump_ends() -> dict[str, float]:
     """The unfavourable end of leakage and friction torque of a pump, by its key."""
     found = load_system("load-sensing").uncertainties
-    return {row.key: max(row.range) for row in found if row.table == "pump" and row.range}
+    return {row.key: max(row.range) for row in found if row.key in PUMP_LOSSES and row.range}
 
 
 def drag(circuit: RivalCircuit, duty: Duty, torque: float) -> float:
@@ -82,10 +86,9 @@ def drag(circuit: RivalCircuit, duty: Duty, torque: float) -> float:
     if circuit.measured:
         return 0.0
     parts = (duty,) if circuit.shares else duty.alone
-    tables = system_for(circuit, parts[0]).tables
-    drive, operation = tables.get("pump_drive"), tables.get("operation")
-    speed = drive.speed if drive else operation.pump_speed if operation else None
-    return torque * (speed.extremes[0] if speed else FULL_SPEED) * len(parts)
+    shaft = system_for(circuit, parts[0]).circuit.network.nodes.get("pump_shaft")
+    speed = shaft.speed if isinstance(shaft, DrivenShaft) else FULL_SPEED
+    return torque * (speed.extremes[0] if isinstance(speed, Signal) else FULL_SPEED) * len(parts)
 
 
 def unfavourable(found: CircuitComparison) -> Powers:
@@ -99,8 +102,7 @@ def unfavourable(found: CircuitComparison) -> Powers:
         circuit, duty = found.circuits[run.circuit], found.duties[run.duty]
         if circuit.measured:
             return run.tried[run.kept].power
-        table = "variable_pump" if "variable_pump" in load_system(circuit.system).tables else "pump"
-        leaking = with_value(circuit, circuit.name, table, "leakage_conductance", ends["leakage_conductance"])
+        leaking = with_value(circuit, circuit.name, circuit.leakage, ends["leakage_conductance"])
         rate = run.tried[run.kept].filter_rate
         score = run_pair(leaking, duty, rate=rate, begins=run.begins).score
         if score is None:
@@ -145,12 +147,12 @@ def table(found: CircuitComparison, duty: Duty, dear: Powers) -> Iterator[str]:
     yield ""
 
 
-def ends(system: str) -> Iterator[tuple[str, str, str, float]]:
-    """Each value of a system with a range, at each end where it is not already: in words, and where it goes."""
+def ends(system: str) -> Iterator[tuple[str, str, float]]:
+    """Each value of a system's pump with a range, at each end where it is not already: in words, its key."""
     for row in load_system(system).uncertainties:
         for end in row.range or ():
             if end != row.nominal:
-                yield f"{row.key.replace('_', ' ')} {with_unit(end, row.kind)}", row.table, row.key, end
+                yield f"{row.key.replace('_', ' ')} {with_unit(end, row.kind)}", row.key, end
 
 
 def spread_circuits() -> Iterator[RivalCircuit]:
@@ -158,14 +160,16 @@ def spread_circuits() -> Iterator[RivalCircuit]:
     the end that costs more."""
     circuits = {each.name: each for each in CIRCUITS}
     for circuit in (circuits[name] for name in SPREAD):
-        tables, dear = load_system(circuit.system).tables, circuit
+        nominal = {row.setting: row.nominal for row in load_system(circuit.system).rows}
+        dear, pump = circuit, circuit.leakage.rpartition(".")[0]
         yield circuit
         own = circuit.name in OWN_RANGES
-        for words, table, field, value in ends(circuit.system if own else circuits[OWN_RANGES[0]].system):
-            if table == "pump" or own:
-                yield with_value(circuit, f"{circuit.name}, {words}", table, field, value)
-                if (value > getattr(tables[table], field)) != (field in LESS_IS_DEAR):
-                    dear = with_value(dear, f"{circuit.name}, all of these", table, field, value)
+        for words, key, value in ends(circuit.system if own else circuits[OWN_RANGES[0]].system):
+            if key in PUMP_LOSSES or own:
+                path = f"{pump}.{key}"
+                yield with_value(circuit, f"{circuit.name}, {words}", path, value)
+                if (value > nominal[path]) != (key in LESS_IS_DEAR):
+                    dear = with_value(dear, f"{circuit.name}, all of these", path, value)
         yield dear
 
 

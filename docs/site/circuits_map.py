@@ -13,8 +13,8 @@ from circuit_sentences import flowed
 from circuits_compared import PAGE, drag, pump_ends, put, short
 
 from vvdp.comparison.circuit_trials import run_pair
+from vvdp.control.duty_cycle import DutyCycle
 from vvdp.machines.duties import Duty, known_cylinder, sized_duty
-from vvdp.machines.duty_cycle import DutyCycle
 from vvdp.rivals.rival_circuits import CIRCUITS, RivalCircuit
 
 BEGIN, END = "<!-- map, made by docs/site/circuits_map.py -->\n", "<!-- end of the map -->\n"

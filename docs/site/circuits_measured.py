@@ -10,12 +10,14 @@ from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 
 from circuit_sentences import flowed
-from circuits_compared import PAGE, put, short
+from circuits_compared import FULL_SPEED, PAGE, put, short
 
+from vvdp.base.signal import Signal
 from vvdp.evaluation.summary import simulated_summary
 from vvdp.hydraulics.ports import Medium
 from vvdp.hydraulics.variable_machine import VariableMachine, drag_torque, slip_flow
 from vvdp.machines.duties import Duty, shipped_duties
+from vvdp.network.nodes import DrivenShaft
 from vvdp.rivals.rival_account import begin_of, system_for
 from vvdp.rivals.rival_circuits import CIRCUITS, RivalCircuit, with_value
 from vvdp.simulation.outcome import outcome
@@ -32,30 +34,28 @@ DUTIES = ("triangle", "heavy", "digging")
 
 def measured_pump() -> VariableMachine:
     """The pump whose losses are taken."""
-    pump: VariableMachine = load_system("measured-pump-control").tables["pump"]
+    pump = load_system("measured-pump-control").circuit.network.parts["pump"].values[0]
+    assert isinstance(pump, VariableMachine)
     return pump
 
 
 def medium_of(system: System) -> Medium:
     """The oil of a system at 40 degC."""
-    oil = system.tables["oil"]
+    oil = system.circuit.network.oil
     return Medium(density=oil.density, viscosity=oil.density * oil.viscosity_40)
 
 
 def pump_speed(system: System) -> float:
-    """Speed of the pump of a system [rad/s]; that of the measured one where it has none."""
-    tables = system.tables
-    drive, operation = tables.get("pump_drive"), tables.get("operation")
-    found = drive.speed if drive else operation.pump_speed if operation else None
-    return float((found or load_system("measured-pump-control").tables["pump_drive"].speed).extremes[0])
+    """Speed of the pump of a system [rad/s]; that of the others where it has no shaft."""
+    shaft = system.circuit.network.nodes.get("pump_shaft")
+    speed = shaft.speed if isinstance(shaft, DrivenShaft) else FULL_SPEED
+    return float(speed.extremes[0]) if isinstance(speed, Signal) else FULL_SPEED
 
 
 def with_slip(circuit: RivalCircuit) -> RivalCircuit:
     """A circuit whose pump leaks as the measured one does."""
-    system, pump = load_system(circuit.system), measured_pump()
-    table = "variable_pump" if "variable_pump" in system.tables else "pump"
-    slip = slip_flow(1.0, medium_of(system), pump)
-    return with_value(circuit, circuit.name, table, "leakage_conductance", slip)
+    slip = slip_flow(1.0, medium_of(load_system(circuit.system)), measured_pump())
+    return with_value(circuit, circuit.name, circuit.leakage, slip)
 
 
 def net_power(circuit: RivalCircuit, duty: Duty) -> float:

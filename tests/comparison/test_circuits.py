@@ -9,9 +9,9 @@ from tests.words import wording
 from vvdp.base.errors import ConfigError, ParameterError, RunError
 from vvdp.comparison.circuit_result import LOST, circuit_result, screen_tables
 from vvdp.comparison.circuit_trials import compare_circuits, run_pair
+from vvdp.control.duty_cycle import DutyCycle
 from vvdp.fluid.mixture import fluid_state
 from vvdp.machines.duties import known_cylinder, read_duty, shipped_duties, sized_duty
-from vvdp.machines.duty_cycle import DutyCycle
 from vvdp.report.plot import new_figure
 from vvdp.results.result import Grade
 from vvdp.rivals.rival_account import begin_of, common_reference, refuse_unled, system_for
@@ -100,7 +100,7 @@ def test_a_fixed_pump_gives_its_flow_at_the_pressure_of_the_relief_valve(name, s
     """Q h(P), P = 60 bar + 5 bar Q_r/40 lpm, Q_r = Q - A v - G P; oil that gives way takes a little less than Q P.
     A digital flow control unit is a throttle like another."""
     run, out, back = course(name, steady)
-    oil = load_system("throttle-control").tables["oil"]
+    oil = load_system("throttle-control").circuit.network.oil
     flow = 40.0 / 60e3
     for rows, taken in ((out, A * 0.1), (back, B * 0.1)):
         level = (60e5 + 5e5 * (1.0 - taken / flow)) / (1.0 + 5e5 * LEAKAGE_CONDUCTANCE / flow)

@@ -18,8 +18,8 @@ from vvdp.comparison.equal_error import (
     next_rate,
     rms_speed,
 )
+from vvdp.control.duty_cycle import DutyCycle
 from vvdp.machines.duties import HEAVY, shipped_duties
-from vvdp.machines.duty_cycle import DutyCycle
 from vvdp.results.result import Grade
 from vvdp.rivals.rival_circuits import CIRCUITS
 

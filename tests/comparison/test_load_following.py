@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from vvdp.comparison.circuit_trials import run_pair
+from vvdp.control.duty_cycle import DutyCycle
 from vvdp.fluid.mixture import fluid_state
 from vvdp.machines.duties import known_cylinder, shipped_duties, sized_duty
-from vvdp.machines.duty_cycle import DutyCycle
 from vvdp.rivals.rival_account import joint_score, system_for
-from vvdp.rivals.rival_circuits import CIRCUITS, PUMP_FRICTION, SINKS
+from vvdp.rivals.rival_circuits import CIRCUITS, PUMP_FRICTION, SINKS, with_value
+from vvdp.rivals.sizing import SUFFIXES
 from vvdp.simulation.run import simulate
 
 pytestmark = pytest.mark.heavy
@@ -48,9 +49,10 @@ class Course:
 
     def __init__(self, name, loads, **pump):
         self.loads = loads
-        system = system_for(circuit(name), duty(loads))
-        tables = {**system.tables, "pump": replace(system.tables["pump"], **pump)}
-        self.system = system.with_tables(tables)
+        changed = circuit(name)
+        for key, value in pump.items():
+            changed = with_value(changed, name, f"components.pump.{key}", value)
+        self.system = system_for(changed, duty(loads))
         self.run = simulate(self.system.model, self.system.case, self.system.stepping)
         since = self.run.times - 2.0 * duty(loads).period
         self.ways = ((since > 1.6) & (since < 1.95), 1.0, A, B), ((since > 3.6) & (since < 3.95), -1.0, B, A)
@@ -66,7 +68,7 @@ class Course:
     def line(self, k, way):
         """Pressure that the supply of cylinder k needs: P_s A_s = F + b v + P_r A_r, P_r as the return is open."""
         rows, sign, into, out = way
-        suffix, (force, far) = ("", "_2", "_3")[k], self.loads[k]
+        suffix, (force, far) = SUFFIXES[k], self.loads[k]
         v = (far - 0.05) / 2.0
         u = np.mean(getattr(self.run.command, f"loop{suffix}").opening[rows])
         behind = (out * v) ** 2 * (1.0 / (RETURN * u) ** 2 + 1.0 / VALVE**2)
@@ -76,7 +78,7 @@ class Course:
         return way[2] * (self.loads[k][1] - 0.05) / 2.0
 
     def valve_loss(self, k, rows):
-        spent = getattr(self.run.state.books.spent, f"flow_valve{('', '_2', '_3')[k]}")
+        spent = getattr(self.run.state.books.spent, f"flow_valve{SUFFIXES[k]}")
         return self.power(spent.metering, rows) + self.power(spent.compensator, rows)
 
 
@@ -114,7 +116,7 @@ def test_three_loads_lose_the_margin_and_what_each_lies_below_the_highest(three)
 def test_the_margin_is_held_to_nothing(three):
     for rows, *_ in three.ways:
         state = three.run.state
-        highest = np.max([state.supply[rows], state.supply_2[rows], state.supply_3[rows]], axis=0)
+        highest = np.max([state.supply[rows], state.supply_second[rows], state.supply_third[rows]], axis=0)
         assert np.mean(state.pump_line[rows] - highest) == pytest.approx(MARGIN, rel=1e-3)
 
 
@@ -138,7 +140,7 @@ def test_independent_valves_take_the_flow_at_a_margin_above_the_load(loads):
     for way in found.ways:
         rows, sign, into, out = way
         lines = []
-        for (force, far), suffix in zip(loads, ("", "_2", "_3"), strict=False):
+        for (force, far), suffix in zip(loads, SUFFIXES, strict=False):
             speed, command = (far - 0.05) / 2.0, getattr(found.run.command, f"loop{suffix}")
             u = np.mean((command.return_b if sign > 0.0 else command.return_a)[rows])
             lines.append((sign * force + FRICTION * speed + (out * speed / (RETURN * u)) ** 2 * out) / into)
@@ -161,7 +163,7 @@ def test_a_pump_that_is_bled_off_gives_all_its_flow_at_the_pressure_of_the_load(
     """Q_p h(P), of which what the cylinder does not take, Q_p - (A v + G P)/nu in tank volumes, over the throttle."""
     found = Course("bleed-off", ONE)
     for way in found.ways:
-        level, oil = found.line(0, way), found.system.tables["oil"]
+        level, oil = found.line(0, way), found.system.circuit.network.oil
         supply = fluid_state(level + oil.reference_pressure, oil)
         assert found.drawn(way[0]) == pytest.approx(PUMP_FLOW * supply.enthalpy, rel=1e-2)
         assert supply.enthalpy == pytest.approx(level, rel=0.01)

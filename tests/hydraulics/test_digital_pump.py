@@ -30,7 +30,7 @@ PUMP = DigitalPump(
     valve_energy=0.2,
 )
 """Twelve pistons of 2 cm^3 each."""
-OIL = load_system("digital-pump-control").tables["oil"]
+OIL = load_system("digital-pump-control").circuit.network.oil
 
 
 def test_a_piston_gives_its_volume_in_half_a_revolution():

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from tests.words import wording
 
+from vvdp.control.duty_cycle import DutyCycle, cycle_demand
 from vvdp.fluid.mixture import compression_energy_per_volume
 from vvdp.hydraulics.supply_losses import drag_power
 from vvdp.machines.duties import known_cylinder, shipped_duties
-from vvdp.machines.duty_cycle import DutyCycle, cycle_demand
 from vvdp.report.plot import new_figure
 from vvdp.rivals.supply_claim import WAYS, cycle_losses, supply_claim
 from vvdp.rivals.supply_ways import (

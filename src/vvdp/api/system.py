@@ -1,6 +1,5 @@
 """Systems for scripts and notebooks."""
 
-import json
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
@@ -9,12 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vvdp.api.run import Run
-from vvdp.base import kinds
 from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.kinds import Kind
 from vvdp.base.tables import nearest, parsed_table, with_settings
 from vvdp.runs.simulate import run_system
 from vvdp.systems import system as systems
+from vvdp.systems.changed import quantity_text, setting_text
 from vvdp.systems.drawn_parts import setting_path
 from vvdp.systems.options import lasting, without_other_position
 
@@ -74,7 +73,7 @@ class System(systems.System):
         """
         system = self
         if until is not None:
-            text = until if isinstance(until, str) else _quantity_text(until) or f"{until!r} s"
+            text = until if isinstance(until, str) else quantity_text(until) or f"{until!r} s"
             system = _public(self.read_from(lasting(self.table, text)))
         done = run_system(system, progress=progress, stop=stop, say=lambda message: print(message, file=sys.stderr))
         return Run(**{each.name: getattr(done, each.name) for each in fields(done)})
@@ -133,37 +132,8 @@ def _public(system: systems.System) -> System:
 def _checked_setting(name: str, key: str, value: Any, kind: Kind | None) -> str:
     """A value as the text of a setting. Raises ConfigError for what is no number, text, quantity, list or table."""
     try:
-        return _setting(value, kind)
+        return setting_text(value, kind)
     except (TypeError, ValueError):
         example = f", for example {kind.example!r} or a number in {kind.unit}" if kind else ""
         message = f"{type(value).__name__} is no value; give a text with its unit{example}"
         raise ConfigError([Fault(name, 0, key, message)]) from None
-
-
-def _quantity_text(value: Any) -> str:
-    """A quantity of pint as text with its unit; empty for anything else."""
-    is_quantity = hasattr(value, "magnitude") and hasattr(value, "units")
-    return f"{float(value.magnitude)!r} {value.units:~C}".replace("**", "^").strip() if is_quantity else ""
-
-
-def _setting(value: Any, kind: Kind | None) -> str:
-    """A value as the text of a setting."""
-    if isinstance(value, Mapping):
-        inner = ", ".join(f"{json.dumps(key)} = {_setting(each, kind)}" for key, each in value.items())
-        return f"{{{inner}}}"
-    if isinstance(value, list | tuple):
-        return f"[{', '.join(_setting(each, kind) for each in value)}]"
-    if isinstance(value, str):
-        return json.dumps(value)
-    if text := _quantity_text(value):
-        return json.dumps(text)
-    return json.dumps(_text(float(value), kind))
-
-
-def _text(value: float, kind: Kind | None) -> str:
-    """A number [SI] with the unit of its kind."""
-    if kind is kinds.PRESSURE_LEVEL:
-        return f"{value / 1e5!r} bara"
-    if kind is None or kind.unit == "1":
-        return repr(value)
-    return f"{value!r} {kind.unit}"

@@ -16,7 +16,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from vvdp.base.kinds import MEAN_POWER, RATE, Length
-from vvdp.machines.duty_cycle import DutyCycle, cycle_speeds
+from vvdp.control.duty_cycle import DutyCycle, cycle_speeds
 
 POLES = 4.0
 """Of the filter before a loop."""

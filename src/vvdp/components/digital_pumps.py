@@ -72,4 +72,4 @@ def digital_pump(
     )
 
 
-DIGITAL_PUMP = Component(digital_pump, symbol="variable_pump", averages=("leakage_flow", "share"), offered=False)
+DIGITAL_PUMP = Component(digital_pump, symbol="variable_pump", averages=("leakage_flow", "share"))

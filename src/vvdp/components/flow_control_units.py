@@ -1,12 +1,14 @@
 """Digital flow control unit: on/off valves in parallel, each opened by the unit's code."""
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
-from vvdp.base.kinds import Count, Flow, Kink, Power
+from vvdp.base.kinds import COUNT, Count, Flow, Kink, Power
 from vvdp.base.modes import between
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.flow import passage
 from vvdp.hydraulics.flow_control_unit import (
+    FlowControlUnit,
     PoppetState,
     UnitValve,
     poppet_flow,
@@ -14,6 +16,7 @@ from vvdp.hydraulics.flow_control_unit import (
     poppet_rate,
     valve_command,
 )
+from vvdp.network.assembly import Assembly
 from vvdp.network.component import Component
 from vvdp.network.network import Network
 from vvdp.network.nodes import Source
@@ -39,8 +42,22 @@ UNIT_VALVE = Component(unit_valve, symbol="switching_valve_2_2")
 
 
 def add_flow_control_unit(
-    net: Network, name: str, valves: tuple[UnitValve, ...], nodes: tuple[str, str], code: Source, suffix: str = ""
+    net: Network, name: str, unit: FlowControlUnit, joints: Mapping[str, Source], start: None
 ) -> None:
-    """Add the valves of a unit between two nodes: `name_1` and so on, a `suffix` behind, all hearing its `code`."""
-    for number, valve in enumerate(valves, 1):
-        net.add(f"{name}_{number}{suffix}", UNIT_VALVE, valve, a=nodes[0], b=nodes[1], code=code)
+    """Digital flow control unit between a and b: on/off valves in parallel, of which its `code` opens some.
+
+    Its valves are `name_1` and so on, the smallest first.
+    """
+    for number, valve in enumerate(unit.parts, 1):
+        net.add(f"{name}_{number}", UNIT_VALVE, valve, **joints)
+
+
+FLOW_CONTROL_UNIT = Assembly(
+    "flow_control_unit",
+    FlowControlUnit,
+    ("a", "b"),
+    "switching_valve_2_2",
+    add_flow_control_unit,
+    inputs={"code": COUNT},
+    holds_oil=False,
+)

@@ -9,7 +9,7 @@ from vvdp.hydraulics.friction import shaft_friction_torque
 from vvdp.hydraulics.motor import Motor, motor_compression_loss, motor_flow, motor_torque
 from vvdp.hydraulics.ports import ShaftSpeed, ShaftState
 from vvdp.hydraulics.pump import Pump, against, delivery, is_ideal, pump_friction_power, tank_displacement
-from vvdp.hydraulics.variable_pump import PumpControl, SwivelState, swivel_rate, swivel_share, swivel_side
+from vvdp.hydraulics.variable_pump import PumpControl, SwivelState, held_level, swivel_rate, swivel_share, swivel_side
 from vvdp.network.component import Component
 
 
@@ -109,16 +109,18 @@ def controlled_pump(
     inlet: FluidState,
     outlet: FluidState,
     shaft: ShaftState,
-    level: Pressure,
+    load_pressure: Pressure,
     state: SwivelState,
     values: Pump,
     control: PumpControl,
+    second_pressure: Pressure = 0.0,
+    third_pressure: Pressure = 0.0,
 ) -> ControlledPumpEffect:
-    """Pressure-compensated variable pump; its outlet is held at `level` [Pa, absolute].
+    """Load-sensing variable pump: its outlet is held a margin above the highest of up to three load pressures.
 
     At a share of its displacement it leaks and rubs as at the full one.
     """
-    shortfall = level - outlet.pressure
+    shortfall = held_level(control, load_pressure, second_pressure, third_pressure) - outlet.pressure
     swivel = swivel_share(shortfall, state.swivel, control)
     done = _at_swivel(inlet, outlet, shaft, swivel, values)
     return ControlledPumpEffect(

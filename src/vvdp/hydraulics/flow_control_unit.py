@@ -90,6 +90,28 @@ def _unit_valve(valve: OnOffValve, size: int, weight: int, modulus: int) -> Unit
     )
 
 
+class FlowControlUnit(OnOffValve):
+    """A unit of `valves` on/off valves: the values are those of the smallest.
+
+    Sizes double from valve to valve; where `equal_sizes` is 1, all are as large as the smallest.
+    """
+
+    valves: Count
+    equal_sizes: Fraction = 0.0
+
+    def check(self) -> None:
+        super().check()
+        if self.valves < 1.0 or self.valves != round(self.valves):
+            refuse(self, "valves", "must be a whole number of at least 1")
+        if self.equal_sizes not in (0.0, 1.0):
+            refuse(self, "equal_sizes", "must be 0 or 1")
+
+    @property
+    def parts(self) -> tuple[UnitValve, ...]:
+        """Its valves, the smallest first."""
+        return (equal_valves if self.equal_sizes else binary_valves)(int(self.valves), self)
+
+
 def code_count(valves: tuple[UnitValve, ...]) -> int:
     """How many codes a unit has, from 0 on: 2^N of binary sizes, N + 1 of equal ones."""
     return int(max(valve.modulus for valve in valves))

@@ -16,7 +16,9 @@ from vvdp.machines.machine_loop import (
     machine_start,
     machine_view,
 )
-from vvdp.machines.rival_loop import (
+from vvdp.machines.stages import orders_of
+from vvdp.network.program import ProgramType
+from vvdp.programs.position_loop import (
     Joint,
     LoopMemory,
     LoopTable,
@@ -26,8 +28,6 @@ from vvdp.machines.rival_loop import (
     loop_gain,
     one_way_actuation,
 )
-from vvdp.machines.stages import orders_of
-from vvdp.network.program import ProgramType
 
 
 class CommonLoop(Params):

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from vvdp.base.kinds import Position, Pressure
 from vvdp.base.params import Params
 from vvdp.components.rods import CYLINDER, END_STOP, LOAD_FORCE, ROD_FRICTION
+from vvdp.control.duty_cycle import DutyCycle, resting_pressures
 from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.hydraulics.friction import RodFriction
 from vvdp.hydraulics.rod import EndStop
 from vvdp.hydraulics.volume import Vessel
-from vvdp.machines.duty_cycle import DutyCycle, resting_pressures
 from vvdp.network.network import Network
 from vvdp.network.nodes import Load, Source
 

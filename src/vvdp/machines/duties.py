@@ -12,9 +12,9 @@ import numpy as np
 from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.rules import without_class
 from vvdp.base.tables import nearest
+from vvdp.control.duty_cycle import DutyCycle, cycle_period, cycle_speeds
 from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.hydraulics.friction import RodFriction
-from vvdp.machines.duty_cycle import DutyCycle, cycle_period, cycle_speeds
 from vvdp.systems.system import load_system
 
 LEAST_RELIEF, RELIEF_STEP, RELIEF_OVER_LOAD = 60e5, 10e5, 2.0
@@ -56,8 +56,10 @@ class Duty:
 
 def known_cylinder() -> tuple[Cylinder, RodFriction]:
     """The cylinder that all circuits move, and its friction."""
-    tables = load_system("throttle-control").tables
-    return tables["cylinder"], tables["friction"]
+    parts = load_system("throttle-control").circuit.network.parts
+    cylinder, friction = parts["cylinder"].values[0], parts["friction"].values[0]
+    assert isinstance(cylinder, Cylinder) and isinstance(friction, RodFriction)
+    return cylinder, friction
 
 
 def shipped_duties() -> tuple[Duty, ...]:

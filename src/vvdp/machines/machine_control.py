@@ -44,7 +44,6 @@ from vvdp.machines.machine_loop import (
     machine_step,
 )
 from vvdp.machines.machine_tables import MachineOperation
-from vvdp.machines.rival_loop import LoopTable
 from vvdp.machines.stages import MachineSequence
 from vvdp.machines.supervision import SpoolSpring, Supervised, Supervision
 from vvdp.network.network import Network
@@ -54,6 +53,7 @@ from vvdp.programs.axial_loop import UNKNOWN
 from vvdp.programs.chamber_loop import PassiveLoop, WatchedLoop, watched_start
 from vvdp.programs.gerotor_loop import GerotorLoop, WatchedGerotor, watched_gerotor_start
 from vvdp.programs.loop_report import ChamberLoopReport, SpoolLoopReport
+from vvdp.programs.position_loop import LoopTable
 from vvdp.programs.spool_encoder import WatchSettings
 from vvdp.sensing.instrument import Instrument, ideal_instrument
 

@@ -51,12 +51,12 @@ from vvdp.machines.machine_control import (
 from vvdp.machines.machine_extras import MachineExtras
 from vvdp.machines.machine_loop import SpoolRange
 from vvdp.machines.machine_tally import add_machine_tally
-from vvdp.machines.rival_loop import LoopTable
 from vvdp.machines.stages import MachineSequence
 from vvdp.machines.supervision import NO_SPRING, SpoolSpring, Supervision
 from vvdp.network.network import Network
 from vvdp.programs.chamber_loop import PassiveLoop
 from vvdp.programs.gerotor_loop import GerotorLoop
+from vvdp.programs.position_loop import LoopTable
 from vvdp.programs.spool_encoder import watch_settings
 
 HIGHEST_DUTY = 1.3

@@ -1,8 +1,9 @@
 """A component that a network makes of several: drawn, named and counted as one."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+from vvdp.base.kinds import Kind
 from vvdp.base.params import Params
 
 
@@ -14,7 +15,8 @@ class Assembly:
     ports   names of its hydraulic ports
     symbol  of the diagram
     add     add(network, name, values, nodes by port, start) draws it; `start` is the pressure of the volumes in it
-            [Pa, absolute]
+            [Pa, absolute], None where it holds no oil
+    inputs  names of its inputs and their kinds; `add` receives their sources beside the nodes
     """
 
     name: str
@@ -22,6 +24,8 @@ class Assembly:
     ports: tuple[str, ...]
     symbol: str
     add: Callable[..., None]
+    inputs: Mapping[str, Kind] = field(default_factory=dict)
+    holds_oil: bool = True
 
 
 @dataclass(frozen=True)

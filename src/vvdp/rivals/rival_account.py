@@ -11,14 +11,15 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array, Rows
-from vvdp.base.errors import ParameterError, RunError
+from vvdp.base.errors import ConfigError, ParameterError, RunError
+from vvdp.control.duty_cycle import DutyCycle, cycle_point
 from vvdp.control.reference import ReferenceFilter, reference_at_rest, reference_step
 from vvdp.evaluation.summary import simulated_summary
 from vvdp.machines.cylinder_load import CHAMBERS
 from vvdp.machines.duties import Duty
-from vvdp.machines.duty_cycle import DutyCycle, cycle_point
+from vvdp.network.nodes import Rod
 from vvdp.rivals.rival_circuits import SINKS, RivalCircuit
-from vvdp.rivals.rivals import SUFFIXES
+from vvdp.rivals.sizing import SUFFIXES, Task, known_cylinder_of
 from vvdp.simulation.balance import balance_between
 from vvdp.simulation.outcome import outcome
 from vvdp.simulation.record import record_of
@@ -92,9 +93,8 @@ def system_for(circuit: RivalCircuit, duty: Duty, begin: float = 0.0, rate: floa
     """
     system = load_system(circuit.system)
     try:
-        own = {**system.tables, "reference": ReferenceFilter(filter_rate=rate)}
-        system = system.with_tables({**own, **circuit.size(own, duty, begin, ROUNDS)})
-    except ParameterError as problem:
+        system = circuit.size(system, Task(duty, begin, ROUNDS, rate))
+    except (ConfigError, ParameterError) as problem:
         raise ParameterError(f"{circuit.name} on {duty.name}: {problem}") from None
     until = begin + ROUNDS * duty.period
     last = until - duty.period
@@ -131,7 +131,7 @@ def circuit_score(circuit: RivalCircuit, system: System, run: Run, duty: Duty, b
     books = _books(run)
     drawn, returned = _drive_powers(books, run.times, last)
     delivered, received = np.sum([_rod_powers(system, run, last, suffix) for suffix in _suffixes(run)], axis=0)
-    reference = system.tables["oil"].reference_pressure
+    reference = system.circuit.network.oil.reference_pressure
     chambers = [name + suffix for suffix in _suffixes(run) for name in CHAMBERS]
     lines = ["line", "pump_line", *("supply" + suffix for suffix in SUFFIXES)]
     highest = [float(found[key]) for name in (*chambers, *lines) if (key := f"pressure_max_{name}_Pa") in found]
@@ -148,7 +148,7 @@ def circuit_score(circuit: RivalCircuit, system: System, run: Run, duty: Duty, b
         sinks=tuple(_lost_power(books, run.times, last, circuit.sinks.get(sink, ())) for sink in SINKS),
         pressure_max=max(highest),
         pressure_min=min(float(found[f"pressure_min_{name}_Pa"]) for name in chambers),
-        charge=np.nan if circuit.charge is None else circuit.charge(system.tables) - reference,
+        charge=np.nan if circuit.charge is None else circuit.charge(system) - reference,
         energy_residual=float(found["energy_residual"]),
         mass_residual=float(found["mass_residual"]),
     )
@@ -223,8 +223,9 @@ def _storing_power(run: Run, rows: Rows) -> float:
 
 def _rod_kinetic_power(system: System, run: Run, rows: Rows, suffix: str) -> float:
     """Mean power at which a rod gains kinetic energy over `rows` [W]: it lies behind the power that is delivered."""
-    load, velocity = system.tables.get("load"), getattr(run.state, f"rod{suffix}").velocity[rows]
-    mass = system.tables["cylinder"].moving_mass + (load.mass if load else 0.0)
+    rod, velocity = system.circuit.network.nodes["rod"], getattr(run.state, f"rod{suffix}").velocity[rows]
+    assert isinstance(rod, Rod)
+    mass = known_cylinder_of(system).moving_mass + (rod.values.mass if rod.values else 0.0)
     gained: float = 0.5 * mass * float(velocity[-1] ** 2 - velocity[0] ** 2)
     return gained / float(run.times[rows[-1]] - run.times[rows[0]])
 
@@ -239,7 +240,7 @@ def _drive_powers(books: Mapping[str, Array], times: Array, rows: Rows) -> tuple
 
 def _rod_powers(system: System, run: Run, rows: Rows, suffix: str) -> tuple[float, float]:
     """Mean power of the oil on the rod while it pushes, and of the rod on the oil while the load overruns [W]."""
-    cylinder, reference = system.tables["cylinder"], system.tables["oil"].reference_pressure
+    cylinder, reference = known_cylinder_of(system), system.circuit.network.oil.reference_pressure
     a, b, rod = (getattr(run.state, name + suffix) for name in (*CHAMBERS, "rod"))
     force = (a - reference) * cylinder.area_a - (b - reference) * cylinder.area_b
     times, power = run.times[rows], (force * rod.velocity)[rows]
@@ -252,7 +253,7 @@ def circuit_trace(system: System, run: Run, duty: Duty, begin: float) -> Circuit
     """The last round of a run on a duty that was controlled from `begin` [s] on."""
     rows = np.flatnonzero(run.times >= system.average_from)
     thin = rows[:: max(1, rows.size // MOST_POINTS)]
-    reference, state = system.tables["oil"].reference_pressure, run.state
+    reference, state = system.circuit.network.oil.reference_pressure, run.state
     return CircuitTrace(
         time=run.times[thin] - system.average_from,
         reference=common_reference(duty.cycle, run.times - begin)[thin],

@@ -1,18 +1,15 @@
 """The circuits that are compared: a system, how it is sized for a duty, and where its powers are read."""
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from vvdp.base.errors import ConfigError, Fault
-from vvdp.hydraulics.flow_control_unit import code_count
-from vvdp.machines.cylinder_load import LOW_SIDE, InitialCylinder, start_at_rest
-from vvdp.machines.duties import Duty
+from vvdp.control.reference import ReferenceFilter
 from vvdp.machines.machine_loop import PROGRAM
 from vvdp.rivals.rival_machine import (
-    Tables,
+    MachineSize,
     control_begin,
     size_following_machine,
     size_machine,
@@ -20,12 +17,27 @@ from vvdp.rivals.rival_machine import (
     size_published_machine,
     size_slow_machine,
 )
-from vvdp.rivals.rivals import LOOP
+from vvdp.rivals.sizing import (
+    LOOP,
+    SUFFIXES,
+    Sizes,
+    Task,
+    charge_pressure,
+    closed_sizes,
+    constant_pressure_sizes,
+    independent_unit_sizes,
+    independent_valve_sizes,
+    load_sensing_sizes,
+    one_way_sizes,
+    open_sizes,
+    sized,
+    tank_pressure,
+    throttle_sizes,
+    unit_sizes,
+)
 from vvdp.simulation.run import Run
-from vvdp.systems.system import load_system
-
-SAFETY = 20e5
-"""By how much the relief valve of a pump that holds its pressure lies above that [Pa]."""
+from vvdp.systems.changed import with_numbers
+from vvdp.systems.system import System, load_system
 
 
 class Sink(NamedTuple):
@@ -53,118 +65,39 @@ class RivalCircuit:
     """A circuit: the system that is run, what of its tables follows the duty, and which of its parts make a sink,
     by their names in the books.
 
-    `size(tables, duty, begin, rounds)` gives the tables that follow; `program` is that whose command has the reference.
-    `begin` reports a run when control began, where that is not at once. `charge` gives the pressure below which, less
-    a margin, its low side must not fall; None where nothing charges it. Where `shares` holds, one pump feeds all
-    cylinders of a duty, by the tables [second] and [third]; else each has a circuit of its own. Where the losses of
-    its pump are `measured`, none of them is assumed.
+    `size(system, task)` gives the sized one; `program` is that whose command has the reference. `begin` reports a run
+    when control began, where that is not at once. `charge` gives the pressure below which, less a margin, its low side
+    must not fall; None where nothing charges it. Where `shares` holds, one pump feeds all cylinders of a duty; else
+    each has a circuit of its own. `leakage` is the path of its pump's leakage. Where the losses of its pump are
+    `measured`, none of them is assumed.
     """
 
     name: str
     title: str
     system: str
-    size: Callable[[Tables, Duty, float, int], Tables]
+    size: Callable[[System, Task], System]
     sinks: Mapping[Sink, tuple[str, ...]]
-    charge: Callable[[Tables], float] | None = None
+    charge: Callable[[System], float] | None = None
+    leakage: str = "components.pump.leakage_conductance"
     program: str = LOOP
     begin: Callable[[Run], float] | None = None
     shares: bool = False
     measured: bool = False
 
 
-def start_of(tables: Tables, duty: Duty, level: float, supply: float | None = None) -> InitialCylinder:
-    """Where a run on a duty starts; see `start_at_rest`."""
-    return start_at_rest(duty.cycle, tables["cylinder"], tables["oil"].reference_pressure, level, supply)
+def _drawn(sizes: Sizes, shared: tuple[str, ...] = ()) -> Callable[[System, Task], System]:
+    """How a drawn circuit is sized, whose control begins at time 0."""
+    return partial(sized, sizes, shared)
 
 
-def _relief(tables: Tables, name: str, duty: Duty) -> Any:
-    return replace(tables[name], cracking_pressure=tables["oil"].reference_pressure + duty.relief_pressure)
+def _machine(size: MachineSize) -> Callable[[System, Task], System]:
+    """How the whole machine is sized, by its tables."""
+    return partial(_sized_machine, size)
 
 
-def _size_throttle(tables: Tables, duty: Duty) -> Tables:
-    relief, reference = _relief(tables, "relief_valve", duty), tables["oil"].reference_pressure
-    start = start_of(tables, duty, reference + LOW_SIDE, relief.cracking_pressure)
-    return {"relief_valve": relief, "initial": start, **_further(duty)}
-
-
-def _further(duty: Duty) -> Tables:
-    """The tables of the further cylinders of a duty."""
-    return {name: each.cycle for name, each in zip(("second", "third"), duty.further, strict=False)}
-
-
-def _size_one_way(tables: Tables, duty: Duty) -> Tables:
-    valve = replace(tables["directional_valve"], return_conductance=duty.return_conductance)
-    start = start_of(tables, duty, tables["oil"].reference_pressure + LOW_SIDE)
-    return {"relief_valve": _relief(tables, "relief_valve", duty), "directional_valve": valve, "initial": start}
-
-
-def _size_load_sensing(tables: Tables, duty: Duty) -> Tables:
-    """A controlled pump, and a meter-out throttle."""
-    return {**_size_one_way(tables, duty), **_size_controlled_pump(tables, duty)}
-
-
-def _size_controlled_pump(tables: Tables, duty: Duty) -> Tables:
-    """The pump's pressure ends where relief valves of others open; its own one opens 20 bar above."""
-    highest = tables["oil"].reference_pressure + duty.relief_pressure
-    relief = replace(tables["relief_valve"], cracking_pressure=highest + SAFETY)
-    control = replace(tables["pump_control"], highest_pressure=highest)
-    return {"relief_valve": relief, "pump_control": control, **_further(duty)}
-
-
-def _size_independent_valves(tables: Tables, duty: Duty) -> Tables:
-    """The valves out of the chambers are as large as the meter-out throttle of other circuits."""
-    valve = replace(tables["return_valve"], conductance=duty.return_conductance)
-    start = start_of(tables, duty, tables["oil"].reference_pressure + LOW_SIDE)
-    return {**_size_controlled_pump(tables, duty), "return_valve": valve, "initial": start}
-
-
-def _size_independent_units(tables: Tables, duty: Duty) -> Tables:
-    """The units out of the chambers are as large with all their valves open."""
-    unit = tables["return_unit"]
-    smallest = duty.return_conductance / (code_count(unit.parts) - 1)
-    start = start_of(tables, duty, tables["oil"].reference_pressure + LOW_SIDE)
-    unit = replace(unit, rated_flow=smallest * math.sqrt(unit.rated_drop))
-    return {**_size_controlled_pump(tables, duty), "return_unit": unit, "initial": start}
-
-
-def _size_constant_pressure(tables: Tables, duty: Duty) -> Tables:
-    """The same with a pump that holds the pressure at which load sensing ends: its margin is as large."""
-    found = _size_load_sensing(tables, duty)
-    control = found["pump_control"]
-    return {**found, "pump_control": replace(control, margin=control.highest_pressure)}
-
-
-def _size_closed(tables: Tables, duty: Duty) -> Tables:
-    charge = charge_pressure(tables)
-    return {"relief_valves": _relief(tables, "relief_valves", duty), "initial": start_of(tables, duty, charge, charge)}
-
-
-def _size_open(tables: Tables, duty: Duty) -> Tables:
-    return {
-        "relief_valve": _relief(tables, "relief_valve", duty),
-        "initial": start_of(tables, duty, reservoir_pressure(tables)),
-    }
-
-
-def _at_once(size: Callable[[Tables, Duty], Tables]) -> Callable[[Tables, Duty, float, int], Tables]:
-    """The same for a circuit whose control begins at time 0, with its duty cycle as a table."""
-    return partial(_tables_at_once, size)
-
-
-def _tables_at_once(
-    size: Callable[[Tables, Duty], Tables], tables: Tables, duty: Duty, begin: float, rounds: int
-) -> Tables:
-    return {"duty_cycle": duty.cycle, **size(tables, duty)}
-
-
-def charge_pressure(tables: Tables) -> float:
-    """The charge pressure of a closed circuit, absolute [Pa]."""
-    return float(tables["charge_relief_valve"].cracking_pressure)
-
-
-def reservoir_pressure(tables: Tables) -> float:
-    """The pressure of the reservoir of an open circuit, absolute [Pa]."""
-    return float(tables["reservoir"].pressure.extremes[0])
+def _sized_machine(size: MachineSize, system: System, task: Task) -> System:
+    own = {**system.tables, "reference": ReferenceFilter(filter_rate=task.rate)}
+    return system.with_tables({**own, **size(own, task.duty, task.begin, task.rounds)})
 
 
 PUMP_LEAKAGE = ("pump.leakage", "pump.compression", "cylinder")
@@ -185,6 +118,16 @@ CLOSED_SINKS: Mapping[Sink, tuple[str, ...]] = {
     LEAKAGE: ("pump_leakage", "cylinder"),
     CHARGE: ("charge_relief_valve",),
 }
+
+
+def _valves_of_units(way: str) -> tuple[str, ...]:
+    """The valves of the units into or out of the chambers of all cylinders."""
+    return tuple(f"{way}_{side}{suffix}_{number}" for side in "ab" for suffix in SUFFIXES for number in range(1, 6))
+
+
+PUMP_NAMES = ("pump_shaft", "pump", "relief_valve")
+SHARED_LINE = ("tank", "pump_line", *PUMP_NAMES)
+"""What there is one of for all cylinders of a circuit."""
 FOUR_VALVES = tuple(f"{way}_valve_{side}" for way in ("supply", "return") for side in "ab")
 FILLING = tuple(f"anti_cavitation_{where}" for where in ("supply", "a", "b"))
 
@@ -204,34 +147,39 @@ MACHINE_SINKS: Mapping[Sink, tuple[str, ...]] = {
     LEAKAGE: (*PUMP_LEAKAGE, "valve.leakage"),
 }
 WHOLE_MACHINE = partial(
-    RivalCircuit, system="displacement-control", sinks=MACHINE_SINKS, program=PROGRAM, begin=control_begin
+    RivalCircuit,
+    system="displacement-control",
+    sinks=MACHINE_SINKS,
+    leakage="pump.leakage_conductance",
+    program=PROGRAM,
+    begin=control_begin,
 )
 CIRCUITS = (
     WHOLE_MACHINE(
         name="vvdp",
         title="the whole machine: fixed pump of 40 lpm, rotary valve, directional valve, meter-out throttle",
-        size=size_machine,
+        size=_machine(size_machine),
     ),
     WHOLE_MACHINE(
         name="vvdp-slow",
         title="the same with its pump at 1200 rpm, 26.7 lpm",
-        size=size_slow_machine,
+        size=_machine(size_slow_machine),
     ),
     WHOLE_MACHINE(
         name="vvdp-following",
         title="the whole machine with a relief valve 20 bar above the line's pressure, at 30 bar at least",
-        size=size_following_machine,
+        size=_machine(size_following_machine),
     ),
     WHOLE_MACHINE(
         name="vvdp-chapter-6",
         title="the whole machine as published: flow and meter-out throttle by the laws of chapter 6",
-        size=size_published_machine,
+        size=_machine(size_published_machine),
     ),
     RivalCircuit(
         name="throttle",
         title="fixed pump of 40 lpm, relief valve, 4/3 proportional valve",
         system="throttle-control",
-        size=_at_once(_size_throttle),
+        size=_drawn(throttle_sizes, ("tank", "supply", *PUMP_NAMES)),
         sinks={
             RELIEF: ("relief_valve",),
             METERING: ("directional_valve",),
@@ -243,14 +191,14 @@ CIRCUITS = (
         name="bleed-off",
         title="fixed pump of 40 lpm at the load's pressure, a throttle beside the cylinder lets the rest to the tank",
         system="bleed-off-control",
-        size=_at_once(_size_one_way),
+        size=_drawn(one_way_sizes),
         sinks={**ONE_WAY_SINKS, METERING: ("bleed_valve", "directional_valve.edges")},
     ),
     RivalCircuit(
         name="constant-pressure",
         title="variable pump that holds one pressure, compensated throttles, directional valves",
         system="load-sensing",
-        size=_at_once(_size_constant_pressure),
+        size=_drawn(constant_pressure_sizes, SHARED_LINE),
         sinks=LOAD_SENSING_SINKS,
         shares=True,
     ),
@@ -258,7 +206,7 @@ CIRCUITS = (
         name="load-sensing",
         title="variable pump 20 bar above the highest load, compensated throttles, directional valves",
         system="load-sensing",
-        size=_at_once(_size_load_sensing),
+        size=_drawn(load_sensing_sizes, SHARED_LINE),
         sinks=LOAD_SENSING_SINKS,
         shares=True,
     ),
@@ -266,7 +214,7 @@ CIRCUITS = (
         name="independent-valves",
         title="variable pump 10 bar above the highest load, four proportional valves at each cylinder",
         system="independent-valves",
-        size=_at_once(_size_independent_valves),
+        size=_drawn(independent_valve_sizes, SHARED_LINE),
         sinks={
             **ONE_WAY_SINKS,
             METERING: ("supply_valve_a", "supply_valve_b"),
@@ -278,11 +226,11 @@ CIRCUITS = (
         name="independent-units",
         title="the same with four digital flow control units of five on/off valves at each cylinder",
         system="independent-units",
-        size=_at_once(_size_independent_units),
+        size=_drawn(independent_unit_sizes, SHARED_LINE),
         sinks={
             **ONE_WAY_SINKS,
-            METERING: tuple(f"supply_{side}_{number}" for side in "ab" for number in range(1, 6)),
-            RETURN: tuple(f"return_{side}_{number}" for side in "ab" for number in range(1, 6)),
+            METERING: _valves_of_units("supply"),
+            RETURN: _valves_of_units("return"),
         },
         shares=True,
     ),
@@ -290,28 +238,29 @@ CIRCUITS = (
         name="flow-control-unit",
         title="fixed pump of 40 lpm, relief valve, one unit of five on/off valves that meters in, directional valve",
         system="flow-control-unit",
-        size=_at_once(_size_one_way),
+        size=_drawn(unit_sizes),
         sinks={**ONE_WAY_SINKS, METERING: (*(f"unit_{number}" for number in range(1, 6)), "directional_valve.edges")},
     ),
     RivalCircuit(
         name="linear-valves",
         title="the machine's circuit with fast linear on/off valves at 75 Hz instead of the rotary one",
         system="linear-valves",
-        size=_at_once(_size_one_way),
+        size=_drawn(one_way_sizes),
         sinks={**ONE_WAY_SINKS, SWITCHING: ("switching_valve",)},
     ),
     RivalCircuit(
         name="ideal-pump",
         title="ideal variable pump one way, directional valve, meter-out throttle",
         system="ideal-pump-control",
-        size=_at_once(_size_one_way),
+        size=_drawn(one_way_sizes),
         sinks={**ONE_WAY_SINKS, LEAKAGE: ("pump_leakage", "cylinder")},
+        leakage="components.pump_leakage.conductance",
     ),
     RivalCircuit(
         name="measured-pump",
         title="the same with a variable pump that has the losses of a measured one",
         system="measured-pump-control",
-        size=_at_once(_size_one_way),
+        size=_drawn(one_way_sizes),
         sinks=ONE_WAY_SINKS,
         measured=True,
     ),
@@ -319,57 +268,53 @@ CIRCUITS = (
         name="digital-pump",
         title="the same with a pump of twelve pistons that deliver or idle one by one",
         system="digital-pump-control",
-        size=_at_once(_size_one_way),
+        size=_drawn(one_way_sizes),
         sinks={**ONE_WAY_SINKS, PISTON_VALVES: ("pump.breathing", "pump.actuation")},
     ),
     RivalCircuit(
         name="shuttle",
         title="closed circuit, overcentre pump, commanded shuttle valve (fig. 1.6)",
         system="shuttle-circuit",
-        size=_at_once(_size_closed),
+        size=_drawn(closed_sizes),
         sinks={**CLOSED_SINKS, METERING: ("shuttle_valve", "charge_check_a", "charge_check_b")},
         charge=charge_pressure,
+        leakage="components.pump_leakage.conductance",
     ),
     RivalCircuit(
         name="pilot-checks",
         title="closed circuit, overcentre pump, pilot-operated checks (fig. 1.7)",
         system="pilot-check-circuit",
-        size=_at_once(_size_closed),
+        size=_drawn(closed_sizes),
         sinks={**CLOSED_SINKS, METERING: ("pilot_check_a", "pilot_check_b")},
         charge=charge_pressure,
+        leakage="components.pump_leakage.conductance",
     ),
     RivalCircuit(
         name="four-valves",
         title="open circuit, overcentre pump, four 2-way valves (fig. 1.8)",
         system="four-valve-circuit",
-        size=_at_once(_size_open),
+        size=_drawn(open_sizes),
         sinks={
             RELIEF: ("relief_valve",),
             METERING: (*FOUR_VALVES, *FILLING),
             LEAKAGE: ("pump_leakage", "cylinder"),
         },
-        charge=reservoir_pressure,
+        charge=tank_pressure,
+        leakage="components.pump_leakage.conductance",
     ),
 )
 """All circuits; another one is another value."""
 
 
-def with_value(circuit: RivalCircuit, name: str, table: str, field: str, value: float) -> RivalCircuit:
-    """A circuit with another value in one of its tables [SI], under a name of its own."""
-    return replace(circuit, name=name, size=partial(_size_with_value, circuit.size, (table, field, value)))
+def with_value(circuit: RivalCircuit, name: str, path: str, value: float) -> RivalCircuit:
+    """A circuit with another value at a path of its file [SI], under a name of its own."""
+    return replace(circuit, name=name, size=partial(_sized_with_value, circuit.size, path, value))
 
 
-def _size_with_value(
-    size: Callable[[Tables, Duty, float, int], Tables],
-    changed: tuple[str, str, float],
-    tables: Tables,
-    duty: Duty,
-    begin: float,
-    rounds: int,
-) -> Tables:
-    table, field, value = changed
-    other = {table: replace(tables[table], **{field: value})}
-    return {**other, **size({**tables, **other}, duty, begin, rounds)}
+def _sized_with_value(
+    size: Callable[[System, Task], System], path: str, value: float, system: System, task: Task
+) -> System:
+    return size(with_numbers(system, {path: value}), task)
 
 
 def machine_with_valve(name: str) -> RivalCircuit:
@@ -385,5 +330,5 @@ def machine_with_valve(name: str) -> RivalCircuit:
     return WHOLE_MACHINE(
         name="vvdp-valve",
         title=f"the whole machine with the rotary valve of {found.name}",
-        size=partial(size_other_valve, found.tables["valve"]),
+        size=_machine(partial(size_other_valve, found.tables["valve"])),
     )

@@ -1,6 +1,6 @@
 """The whole machine among the rival circuits: how it follows a duty cycle, at its own pump speed or a slower one."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 from typing import Any
 
@@ -8,12 +8,13 @@ import numpy as np
 
 from vvdp.base.errors import RunError
 from vvdp.base.signal import Signal, constant, table
+from vvdp.control.duty_cycle import cycle_period, resting_pressures
 from vvdp.hydraulics.relief_valve import LoadReliefValve
 from vvdp.machines.cycle import OwnCycle
 from vvdp.machines.duties import Duty
-from vvdp.machines.duty_cycle import cycle_period, resting_pressures
 from vvdp.machines.machine_loop import PROGRAM
 from vvdp.machines.stages import CONTROL
+from vvdp.rivals.sizing import loop_settings
 from vvdp.simulation.run import Run
 from vvdp.systems.system import load_system
 from vvdp.valve.rotary import RotaryValve
@@ -32,6 +33,8 @@ MARGIN, LEAST_SETTING = 20e5, 30e5
 """Of a relief valve that follows the line: above its pressure, and gauge at least [Pa]."""
 
 Tables = Mapping[str, Any]
+MachineSize = Callable[[Tables, Duty, float, int], Tables]
+"""The tables of the whole machine that follow a duty that begins with control at a time [s], for some rounds."""
 
 
 def control_begin(run: Run) -> float:
@@ -45,7 +48,7 @@ def control_begin(run: Run) -> float:
 
 def size_machine(tables: Tables, duty: Duty, begin: float, rounds: int) -> Tables:
     """The tables of the whole machine, led by the position loop of its rivals; else as `size_published_machine`."""
-    return {**size_published_machine(tables, duty, begin, rounds), "loop": load_system(RIVAL).tables["loop"]}
+    return {**size_published_machine(tables, duty, begin, rounds), "loop": loop_settings(load_system(RIVAL)).table}
 
 
 def size_published_machine(tables: Tables, duty: Duty, begin: float, rounds: int) -> Tables:

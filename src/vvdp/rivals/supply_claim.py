@@ -8,8 +8,8 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.display import percent, with_unit
 from vvdp.base.kinds import EFFICIENCY, FLAG, FLOW, GAUGE_PRESSURE, MEAN_POWER, NUMBER, PRESSURE_DIFFERENCE, Kind
+from vvdp.control.duty_cycle import cycle_demand
 from vvdp.machines.duties import Duty, known_cylinder, shipped_duties
-from vvdp.machines.duty_cycle import cycle_demand
 from vvdp.results.chart import Chart, Colour, Field, Line, Lines, Stroke
 from vvdp.results.result import Column, Finding, Number, Table, sentences
 from vvdp.results.verdict import bound_statement

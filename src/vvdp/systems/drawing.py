@@ -26,7 +26,7 @@ from vvdp.base.kinds import (
 )
 from vvdp.base.params import Params, field_names
 from vvdp.base.rules import without_class
-from vvdp.base.signal import Signal
+from vvdp.base.signal import Signal, constant
 from vvdp.base.tables import (
     Sourced,
     Table,
@@ -34,6 +34,7 @@ from vvdp.base.tables import (
     fault_at,
     inner_table,
     nearest,
+    read_sourced,
     refuse_unknown,
     suggestion,
 )
@@ -42,9 +43,10 @@ from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.heat import HeatBalance
 from vvdp.hydraulics.volume import GasExponent, GasPressure, Vessel
 from vvdp.network.assembly import Assembly, InnerCircuit
-from vvdp.network.component import Argument, Component, Role
+from vvdp.network.component import Component, Role
 from vvdp.network.network import ROOM_TEMPERATURE, Network
 from vvdp.network.nodes import UNRATED, Chamber, Connection, Load, Rotor
+from vvdp.programs.quantities import written_quantity
 from vvdp.systems.bench_tables import Limits
 from vvdp.systems.drawn_programs import ProgramDrawer
 from vvdp.systems.part_keys import PartType, other_type, part_keys
@@ -326,7 +328,7 @@ class Drawer(ProgramDrawer):
             self._table(cls, path, {k: part[k] for k in field_names(cls) if k in part}) for cls in component.params
         ]
         joints = {key: part[key] for key in component.ports if key in part}
-        joints |= self._inputs(component, path, part, values)
+        joints |= self._own_inputs(component, path, part, values)
         start = self._start(component, path, part.get("start"))
         ends = [node for node in joints.values() if isinstance(node, str)]
         if not self._has_faults(path) and not any(self._has_faults(f"nodes.{node}") for node in ends):
@@ -339,11 +341,13 @@ class Drawer(ProgramDrawer):
         if not self._has_own_keys(path, part, COMPONENTS):
             return
         values = self._table(assembly.params, path, {key: part[key] for key in fields if key in part})
-        start = self._table(StartPressure, path, {"start": part["start"]} if "start" in part else {})
-        if values is not None and start is not None:
-            nodes = {port: part[port] for port in assembly.ports if port in part}
-            if not any(self._has_faults(f"nodes.{node}") for node in nodes.values()):
-                self._try(path, lambda: assembly.add(net, name, values, nodes, start.start))
+        start = None
+        if assembly.holds_oil:
+            start = self._table(StartPressure, path, {"start": part["start"]} if "start" in part else {})
+        nodes = {port: part[port] for port in assembly.ports if port in part}
+        inputs = self._inputs(assembly.inputs, path, {key: part[key] for key in assembly.inputs if key in part})
+        if not self._has_faults(path) and not any(self._has_faults(f"nodes.{node}") for node in nodes.values()):
+            self._try(path, lambda: assembly.add(net, name, values, nodes | inputs, start and start.start))
         self._place(net, name, path, part)
 
     def _has_own_keys(self, path: str, part: Mapping[str, object], types: Mapping[str, PartType]) -> bool:
@@ -359,12 +363,13 @@ class Drawer(ProgramDrawer):
     def _has_faults(self, path: str) -> bool:
         return any(fault.key == path or fault.key.startswith(f"{path}.") for fault in self.faults)
 
-    def _inputs(
+    def _own_inputs(
         self, component: Component, path: str, part: Mapping[str, object], values: Sequence[Params]
     ) -> dict[str, Any]:
-        """Sources of inputs, or of the quantities that are said instead of them."""
+        """Sources of the inputs of a component, or of the quantities that are said instead of them."""
         others = component.alternatives
-        given = self._sources((*component.inputs, *others.values()), path, part)
+        kinds = {argument.name: argument.kind for argument in (*component.inputs, *others.values())}
+        given = self._inputs(kinds, path, {key: part[key] for key in kinds if key in part})
         for name, other in others.items():
             if other.name in given and name in given:
                 self._fault(f"{path}.{other.name}", f"contradicts {name}; give one of the two")
@@ -376,21 +381,34 @@ class Drawer(ProgramDrawer):
             given.pop(other.name, None)
         return given
 
-    def _sources(self, inputs: Sequence[Argument], path: str, part: Mapping[str, object]) -> dict[str, Any]:
-        """Sources of inputs by name: `{ from = "spool.speed" }`, or a signal."""
+    def _inputs(self, known: Mapping[str, Any], path: str, given: Mapping[str, object]) -> dict[str, Any]:
+        """Sources of inputs: `{ from = "spool.speed" }`, that `per` a value, or a signal."""
         found: dict[str, Any] = {}
         signals = {}
-        kinds = {argument.name: argument.kind for argument in inputs if argument.name in part}
-        for key in kinds:
-            entry = part[key]
+        for key, entry in given.items():
             match entry:
                 case {"from": str() as source, **rest} if not rest:
                     found[key] = source
+                case {"from": str() as source, "per": whole, **rest} if not rest:
+                    found[key] = Connection(share_of, (source, self._whole(f"{path}.{key}", whole)))
                 case _:
                     signals[key] = entry
-        own = tuple((key, kinds[key]) for key in signals)
-        table = self._table(_signals_class(own), path, signals) if signals else None
+        kinds = tuple((key, known[key]) for key in signals)
+        table = self._table(_signals_class(kinds), path, signals) if signals else None
         return found | ({key: getattr(table, key) for key in signals} if table else {})
+
+    def _whole(self, path: str, entry: object) -> Signal:
+        """What the source of an input is divided by; 1 where it cannot be read."""
+        try:
+            row = read_sourced(path, "per", written_quantity(entry), Signal, entry)
+        except ParameterError as problem:
+            self._fault(f"{path}.per", str(problem))
+            return constant(1.0)
+        assert isinstance(row.value, Signal)
+        if 0.0 in row.value.extremes:
+            self._fault(f"{path}.per", "must not be 0")
+        self.rows.append(row)
+        return row.value
 
     def _start(self, component: Component, path: str, given: Any) -> Any:
         """The state that a component starts from; None without a table `start`."""
@@ -404,6 +422,11 @@ class Drawer(ProgramDrawer):
         hints = get_type_hints(component.state, include_extras=True)
         table = self._table(type("Start", (Params,), {"__annotations__": hints}), f"{path}.start", given)
         return component.state(**{key: getattr(table, key) for key in hints}) if table else None
+
+
+def share_of(value: float, whole: float) -> float:
+    """A value as a share of a whole [1]."""
+    return value / whole
 
 
 @cache

@@ -118,13 +118,16 @@ def _component_page(kind: str, component: Component) -> LibraryPage:
 
 def _assembly_page(kind: str, assembly: Assembly) -> LibraryPage:
     given = example_values(kind)
-    start = Described("start", "pressure of its oil at first", PRESSURE_LEVEL.display_unit, toml_text(given["start"]))
+    values = [*_values([assembly.params], given, kind)]
+    if assembly.holds_oil:
+        words, unit = "pressure of its oil at first", PRESSURE_LEVEL.display_unit
+        values.append(Described("start", words, unit, toml_text(given["start"])))
     return LibraryPage(
         type=kind,
         description=description_of(assembly.add),
         ports=tuple(Described(port, "", "") for port in assembly.ports),
-        inputs=(),
-        values=(*_values([assembly.params], given, kind), start),
+        inputs=tuple(_value(name, each, given, None, kind) for name, each in assembly.inputs.items()),
+        values=tuple(values),
         outputs=(),
         equations=tuple(_equations(assembly.add)),
         rules=tuple(_rules([assembly.params])),

@@ -32,7 +32,8 @@ def part_keys(part: PartType) -> PartKeys:
         inputs = {*part.reading._fields}  # type: ignore[attr-defined]
         joined, optional = inputs - {*part.defaults, "time"}, {*inputs, *PROGRAM_KEYS}
     elif isinstance(part, Assembly):
-        classes, joined, optional = (part.params,), {*part.ports}, {"at", "start"}
+        classes, joined = (part.params,), {*part.ports, *part.inputs}
+        optional = {"at", "start"} if part.holds_oil else {"at"}
     else:
         others = {each.name for each in part.alternatives.values()}
         needed_inputs = {each.name for each in part.inputs if each.default is None and each.name not in part.given_by}

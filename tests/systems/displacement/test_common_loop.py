@@ -7,7 +7,7 @@ from vvdp.control.reference import Reference, ReferenceFilter
 from vvdp.machines.common_loop import CommonLoop, asked_of
 from vvdp.machines.duties import shipped_duties
 from vvdp.machines.machine_loop import MachineLoop
-from vvdp.machines.rival_loop import Joint, LoopMemory, OneWay, PositionLaw, Pressures, one_way_actuation
+from vvdp.programs.position_loop import Joint, LoopMemory, OneWay, PositionLaw, Pressures, one_way_actuation
 from vvdp.rivals.rival_account import COMMON_RATE, SAMPLE, common_reference, system_for
 from vvdp.rivals.rival_circuits import CIRCUITS, RETURN
 
@@ -59,8 +59,9 @@ def test_a_position_loop_asks_for_flow_side_and_opening():
 
 
 def test_all_circuits_are_told_the_common_reference_as_shipped():
-    shipped = {system_for(each, HEAVY).tables["reference"] for each in CIRCUITS}
-    assert shipped == {ReferenceFilter(filter_rate=COMMON_RATE)}
+    drawn = {law_of(each).reference for each in CIRCUITS if each.begin is None}
+    tables = {system_for(each, HEAVY).tables["reference"] for each in CIRCUITS if each.begin is not None}
+    assert drawn == tables == {ReferenceFilter(filter_rate=COMMON_RATE)}
     assert all(law_of(each).table.sample_period == SAMPLE for each in METERED if each.name != PUBLISHED)
 
 

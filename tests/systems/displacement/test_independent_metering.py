@@ -2,22 +2,21 @@
 
 import pytest
 
+from vvdp.control.duty_cycle import DutyCycle
 from vvdp.control.reference import ReferenceFilter
 from vvdp.hydraulics.flow_control_unit import OnOffValve
 from vvdp.machines.duties import shipped_duties
-from vvdp.machines.duty_cycle import DutyCycle
-from vvdp.machines.rival_loop import CylinderReading, LoopTable, RivalLoop
-from vvdp.rivals.independent_metering import (
+from vvdp.programs.metering_edges import (
     EdgeLoop,
     Edges,
     Sides,
     best_codes,
     edge_speed,
     edge_start,
+    edge_step,
     metered_edges,
-    unit_step,
-    valve_step,
 )
+from vvdp.programs.position_loop import CylinderReading, LoopTable, PositionLoop
 from vvdp.rivals.rival_account import system_for
 from vvdp.rivals.rival_circuits import CIRCUITS
 
@@ -27,7 +26,7 @@ OUT = Sides(supply_area=2e-3, return_area=1e-3, force=4e3, feed=40e5, fed=30e5)
 
 
 def settings(highest=1.0, supply=1e-6, back=3e-7):
-    loop = RivalLoop(
+    loop = PositionLoop(
         cycle=CYCLE,
         reference=ReferenceFilter(filter_rate=25.0),
         table=LoopTable(gain_margin=2.0, sample_period=1e-3, pressure_rate=50.0),
@@ -38,7 +37,13 @@ def settings(highest=1.0, supply=1e-6, back=3e-7):
         largest_flow=6e-4,
         valve_conductance=3e-7,
     )
-    return EdgeLoop(loop=loop, supply_step=supply / highest, return_step=back / highest, highest=highest)
+    return EdgeLoop(
+        loop=loop,
+        supply_step=supply / highest,
+        return_step=back / highest,
+        highest=highest,
+        is_coded=float(highest > 1.0),
+    )
 
 
 def test_a_rod_goes_as_fast_as_both_edges_let_it():
@@ -79,13 +84,14 @@ def test_codes_are_the_pair_whose_speed_is_closest():
     assert best_codes(9.0, Edges(31.0, 31.0), OUT, unit) == (31.0, 31.0)
 
 
-@pytest.mark.parametrize(("step", "highest"), [(valve_step, 1.0), (unit_step, 31.0)])
-def test_edges_of_the_other_side_are_closed(step, highest):
-    """20 mm too far: back, B is fed, its pressure told to the pump."""
+@pytest.mark.parametrize("highest", [1.0, 31.0])
+def test_edges_of_the_other_side_are_closed(highest):
+    """20 mm too far: back, B is fed, its pressure told to the pump; codes are whole numbers."""
     loop = settings(highest)
     seen = CylinderReading(0.12, LEVEL + 20e5, LEVEL + 6e5, LEVEL + 16e5)
-    _, command = step(0.0, edge_start(loop), seen, loop)
+    _, command = edge_step(0.0, edge_start(loop), seen, loop)
     assert command.supply_a == command.return_b == 0.0 and min(command.supply_b, command.return_a) > 0.0
+    assert (command.supply_b % 1.0 == 0.0) == (highest > 1.0)
     assert command.load_pressure == seen.pressure_b and command.reference == 0.1
 
 
@@ -99,6 +105,11 @@ def test_units_out_of_the_chambers_are_as_large_as_the_throttle_of_others():
     """31 times the smallest; so are valves."""
     heavy = next(each for each in shipped_duties() if each.name == "heavy")
     circuits = {each.name: each for each in CIRCUITS}
-    unit = system_for(circuits["independent-units"], heavy).tables["return_unit"]
-    assert 31.0 * unit.conductance == pytest.approx(heavy.return_conductance, rel=1e-12)
-    assert system_for(circuits["independent-valves"], heavy).tables["return_valve"].conductance == 3e-7
+    for name, valve, count in (
+        ("independent-units", "return_{}_1", 31.0),
+        ("independent-valves", "return_valve_{}", 1.0),
+    ):
+        network = system_for(circuits[name], heavy).circuit.network
+        parts = [network.parts[valve.format(side)].values[0] for side in "ab"]
+        steps = [*(each.conductance for each in parts), network.programs["loop"].settings.return_step]
+        assert [count * each for each in steps] == pytest.approx([heavy.return_conductance] * 3, rel=1e-12)

@@ -5,16 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vvdp.base.errors import ParameterError
-from vvdp.base.signal import ramp
+from vvdp.control.duty_cycle import DutyCycle
 from vvdp.fluid.mixture import fluid_state
 from vvdp.hydraulics.digital_pump import stroke_share
 from vvdp.machines.duties import shipped_duties
-from vvdp.machines.duty_cycle import DutyCycle
-from vvdp.rivals.piston_pumps import FlowDemand, PistonLaw, piston_start, piston_step
+from vvdp.programs.piston_law import FlowDemand, PistonLaw, piston_start, piston_step
 from vvdp.rivals.rival_account import system_for
 from vvdp.rivals.rival_circuits import CIRCUITS, with_value
 from vvdp.simulation.run import simulate
+from vvdp.systems.system import load_system
 
 A, B = 20.26e-4, 10.77e-4
 """Areas of the cylinder [m^2]."""
@@ -66,7 +65,7 @@ def circuit(name):
     return next(each for each in CIRCUITS if each.name == name)
 
 
-PUMP = system_for(circuit("digital-pump"), shipped_duties()[0]).tables["pump"]
+PUMP = load_system("digital-pump-control").circuit.network.parts["pump"].values[0]
 
 
 def steady():
@@ -81,7 +80,7 @@ class Course:
     def __init__(self, name, **pump):
         changed = circuit(name)
         for key, value in pump.items():
-            changed = with_value(changed, name, "pump", key, value)
+            changed = with_value(changed, name, f"components.pump.{key}", value)
         self.duty = steady()
         self.system = system_for(changed, self.duty)
         self.run = simulate(self.system.model, self.system.case, self.system.stepping)
@@ -114,7 +113,7 @@ def test_the_measured_pump_draws_its_flow_its_slip_and_its_drag(measured):
     """(A v + C_s D/mu P) P + T omega, T = C_v mu D omega + C_f D P + 26.8 s rho D^(5/3) omega^2.
 
     Out at 27.9 bar: 23.5e3 0.0387 3.537e-6 188.5 = 0.606, 0.0537 3.537e-6 27.9e5 = 0.530 and 0.208 N m: 253 W."""
-    oil = measured.system.tables["oil"]
+    oil = measured.system.circuit.network.oil
     mu, rho = oil.density * oil.viscosity_40, oil.density
     lost = measured.power(measured.run.state.books.spent.pump.friction, measured.ways[0][0])
     assert lost == pytest.approx(253.0, rel=1e-2)
@@ -131,7 +130,7 @@ def test_the_measured_pump_draws_its_flow_its_slip_and_its_drag(measured):
 
 def test_a_pump_of_enabled_pistons_draws_its_flow_its_valves_and_its_drag(digital):
     """((A v + e G P)(1 + what compression keeps) P + T_f omega + 360/s ((2 - e) E_b + e E), e as the strokes need."""
-    oil, valve = digital.system.tables["oil"], digital.system.tables["pump"]
+    oil, valve = digital.system.circuit.network.oil, PUMP
     volume, tank = 22.222222e-6 / 12.0, fluid_state(101325.0, oil)
     breath = volume**3 * OMEGA**2 / (6.0 * valve.valve_conductance**2)
     for way in digital.ways:
@@ -147,11 +146,3 @@ def test_a_pump_of_enabled_pistons_draws_its_flow_its_valves_and_its_drag(digita
         assert lost == pytest.approx(valves, rel=1e-2)
         expected = enabled * stroke * (line.enthalpy - tank.enthalpy) + 3.0 * OMEGA + valves
         assert drawn == pytest.approx(expected, rel=2e-2)
-
-
-def test_a_speed_that_changes_is_refused():
-    """Pistons are enabled at times that follow from one speed."""
-    system = system_for(circuit("digital-pump"), steady())
-    drive = replace(system.tables["pump_drive"], speed=ramp(OMEGA, 0.5 * OMEGA, 1.0, 2.0))
-    with pytest.raises(ParameterError, match=r"pump_drive\.speed: must be constant"):
-        system.with_tables({**system.tables, "pump_drive": drive})

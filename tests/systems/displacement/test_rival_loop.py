@@ -4,24 +4,24 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import ParameterError
+from vvdp.control.duty_cycle import DutyCycle, cycle_point
 from vvdp.control.reference import ReferenceFilter
-from vvdp.machines.duty_cycle import DutyCycle, cycle_point
-from vvdp.machines.rival_loop import (
+from vvdp.programs.position_loop import (
     CylinderReading,
     Joint,
     LoopTable,
-    RivalLoop,
+    PositionLoop,
     change_side,
-    closed_step,
     fuller_side,
     loop_gain,
     loop_start,
     one_way_step,
-    open_step,
+    overcentre_step,
     return_opening,
     throttle_opening,
     throttle_step,
 )
+from vvdp.programs.position_loops import CylinderLoop, position_loop
 
 REFERENCE = 101325.0
 CYCLE = DutyCycle(times=(0.0, 1.0, 3.0), positions=(0.1, 0.2, 0.1), forces=(-1000.0, 500.0, -1000.0))
@@ -39,7 +39,7 @@ def loop(**changes):
         "largest_flow": 6e-4,
         "valve_conductance": 1e-6,
     }
-    return RivalLoop(**(values | changes))
+    return PositionLoop(**(values | changes))
 
 
 def seen(position=0.1, a=20e5, b=5e5, supply=60e5):
@@ -109,17 +109,13 @@ def test_a_circuit_goes_over_to_the_fuller_side_in_its_time():
 
 
 @pytest.mark.parametrize(
-    ("step", "a", "b", "flow"),
-    [
-        (closed_step, 20e5, 5e5, 2e-3),
-        (closed_step, 5e5, 20e5, 1e-3),
-        (open_step, 20e5, 5e5, 2e-3),
-        (open_step, 5e5, 20e5, -1e-3),
-    ],
+    ("is_open", "a", "b", "flow"),
+    [(0.0, 20e5, 5e5, 2e-3), (0.0, 5e5, 20e5, 1e-3), (1.0, 20e5, 5e5, 2e-3), (1.0, 5e5, 20e5, -1e-3)],
 )
-def test_a_pump_over_centre_moves_the_side_that_carries(step, a, b, flow):
+def test_a_pump_over_centre_moves_the_side_that_carries(is_open, a, b, flow):
     """1 cm too far back at the first sample asks for 0.1 m/s out."""
-    _, command = step(0.0, loop_start(loop()), seen(position=0.09, a=a, b=b), loop())
+    settings = loop(is_open_circuit=is_open)
+    _, command = overcentre_step(0.0, loop_start(settings), seen(position=0.09, a=a, b=b), settings)
     assert command.flow == pytest.approx(0.1 * flow)
     assert command.side == np.sign(a - b)
     assert (command.reference, command.force) == (0.1, -1000.0)
@@ -130,6 +126,50 @@ def test_a_one_way_pump_gives_no_flow_backward():
     assert command.valve == -1.0 and command.flow == pytest.approx(1e-3 * 0.1)
     _, command = one_way_step(1e-3, memory, seen(position=0.11), loop(largest_flow=5e-5))
     assert command.flow == 5e-5
+
+
+def test_a_throttle_beside_the_load_lets_what_is_not_asked_for_go():
+    """1 cm too far back: 2e-4 of 6e-4 m^3/s go to the cylinder, 4e-4/(1e-6 root(60e5)) = 0.1633 opens the throttle."""
+    _, command = one_way_step(0.0, loop_start(loop()), seen(position=0.09), loop(bleed_conductance=1e-6))
+    assert (command.flow, command.bleed) == pytest.approx((2e-4, 4e-4 / 2449.4897e-6), rel=1e-6)
+    assert one_way_step(0.0, loop_start(loop()), seen(position=0.09), loop())[1].bleed == 0.0
+
+
+def test_no_flow_is_asked_for_below_the_least_one():
+    """2e-4 m^3/s are wanted."""
+    for least, flow in ((1.9e-4, 2e-4), (2.1e-4, 0.0)):
+        settings = loop(least_flow=least)
+        _, command = one_way_step(0.0, loop_start(settings), seen(position=0.09), settings)
+        assert command.flow == pytest.approx(flow) and command.valve == 1.0
+
+
+TABLE = {
+    "times": CYCLE.times, "positions": CYCLE.positions, "forces": CYCLE.forces, "filter_rate": 25.0,
+    "gain_margin": 2.0, "sample_period": 1e-3, "pressure_rate": 50.0, "area_a": 2e-3, "area_b": 1e-3,
+    "viscous_friction": 2000.0, "moving_mass": 100.0, "lowest_position": 0.0, "highest_position": 0.3,
+    "largest_flow": 6e-4, "valve_conductance": 1e-6,
+}  # fmt: skip
+
+
+def test_a_table_of_a_file_gives_the_settings_of_the_step():
+    """K = b/(m margin) = 2000/(100 2) = 10 1/s."""
+    assert position_loop(CylinderLoop(**TABLE)) == loop()
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"highest_position": 0.15}, "row 2 is at 200 mm; the rod travels from 0 to 150 mm"),
+        ({"largest_flow": 1.9e-4}, "row 2 asks for 100 mm/s; pump and cylinder reach 95 mm/s"),
+        ({"forces": (1.0, 2.0)}, "3 times, 3 positions and 2 forces"),
+        ({"viscous_friction": 0.0}, "viscous_friction"),
+        ({"gain_margin": 0.0}, "gain_margin"),
+    ],
+)
+def test_a_cycle_that_a_circuit_cannot_follow_is_refused(changes, words):
+    """1.9e-4 m^3/s over 20 cm^2 are 95 mm/s."""
+    with pytest.raises(ParameterError, match=words):
+        CylinderLoop(**(TABLE | changes))
 
 
 def test_pressures_are_filtered():

@@ -1,4 +1,4 @@
-"""Position loops of the rival circuits: velocity fed forward, a gain on the position error, flows made from both.
+"""Position loops of a cylinder: velocity fed forward, a gain on the position error, flows made from both.
 
 All follow the same reference, behind the same filter, at the same samples; the gain follows from the plant by one rule.
 
@@ -27,9 +27,8 @@ from vvdp.base.kinds import (
 from vvdp.base.params import Params
 from vvdp.base.rules import require_positive
 from vvdp.base.select import clip
+from vvdp.control.duty_cycle import DutyCycle, cycle_point
 from vvdp.control.reference import Rate, Reference, ReferenceFilter, reference_at_rest, reference_step
-from vvdp.machines.duty_cycle import DutyCycle, cycle_point
-from vvdp.network.program import ProgramType
 
 FLAT = 0.05
 """Share of the supply's force below which the pressure that is left over a valve is taken to be that."""
@@ -80,13 +79,16 @@ class PositionLaw(Params):
     valve_conductance: Conductance = FEWEST
 
 
-class RivalLoop(PositionLaw):
-    """What a position loop works with: its law, the cycle with its reference, and the conductance of a throttle from
-    the supply to the tank."""
+class PositionLoop(PositionLaw):
+    """What a position loop works with: its law, the cycle with its reference, the conductance of a throttle from the
+    supply to the tank, the flow below which a one-way pump gives none, and whether a pump over centre works in an open
+    circuit (1) or between both chambers (0)."""
 
     cycle: DutyCycle
     reference: ReferenceFilter
     bleed_conductance: Conductance = FEWEST
+    least_flow: Flow = 0.0
+    is_open_circuit: Fraction = 0.0
 
 
 class CylinderReading(NamedTuple):
@@ -166,7 +168,7 @@ def loop_gain(viscous_friction: float, mass: float, gain_margin: float) -> float
     return viscous_friction / (mass * gain_margin)
 
 
-def throttle_opening(velocity: float, force: float, supply: float, loop: RivalLoop) -> float:
+def throttle_opening(velocity: float, force: float, supply: float, loop: PositionLoop) -> float:
     """How far a 4/3 valve with four equal edges opens for a velocity [1]; backward below 0.
 
     Extending, P_a = P_s - (A_a v/(K y))^2 and P_b = (A_b v/(K y))^2 give y = v/K root((A_a^3 + A_b^3)/(P_s A_a - F));
@@ -200,13 +202,13 @@ def return_opening(velocity: float, force: float, loop: PositionLaw) -> float:
     return float(min(opening, loop.table.largest_opening))
 
 
-def loop_start(settings: RivalLoop) -> LoopMemory:
+def loop_start(settings: PositionLoop) -> LoopMemory:
     """The memory before the first sample: at rest at the beginning of the cycle."""
     level = settings.reference_pressure
     return LoopMemory(reference_at_rest(settings.cycle.positions[0]), Pressures(level, level, level), Joint(1.0, 1.0))
 
 
-def next_memory(t: float, memory: LoopMemory, seen: CylinderReading, loop: RivalLoop) -> LoopMemory:
+def next_memory(t: float, memory: LoopMemory, seen: CylinderReading, loop: PositionLoop) -> LoopMemory:
     """The memory with reference and filtered pressures a sample further, as joined before."""
     reference, share = memory.reference, 1.0
     if t > 0.0:
@@ -234,20 +236,20 @@ def wanted_motion(memory: LoopMemory, position: float, loop: PositionLaw) -> Wan
     )
 
 
-def change_side(t: float, joint: Joint, wanted: float, loop: RivalLoop) -> Joint:
+def change_side(t: float, joint: Joint, wanted: float, loop: PositionLoop) -> Joint:
     """The circuit on its way to be joined as `wanted`, from one side to the other in the change time; so from t = 0."""
     most = 2.0 * loop.table.sample_period / loop.table.change_time if t > 0.0 else 2.0
     return Joint(wanted, joint.side + float(clip(wanted - joint.side, -most, most)))
 
 
 def cylinder_command(
-    t: float, memory: LoopMemory, settings: RivalLoop, flow: float = 0.0, valve: float = 0.0, opening: float = 0.0
+    t: float, memory: LoopMemory, settings: PositionLoop, flow: float = 0.0, valve: float = 0.0
 ) -> CylinderCommand:
     """The command of a loop at `t` [s]; what a circuit does not have stays 0."""
     return CylinderCommand(
         flow=flow,
         valve=valve,
-        opening=opening,
+        opening=0.0,
         bleed=0.0,
         side=memory.joint.side,
         reference=memory.reference.position,
@@ -256,9 +258,9 @@ def cylinder_command(
 
 
 def throttle_step(
-    t: float, memory: LoopMemory, seen: CylinderReading, settings: RivalLoop
+    t: float, memory: LoopMemory, seen: CylinderReading, settings: PositionLoop
 ) -> tuple[LoopMemory, CylinderCommand]:
-    """Program: a 4/3 valve moves the cylinder, opened for the pressures that are."""
+    """Position loop of a cylinder at a 4/3 valve, opened for the pressures that are."""
     kept = next_memory(t, memory, seen, settings)
     wanted = wanted_motion(kept, seen.position, settings)
     supply = kept.pressures.supply - settings.reference_pressure
@@ -267,13 +269,22 @@ def throttle_step(
 
 
 def one_way_step(
-    t: float, memory: LoopMemory, seen: CylinderReading, settings: RivalLoop
+    t: float, memory: LoopMemory, seen: CylinderReading, settings: PositionLoop
 ) -> tuple[LoopMemory, CylinderCommand]:
-    """Program: a pump that gives flow one way only, a directional valve for the sign, a meter-out throttle."""
+    """Position loop of a cylinder whose pump gives flow one way: a directional valve for the sign, a meter-out
+    throttle; or a throttle that lets to the tank what a fixed pump gives beyond that."""
     kept = next_memory(t, memory, seen, settings)
     found = one_way_actuation(kept, seen.position, settings)
-    joined = LoopMemory(kept.reference, kept.pressures, Joint(found.side, found.side))
-    return joined, cylinder_command(t, joined, settings, flow=found.flow, valve=found.side, opening=found.opening)
+    supply = kept.pressures.supply - settings.reference_pressure
+    return LoopMemory(kept.reference, kept.pressures, Joint(found.side, found.side)), CylinderCommand(
+        flow=found.flow if found.flow >= settings.least_flow else 0.0,
+        valve=found.side,
+        opening=found.opening,
+        bleed=bleed_opening(found.flow, supply, settings) if settings.bleed_conductance > FEWEST else 0.0,
+        side=found.side,
+        reference=kept.reference.position,
+        force=cycle_point(t, settings.cycle).force,
+    )
 
 
 class OneWay(NamedTuple):
@@ -299,7 +310,7 @@ def one_way_actuation(memory: LoopMemory, position: float, loop: PositionLaw) ->
     return OneWay(side, flow, return_opening(side * max(speed, SLOW), wanted.force, loop))
 
 
-def bleed_opening(flow: float, supply: float, loop: RivalLoop) -> float:
+def bleed_opening(flow: float, supply: float, loop: PositionLoop) -> float:
     """How far a throttle beside the supply opens for what the cylinder does not take [1]: (Q_p - Q)/(K root(P_s)).
 
     flow    Q, to the cylinder [m^3/s]
@@ -309,53 +320,26 @@ def bleed_opening(flow: float, supply: float, loop: RivalLoop) -> float:
     return float(min(left / (loop.bleed_conductance * np.sqrt(max(supply, LEAST_SUPPLY))), 1.0))
 
 
-def bleed_step(
-    t: float, memory: LoopMemory, seen: CylinderReading, settings: RivalLoop
+def overcentre_step(
+    t: float, memory: LoopMemory, seen: CylinderReading, settings: PositionLoop
 ) -> tuple[LoopMemory, CylinderCommand]:
-    """Program: as `one_way_step` with a pump that gives the largest flow; a throttle lets the rest to the tank."""
-    kept, command = one_way_step(t, memory, seen, settings)
-    supply = kept.pressures.supply - settings.reference_pressure
-    return kept, CylinderCommand(
-        flow=command.flow,
-        valve=command.valve,
-        opening=command.opening,
-        bleed=bleed_opening(command.flow, supply, settings),
-        side=command.side,
-        reference=command.reference,
-        force=command.force,
+    """Position loop of a cylinder whose pump goes over centre: between both chambers the one with more pressure counts
+    its flow; in an open circuit it works at that chamber, and the other one is joined to the tank."""
+    kept = fuller_joined(t, memory, seen, settings)
+    area = settings.area_a
+    if kept.joint.side <= 0.0:
+        area = -settings.area_b if settings.is_open_circuit > 0.5 else settings.area_b
+    flow = area * wanted_motion(kept, seen.position, settings).velocity
+    return kept, cylinder_command(
+        t, kept, settings, flow=float(clip(flow, -settings.largest_flow, settings.largest_flow))
     )
 
 
-def closed_step(
-    t: float, memory: LoopMemory, seen: CylinderReading, settings: RivalLoop
-) -> tuple[LoopMemory, CylinderCommand]:
-    """Program: a pump that goes over centre between both chambers; the side with more pressure counts its flow."""
-    kept = fuller_joined(t, memory, seen, settings)
-    return pump_command(t, kept, settings.area_a if kept.joint.side > 0.0 else settings.area_b, seen, settings)
-
-
-def open_step(
-    t: float, memory: LoopMemory, seen: CylinderReading, settings: RivalLoop
-) -> tuple[LoopMemory, CylinderCommand]:
-    """Program: a pump that goes over centre at the chamber that carries the load, the other one joined to the tank."""
-    kept = fuller_joined(t, memory, seen, settings)
-    return pump_command(t, kept, settings.area_a if kept.joint.side > 0.0 else -settings.area_b, seen, settings)
-
-
-def fuller_joined(t: float, memory: LoopMemory, seen: CylinderReading, settings: RivalLoop) -> LoopMemory:
+def fuller_joined(t: float, memory: LoopMemory, seen: CylinderReading, settings: PositionLoop) -> LoopMemory:
     """The memory a sample further, the circuit on its way to the side with more pressure."""
     kept = next_memory(t, memory, seen, settings)
     side = fuller_side(kept.pressures.a - kept.pressures.b, kept.joint.wanted, settings.table)
     return LoopMemory(kept.reference, kept.pressures, change_side(t, kept.joint, side, settings))
-
-
-def pump_command(
-    t: float, memory: LoopMemory, area: float, seen: CylinderReading, settings: RivalLoop
-) -> tuple[LoopMemory, CylinderCommand]:
-    """A pump's flow that moves an `area` [m^2] as wanted, below 0 where the pump works the other way."""
-    flow = area * wanted_motion(memory, seen.position, settings).velocity
-    held = float(clip(flow, -settings.largest_flow, settings.largest_flow))
-    return memory, cylinder_command(t, memory, settings, flow=held)
 
 
 def fuller_side(more: float, side: float, table: LoopTable) -> float:
@@ -365,20 +349,3 @@ def fuller_side(more: float, side: float, table: LoopTable) -> float:
     side  before
     """
     return 1.0 if more > table.hysteresis else -1.0 if more < -table.hysteresis else side
-
-
-def _program(step: object) -> ProgramType:
-    return ProgramType(
-        step=step,  # type: ignore[arg-type]
-        reading=CylinderReading,
-        command=AT_REST,
-        settings=RivalLoop,
-        start=loop_start,
-    )
-
-
-THROTTLE_LOOP = _program(throttle_step)
-ONE_WAY_LOOP = _program(one_way_step)
-BLEED_LOOP = _program(bleed_step)
-CLOSED_LOOP = _program(closed_step)
-OPEN_LOOP = _program(open_step)

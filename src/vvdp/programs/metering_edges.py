@@ -1,4 +1,4 @@
-"""Rivals with a metering edge of its own at every port of the cylinder, at a pump that matches the load's pressure.
+"""A cylinder with a metering edge of its own at every port of the cylinder, at a pump that matches the load's pressure.
 
 The edges are proportional valves, or digital flow control units: on/off valves in parallel, of which a code opens some.
 Into the supply side an edge meters the flow, out of the return side it holds the supply side at its level, by the law
@@ -7,35 +7,28 @@ of all meter-out throttles. The pump receives the pressure of the chamber that i
 Source  ours, docs/circuits-compared.md
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.kinds import Count, Force, Number, Position, Pressure
+from vvdp.base.kinds import Count, Force, Fraction, Number, Position, Pressure
 from vvdp.base.params import Params
-from vvdp.components.controlled_valves import PROPORTIONAL_VALVE
-from vvdp.components.flow_control_units import add_flow_control_unit
-from vvdp.hydraulics.flow_control_unit import code_count
-from vvdp.hydraulics.proportional_valve import ProportionalValve
-from vvdp.machines.duty_cycle import cycle_point
-from vvdp.machines.rival_loop import (
+from vvdp.control.duty_cycle import cycle_point
+from vvdp.network.program import ProgramType
+from vvdp.programs.generic import GenericProgram
+from vvdp.programs.position_loop import (
     Conductance,
     CylinderReading,
     Joint,
     LoopMemory,
-    RivalLoop,
+    PositionLoop,
     loop_start,
     next_memory,
     one_way_actuation,
     wanted_motion,
 )
-from vvdp.network.network import Network
-from vvdp.network.program import ProgramType
-from vvdp.rivals.digital_supply import FlowControlUnit
-from vvdp.rivals.load_following import FollowingPump
-from vvdp.rivals.rivals import LOOP
+from vvdp.programs.position_loops import CylinderLoop, RoundReport, position_loop
 
 LEAST_DROP = 1e5
 """Drop over an edge below which its loop calculates with this one [Pa]."""
@@ -45,10 +38,11 @@ class EdgeLoop(Params):
     """A position loop with four edges. An edge passes its `step` times its command, which is `highest` at most: of a
     proportional valve its conductance times an opening, of a unit that of its smallest valve times a code."""
 
-    loop: RivalLoop
+    loop: PositionLoop
     supply_step: Conductance
     return_step: Conductance
     highest: Count
+    is_coded: Fraction
 
 
 class EdgeCommand(NamedTuple):
@@ -125,22 +119,16 @@ def best_codes(speed: float, edges: Edges, sides: Sides, settings: EdgeLoop) -> 
     return best
 
 
-def valve_step(
+def edge_step(
     t: float, memory: LoopMemory, seen: CylinderReading, settings: EdgeLoop
 ) -> tuple[LoopMemory, EdgeCommand]:
-    """Program: proportional valves as edges."""
-    kept, sides, flow, opening = edge_demand(t, memory, seen, settings)
-    return kept, edge_command(t, kept, metered_edges(flow, opening, sides, settings), seen, settings)
-
-
-def unit_step(
-    t: float, memory: LoopMemory, seen: CylinderReading, settings: EdgeLoop
-) -> tuple[LoopMemory, EdgeCommand]:
-    """Program: digital flow control units as edges, by the pair of codes whose speed is closest."""
+    """Position loop of a cylinder with a metering edge at every port: proportional valves, or digital flow control
+    units, which get the pair of codes whose speed is closest."""
     kept, sides, flow, opening = edge_demand(t, memory, seen, settings)
     edges = metered_edges(flow, opening, sides, settings)
-    codes = best_codes(flow / sides.supply_area, edges, sides, settings)
-    return kept, edge_command(t, kept, codes, seen, settings)
+    if settings.is_coded > 0.5:
+        edges = best_codes(flow / sides.supply_area, edges, sides, settings)
+    return kept, edge_command(t, kept, edges, seen, settings)
 
 
 class EdgeDemand(NamedTuple):
@@ -192,82 +180,32 @@ AT_REST = EdgeCommand(
     supply_a=0.0, supply_b=0.0, return_a=0.0, return_b=0.0, load_pressure=101325.0, reference=0.0, force=0.0
 )
 """The command before the first sample."""
-VALVE_LOOP = ProgramType(valve_step, CylinderReading, AT_REST, EdgeLoop, edge_start)
-UNIT_LOOP = ProgramType(unit_step, CylinderReading, AT_REST, EdgeLoop, edge_start)
 
 
-@dataclass(frozen=True, kw_only=True)
-class ValveTables(FollowingPump):
-    """The same as `FollowingPump` with proportional valves into and out of each chamber."""
+class EdgeTable(CylinderLoop):
+    """As `CylinderLoop`, with four edges between pump, chambers and tank: an edge passes its step times its command.
 
-    supply_valve: ProportionalValve
-    return_valve: ProportionalValve
+    `supply_step` and `return_step` are the conductances of proportional valves, whose command is at most 1, or, with
+    `is_coded` 1, those of the smallest valves of digital flow control units, whose command is a code.
+    """
 
-
-@dataclass(frozen=True, kw_only=True)
-class UnitTables(FollowingPump):
-    """The same with digital flow control units into and out of each chamber."""
-
-    supply_unit: FlowControlUnit
-    return_unit: FlowControlUnit
+    supply_step: Conductance
+    return_step: Conductance
+    highest: Count = 1.0
+    is_coded: Fraction = 0.0
 
 
-def independent_valves(tables: ValveTables) -> Network:
-    """One to three cylinders, each with four proportional valves, at a pump that matches the pressure of the load."""
-    supply, back = tables.supply_valve, tables.return_valve
-
-    def add_edges(net: Network, suffix: str) -> None:
-        for side in "ab":
-            joints = f"chamber_{side}{suffix}", f"{LOOP}{suffix}"
-            net.add(
-                f"supply_valve_{side}{suffix}", PROPORTIONAL_VALVE, supply,
-                a="pump_line", b=joints[0], command=f"{joints[1]}.supply_{side}",
-            )  # fmt: skip
-            net.add(
-                f"return_valve_{side}{suffix}", PROPORTIONAL_VALVE, back,
-                a=joints[0], b="tank", command=f"{joints[1]}.return_{side}",
-            )  # fmt: skip
-
-    def settings(loop: RivalLoop) -> EdgeLoop:
-        return EdgeLoop(loop=loop, supply_step=supply.conductance, return_step=back.conductance, highest=1.0)
-
-    return _matched_network(tables, VALVE_LOOP, back.conductance, settings, add_edges)
+def edge_loop(table: EdgeTable) -> EdgeLoop:
+    """The settings of the loop as its step takes them. Raises ParameterError for a cycle that it cannot follow."""
+    return EdgeLoop(
+        loop=replace(position_loop(table), valve_conductance=table.highest * table.return_step),
+        supply_step=table.supply_step,
+        return_step=table.return_step,
+        highest=table.highest,
+        is_coded=table.is_coded,
+    )
 
 
-def independent_units(tables: UnitTables) -> Network:
-    """The same with four digital flow control units at each cylinder."""
-    supply, back = tables.supply_unit, tables.return_unit
-    highest = float(min(code_count(supply.parts), code_count(back.parts)) - 1)
-
-    def add_edges(net: Network, suffix: str) -> None:
-        for side in "ab":
-            chamber, loop = f"chamber_{side}{suffix}", f"{LOOP}{suffix}"
-            into, out = ("pump_line", chamber), (chamber, "tank")
-            add_flow_control_unit(net, f"supply_{side}", supply.parts, into, f"{loop}.supply_{side}", suffix)
-            add_flow_control_unit(net, f"return_{side}", back.parts, out, f"{loop}.return_{side}", suffix)
-
-    def settings(loop: RivalLoop) -> EdgeLoop:
-        return EdgeLoop(loop=loop, supply_step=supply.conductance, return_step=back.conductance, highest=highest)
-
-    return _matched_network(tables, UNIT_LOOP, highest * back.conductance, settings, add_edges)
-
-
-def _matched_network(
-    tables: FollowingPump,
-    program: ProgramType,
-    conductance: float,
-    settings: Callable[[RivalLoop], EdgeLoop],
-    add_edges: Callable[[Network, str], None],
-) -> Network:
-    """Pump, line and cylinders; `conductance` is that of an edge in the return, `add_edges` adds a cylinder's."""
-    net = tables.network(program, settings(tables.settings(tables.largest_flow, conductance)), "pump_line")
-    tables.add_shaft(net)
-    net.volume("pump_line", tables.pump_line, start="initial.supply_pressure")
-    rivals = tables.rivals
-    for suffix, rival in rivals.items():
-        if suffix:
-            own = settings(rival.settings(tables.largest_flow, conductance))
-            rival.add_actuator(net, program, own, "pump_line", suffix)
-        add_edges(net, suffix)
-    tables.add_following_pump(net, [f"{LOOP}{suffix}.load_pressure" for suffix in rivals])
-    return net
+EDGE_POSITION_LOOP = GenericProgram(
+    ProgramType(edge_step, CylinderReading, AT_REST, EdgeTable, edge_start, report=RoundReport), made=edge_loop
+)

@@ -138,7 +138,7 @@ def refuse_fast_cycle(cycle: DutyCycle, fastest: float) -> None:
     for row, speed in enumerate(cycle_speeds(cycle), 2):
         if abs(speed) > fastest:
             raise ParameterError(
-                f"duty_cycle.positions: row {row} asks for {1e3 * abs(speed):.4g} mm/s; pump and cylinder reach "
+                f"DutyCycle.positions: row {row} asks for {1e3 * abs(speed):.4g} mm/s; pump and cylinder reach "
                 f"{1e3 * fastest:.4g} mm/s"
             )
 
@@ -151,6 +151,6 @@ def refuse_long_cycle(cycle: DutyCycle, lowest: float, highest: float) -> None:
     for row, position in enumerate(cycle.positions, 1):
         if not lowest <= position <= highest:
             raise ParameterError(
-                f"duty_cycle.positions: row {row} is at {1e3 * position:.4g} mm; the rod travels from "
+                f"DutyCycle.positions: row {row} is at {1e3 * position:.4g} mm; the rod travels from "
                 f"{1e3 * lowest:.4g} to {1e3 * highest:.4g} mm"
             )
