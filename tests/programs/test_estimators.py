@@ -9,6 +9,8 @@ from vvdp.base.tables import parsed_table
 from vvdp.control.flow_map import FlowMap, flow_for_duty
 from vvdp.estimation.estimator import to_estimate
 from vvdp.estimation.event_settings import EventFilterValues, event_filter
+from vvdp.evaluation.quantities import quantities
+from vvdp.evaluation.summary import summary
 from vvdp.network.build import build
 from vvdp.network.program import ProgramType
 from vvdp.programs.encoders import ShaftEncoder, encoder_settings
@@ -117,6 +119,21 @@ def test_two_programs_are_the_one_that_joins_them(system):
         assert np.max(abs(getattr(command.speed, name) - getattr(command.encoder, name))) < ROUNDING
     assert np.array_equal(command.speed.missed_edges, command.encoder.missed_edges)
     assert encoder_settings(table) == network.programs["edges"].settings
+
+
+def test_a_filter_says_how_good_its_estimate_of_any_shaft_is():
+    """Over a second in which the wheel turns evenly; the numbers have its name, and none is there without an index."""
+    text = SYSTEM.replace("FILTER", filter_lines()).replace('until = "0.5 s"', 'until = "1.5 s"')
+    found = built_system(parsed_table(text, "mine.toml"), "mine")
+    numbers = summary(found, simulate(found.model, found.case, found.stepping))
+    keys = [key for key in numbers if key.startswith("wheel_")]
+    assert len(keys) == 11 and set(keys) <= quantities(found).keys()
+    assert numbers["wheel_speed_error_rms_rad_s"] < 0.02 * 30.0 * 2.0 * np.pi
+    assert 0.8 < numbers["wheel_angle_coverage"] <= 1.0
+    (line,) = (line for line in found.extras.OVERVIEW if line.keys == ("wheel_speed_coverage",))
+    assert line.group == "Estimate of the wheel"
+    without = built_system(parsed_table(text.replace('index_shift = "0.2"', 'index_shift = "0"'), "mine.toml"), "mine")
+    assert not [key for key in quantities(without) if key.startswith("wheel_")]
 
 
 def test_a_threshold_that_is_off_is_led_back_in_a_loop(system):

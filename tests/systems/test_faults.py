@@ -260,6 +260,26 @@ def test_bad_faults_are_refused_with_their_line(name):
     assert first <= told.line <= first + len(fault)
 
 
+MACHINE = shipped_systems()["displacement-control"]
+OF_TABLES = {
+    "table": ({"value": "oill.air_fraction"}, wording.files.no_table.format(name="oill", meant="oil")),
+    "key": ({"value": "oil.air"}, "value: " + wording.systems.table_has_no.format(table="oil", key="air")),
+    "rigid": (
+        {"value": "oil.air_fraction", "begin": "1 s"},
+        "value: " + wording.systems.cannot_change.format(value="oil.air_fraction"),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", OF_TABLES)
+def test_bad_faults_of_tables_are_refused(name):
+    """In a circuit that a function draws from its tables."""
+    fault, expected = OF_TABLES[name]
+    with pytest.raises(ConfigError) as refused:
+        system_of(with_faults(MACHINE, own=fault | {"becomes": "30 %"}))
+    assert expected in str(refused.value)
+
+
 def test_what_a_drawn_file_does_not_say_is_refused():
     for path in ("components.lod.area", "run.until"):
         with pytest.raises(ConfigError, match=wording.systems.not_in_file):

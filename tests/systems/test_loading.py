@@ -6,10 +6,11 @@ from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.signal import signal_value
+from vvdp.base.tables import parsed_table
 from vvdp.evaluation.bench import rotary_bench
 from vvdp.evaluation.summary import summary
 from vvdp.simulation.run import Method, simulate
-from vvdp.systems.system import load_system, shipped_systems, source_text
+from vvdp.systems.system import built_system, load_system, shipped_systems, source_text
 
 
 @pytest.mark.parametrize("name", shipped_systems())
@@ -151,6 +152,9 @@ def test_missing_key_and_missing_table(tmp_path):
         wording.files.missing_key.format(key="volume") in fault
         for fault in broken(tmp_path, "volume = {", "volumes = {")
     )
+    with pytest.raises(ConfigError, match="motor: " + wording.files.missing_table):
+        parsed = parsed_table(source_text("displacement-control").replace("[motor]", "[engine]"), "mine.toml")
+        built_system(parsed, "mine")
     found = broken(tmp_path, "[motor]", "[engine]")
     assert [fault for fault in found if "engine" in fault and wording.files.unknown_table in fault]
     assert any("components.load: " in fault for fault in broken(tmp_path, "[load]\n", "[loads]\n"))

@@ -4,17 +4,19 @@ import numpy as np
 import pytest
 from tests.words import wording
 
-from vvdp.evaluation.spool_estimate import (
+from vvdp.numerics.kalman import chance_band
+from vvdp.programs.estimate_report import (
+    ShaftWatch,
     estimate_doubts,
     estimate_errors,
     estimate_numbers,
     estimate_quantities,
     mean_speed,
 )
-from vvdp.numerics.kalman import chance_band
 from vvdp.systems.system import load_system
 
 PITCH = 2.0 * np.pi / 3.0
+AT_INSTANT = ShaftWatch("estimate", "encoder", "spool", 0.0)
 
 
 def shown(times, angle_error=0.0, speed_error=0.0, standstill=0.0):
@@ -35,7 +37,7 @@ def test_numbers_by_hand():
     """From 0.5 to 4.5 s; 1 s of it the speed is 6 rad/s off, else 3: mean square (36 + 27)/4, a quarter outside."""
     times = np.linspace(0.0, 4.5, 4501)
     off = np.where((times > 1.0) & (times <= 2.0), 6.0, -3.0)
-    found = estimate_numbers(times, *shown(times, 0.05, off, np.where(times > 4.2, 1.0, np.nan)), 0.0)
+    found = estimate_numbers(times, *shown(times, 0.05, off, np.where(times > 4.2, 1.0, np.nan)), AT_INSTANT)
     assert found["spool_speed_error_rms_rad_s"] == pytest.approx(np.sqrt(63.0 / 4.0), rel=1e-3)
     assert found["spool_speed_deviation_rms_rad_s"] == pytest.approx(2.0)
     assert found["spool_speed_coverage"] == pytest.approx(0.75, abs=1e-3)
@@ -44,7 +46,7 @@ def test_numbers_by_hand():
     assert (found["spool_angle_coverage"], found["spool_angle_errors"]) == (pytest.approx(1.0), 1.0)
     assert found["spool_angle_nees"] == pytest.approx(0.25)
     assert found["standstill_time_s"] == pytest.approx(0.3, abs=1e-3)
-    assert found.keys() == estimate_quantities(0.0).keys()
+    assert found.keys() == estimate_quantities(AT_INSTANT).keys()
 
 
 def test_the_mean_over_a_pwm_period_knows_no_ripple():
@@ -74,8 +76,8 @@ def test_the_band_of_two_squared_errors_is_that_of_the_exponential_distribution(
 def test_an_estimate_is_doubted_where_it_is_too_sure_or_not_sure_enough(scale, doubts):
     times = np.linspace(0.0, 2.0, 2001)
     errors = scale * np.random.default_rng(5).standard_normal(times.size)
-    found = estimate_numbers(times, *shown(times, 0.05 * errors, errors), 0.0)
-    said = list(estimate_doubts(found, 0.0))
+    found = estimate_numbers(times, *shown(times, 0.05 * errors, errors), AT_INSTANT)
+    said = list(estimate_doubts(found, AT_INSTANT))
     assert len(said) == 2 * doubts
     if scale == 6.0:
         assert wording.systems.spool_speed.format(speed="19.1 rpm") in said[1]
@@ -87,24 +89,28 @@ def test_few_errors_of_one_sign_prove_nothing(height):
     """A second of an error that swings once, in stated deviations: all of it inside, or a quarter outside."""
     times = np.linspace(0.0, 1.5, 1501)
     slow = height * np.sin(2.0 * np.pi * times)
-    found = estimate_numbers(times, *shown(times, 0.1 * slow, 2.0 * slow), 0.0)
+    found = estimate_numbers(times, *shown(times, 0.1 * slow, 2.0 * slow), AT_INSTANT)
     outside = 1.0 - 2.0 / np.pi * np.arcsin(min(2.0 / height, 1.0))
     assert found["spool_speed_coverage"] == pytest.approx(1.0 - outside, abs=2e-3)
-    assert not list(estimate_doubts(found, 0.0))
+    assert not list(estimate_doubts(found, AT_INSTANT))
 
 
 def test_one_error_far_outside_is_told():
     """A speed twice the true one is one error, but none of chance."""
     times = np.linspace(0.0, 1.5, 1501)
-    found = estimate_numbers(times, *shown(times, 0.1, 10.0), 0.0)
+    found = estimate_numbers(times, *shown(times, 0.1, 10.0), AT_INSTANT)
     assert found["spool_speed_errors"] == 1.0
-    assert len(list(estimate_doubts(found, 0.0))) == 1
+    assert len(list(estimate_doubts(found, AT_INSTANT))) == 1
 
 
 def test_names_say_what_the_speed_is():
     """Where the ripple is left out, all of the speed's numbers are of means over a PWM period."""
     for pitch, words in ((PITCH, "mean over a PWM period"), (0.0, "of the instant")):
-        labels = [label for key, (_, label) in estimate_quantities(pitch).items() if key.startswith("spool_speed")]
+        labels = [
+            label
+            for key, (_, label) in estimate_quantities(AT_INSTANT._replace(pitch=pitch)).items()
+            if key.startswith("spool_speed")
+        ]
         assert len(labels) == 5
         assert all(words in label for label in labels)
 

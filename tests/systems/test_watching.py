@@ -11,8 +11,8 @@ from vvdp.base.tables import Table
 from vvdp.estimation.event_filter import event_filter_step
 from vvdp.estimation.event_memory import event_filter_start
 from vvdp.estimation.event_settings import EventFilterValues, event_filter
-from vvdp.evaluation.spool_estimate import estimate_errors
 from vvdp.evaluation.summary import summary
+from vvdp.programs.estimate_report import estimate_errors
 from vvdp.sensing.encoder import Shaft, encoder_start, encoder_step
 from vvdp.sensing.wheel import equal_wheel
 from vvdp.simulation.run import simulate

@@ -13,7 +13,6 @@ from vvdp.evaluation.bench_overview import ANALYTIC, OVERVIEW, OVERVIEW_NOTE, QU
 from vvdp.evaluation.bench_validity import bench_bounds, bench_warnings, efficiency, transition_loss
 from vvdp.evaluation.bench_values import BenchValues
 from vvdp.evaluation.port_cavitation import lowest_cavitation_number
-from vvdp.evaluation.spool_estimate import estimate_lines, estimate_numbers, estimate_quantities, spool_watch
 from vvdp.evaluation.valve_forms import unit_forms, unit_limits
 from vvdp.evaluation.valve_unit import ValveUnit
 from vvdp.fluid.oil import Oil, density
@@ -21,6 +20,7 @@ from vvdp.hydraulics.pump import Pump
 from vvdp.hydraulics.relief_valve import ReliefValve
 from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
+from vvdp.programs.estimate_report import shaft_watch
 from vvdp.results.chart import Chart
 from vvdp.results.result import Table
 from vvdp.simulation.model import Case
@@ -95,12 +95,9 @@ class RotaryBench(Extras):
         self.load: OrificeLoad | PressureLoad = given["load"]
         self.load_line: Vessel | None = given.get("load_line")
         self.programs = reported_programs(system, system.stepping.sample_period) or Extras(system)
-        self.watch = spool_watch(system.circuit.network, "spool")
-        if self.watch:
-            self.QUANTITIES = QUANTITIES | estimate_quantities(self.averaging_angle)
-            self.OVERVIEW = (*OVERVIEW, *estimate_lines(self.averaging_angle))
-        self.QUANTITIES = {**self.QUANTITIES, **self.programs.QUANTITIES}
-        self.OVERVIEW = (*self.OVERVIEW, *self.programs.OVERVIEW)
+        self.watch = shaft_watch(system.circuit.network, "spool")
+        self.QUANTITIES = {**QUANTITIES, **self.programs.QUANTITIES}
+        self.OVERVIEW = (*OVERVIEW, *self.programs.OVERVIEW)
 
     @property
     def makes_pressure(self) -> bool:
@@ -177,12 +174,6 @@ class RotaryBench(Extras):
         return any(self.tables.get(name) is not None for name in ("bypass", "chamber"))
 
     @property
-    def averaging_angle(self) -> float:
-        """Angle over which the estimated speed of a watched spool is a mean [rad]; 0 where it is of the instant."""
-        leaves_ripple = self.watch is not None and self.watch.settings.ripple_order == 0.0
-        return 2.0 * np.pi / self.valve.sections if leaves_ripple else 0.0
-
-    @property
     def values(self) -> BenchValues:
         """What its checks read."""
         return BenchValues(
@@ -198,7 +189,6 @@ class RotaryBench(Extras):
             cavitation_pressure=self.limits.cavitation_pressure,
             inlet_volume=self.inlet_volume,
             ripple_amplitude=self.pump.ripple_amplitude,
-            averaging_angle=self.averaging_angle,
         )
 
     @property
@@ -326,13 +316,8 @@ class RotaryBench(Extras):
         }
 
     def record_numbers(self, run: Run) -> Summary:
-        """How good the estimate of a watched spool was; empty for a short run, or without an encoder."""
-        found = self.programs.record_numbers(run)
-        if self.watch is None:
-            return found
-        estimate = getattr(run.command, self.watch.filter)._asdict()
-        sampled = run.memory[self.watch.encoder]._asdict()
-        return found | estimate_numbers(run.times, estimate, sampled, self.averaging_angle)
+        """The numbers of its programs."""
+        return self.programs.record_numbers(run)
 
     def closed_forms(self, found: Mapping[str, float | bool]) -> Summary:
         """The analytic results at the mean load pressure, to stand beside the simulated ones in `found`.

@@ -7,7 +7,6 @@ from vvdp.base.display import percent, with_unit
 from vvdp.base.kinds import DUTY_RATIO, MEAN_POWER, NUMBER, RATIO, TEMPERATURE_DIFFERENCE
 from vvdp.evaluation.bench_values import BenchValues
 from vvdp.evaluation.load_ripple import estimated_ripple, vessel_capacity
-from vvdp.evaluation.spool_estimate import estimate_doubts
 from vvdp.fluid.mixture import mean_bulk_modulus
 from vvdp.fluid.oil import Oil, density, dynamic_viscosity
 from vvdp.systems.bound import Bound
@@ -259,4 +258,3 @@ def bench_warnings(bench: BenchValues, found: Mapping[str, Any], limits: Iterabl
         yield f"the input power of {power:.4g} W exceeds the motor's {rated:.4g} W"
     for limit in limits:
         yield f"no analytic results: {limit}"
-    yield from estimate_doubts(found, bench.averaging_angle)

@@ -19,7 +19,6 @@ class BenchValues:
     cavitation_pressure  below which the oil is held to cavitate [Pa]
     inlet_volume         between pump, relief valve and nozzles [m^3]
     ripple_amplitude     of the pump's flow over its mean [1]
-    averaging_angle      over which the estimated spool speed is a mean [rad]; 0 for the speed of the instant
     """
 
     valve: RotaryValve
@@ -34,4 +33,3 @@ class BenchValues:
     cavitation_pressure: float
     inlet_volume: float
     ripple_amplitude: float
-    averaging_angle: float

@@ -126,7 +126,6 @@ def _bench_values(unit: ValveUnit, line: Vessel | None) -> BenchValues:
         cavitation_pressure=CAVITATION_PRESSURE,
         inlet_volume=unit.inlet_volume,
         ripple_amplitude=unit.pump.ripple_amplitude,
-        averaging_angle=0.0,
     )
 
 

@@ -74,7 +74,9 @@ def restriction_of(network: Network, system: str, part: str, table: str) -> Rest
     source = own.inputs.get("area")
     area = float(signal_value(0.0, source)) if isinstance(source, Signal) else None
     temperature = float(signal_value(0.0, network.temperature))
-    return Restriction(float(density(temperature, oils[0])), area, system, part, taken[0], table)
+    return Restriction(
+        density=float(density(temperature, oils[0])), area=area, name=system, part=part, values=taken[0], table=table
+    )
 
 
 def _has_conductance(values: Params) -> bool:

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from typing import Any
 
-from vvdp.base.errors import ParameterError
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal
 from vvdp.control.feedforward_pi import FeedforwardPI, SquareRate
@@ -41,13 +40,7 @@ class GerotorTables:
 
 
 def control_values(tables: GerotorTables, drive: GerotorDrive) -> dict[str, Any]:
-    """The fields of `GerotorLoop`. Raises ParameterError where the drive's ends do not reach what is wanted."""
-    low, high = tables.wanted.extremes
-    if not drive.lower_end <= low <= high <= drive.upper_end:
-        raise ParameterError(
-            f"operation.duty_ratio: {1e3 * low:.4g} to {1e3 * high:.4g} mm are asked for, the drive goes from "
-            f"{1e3 * drive.lower_end:.4g} to {1e3 * drive.upper_end:.4g} mm"
-        )
+    """The fields of `GerotorLoop`."""
     belief = tables.calibration
     law = FeedforwardPI(
         area=drive.area,

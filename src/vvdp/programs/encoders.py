@@ -25,6 +25,7 @@ from vvdp.estimation.threshold import (
     threshold_step,
 )
 from vvdp.network.program import ProgramType
+from vvdp.programs.estimate_report import EstimateReport
 from vvdp.programs.generic import GenericProgram
 from vvdp.programs.spool_encoder import EncoderTable, encoder_of, filter_of
 from vvdp.sensing.encoder import Encoder, EncoderMemory, Shaft, encoder_reading, encoder_start
@@ -185,7 +186,15 @@ ENCODER = GenericProgram(
     made=encoder_settings,
 )
 EVENT_FILTER = GenericProgram(
-    ProgramType(filter_step, PassedEdges, NOTHING_KNOWN, WheelFilter, bounded_start, is_bounded=True),
+    ProgramType(
+        filter_step,
+        PassedEdges,
+        NOTHING_KNOWN,
+        WheelFilter,
+        bounded_start,
+        report=EstimateReport,
+        is_bounded=True,
+    ),
     first=_first_estimate,
     made=filter_settings,
 )

@@ -32,6 +32,8 @@ class ProgramReport:
     """Under which words its numbers stand."""
     QUANTITIES: Quantities = MappingProxyType({})
     """Kind and label of its numbers, by key."""
+    UNSHOWN: frozenset[str] = frozenset()
+    """Keys of those that no overview shows."""
     HEADLINE: tuple[str, ...] = ()
     """Keys of the numbers whose ranges are reported where values have one."""
 

@@ -24,8 +24,8 @@ from vvdp.base.kinds import (
 from vvdp.base.signal import signal_value
 from vvdp.estimation.estimator import Estimate
 from vvdp.evaluation.bench import BenchSeries, RotaryBench
-from vvdp.evaluation.spool_estimate import STATED, UNITS, SpoolWatch, estimate_errors, of_what
 from vvdp.numerics.spectrum import line_spectrum
+from vvdp.programs.estimate_report import STATED, UNITS, ShaftWatch, estimate_errors, of_what
 from vvdp.results.result import Column, Finding, Grade, Listing, Row, Table
 from vvdp.runs.run import RecordedRun
 from vvdp.runs.tables import without_dust
@@ -170,7 +170,7 @@ def bench_series(run: RecordedRun, bench: RotaryBench) -> Table:
         "duty_ratio": Column(duty, DUTY_RATIO, "duty ratio", "d"),
     }
     if bench.watch:
-        columns |= _estimate(run, bench, bench.watch, series)
+        columns |= _estimate(run, bench.watch, series)
     return Table(title="Recorded series", columns=columns, is_data=True)
 
 
@@ -192,11 +192,11 @@ def _mean(run: RecordedRun, total: str, datum: float, kind: Kind, label: str) ->
     return Column(run.over_periods(means), kind, label)
 
 
-def _estimate(run: RecordedRun, bench: RotaryBench, watch: SpoolWatch, series: BenchSeries) -> dict[str, Column]:
+def _estimate(run: RecordedRun, watch: ShaftWatch, series: BenchSeries) -> dict[str, Column]:
     """The spool as its encoder sees it, its errors, and two stated standard deviations around none."""
     shown = {name: run.command(f"{watch.filter}.{name}") for name in Estimate._fields}
     sampled = {name: run.memory(f"{watch.encoder}.{name}") for name in Shaft._fields}
-    pitch = bench.averaging_angle
+    pitch = watch.pitch
     errors = estimate_errors(shown, sampled, pitch)
     found = {"spool_speed_rad_s": Column(series.spool_speed, SPEED, f"true speed{of_what(0.0)}")}
     if pitch > 0.0:

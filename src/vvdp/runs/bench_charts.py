@@ -7,7 +7,7 @@ import numpy as np
 from vvdp.base.display import percent, with_unit
 from vvdp.base.kinds import FREQUENCY
 from vvdp.evaluation.bench import RotaryBench
-from vvdp.evaluation.spool_estimate import SETTLED, UNITS, of_what
+from vvdp.programs.estimate_report import SETTLED, UNITS, of_what
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Table
 from vvdp.runs.charts import SERIES, detail_words, upright, whole_words
@@ -109,7 +109,7 @@ def _speed(run: RecordedRun, bench: RotaryBench) -> Chart:
 
 
 def _estimate(run: RecordedRun, bench: RotaryBench, series: Table) -> Chart:
-    of_speed = f"speed{of_what(bench.averaging_angle)}"
+    of_speed = f"speed{of_what(bench.watch.pitch if bench.watch else 0.0)}"
     caption = (
         f"The spool as its encoder and the event-based Kalman filter see it. Top: {of_speed}, true and estimated. "
         "Middle: error of the angle, within half a turn; until the index of the code wheel is found the angle is off "

@@ -9,10 +9,9 @@ from vvdp.base.kinds import DURATION, MEAN_POWER
 from vvdp.evaluation.bench import RotaryBench
 from vvdp.evaluation.bench_validity import efficiency_doubt
 from vvdp.evaluation.overview import expects_steady_state, impossible_part, loss_lines, node_lines, power_lines
-from vvdp.evaluation.spool_estimate import estimate_doubts
 from vvdp.evaluation.summary import is_closed
 from vvdp.evaluation.validity import broken_bounds
-from vvdp.results.result import Badge, Finding, Grade
+from vvdp.results.result import Badge, Finding, Grade, sentences
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.balance import LIMIT
 from vvdp.simulation.outcome import SETTLED
@@ -160,18 +159,7 @@ def bench_warnings(run: RecordedRun, bench: RotaryBench) -> Iterator[Finding]:
             remedy="If the spool should turn, look at initial.spool_speed, spool_drive and the friction; or let the "
             "run last longer.",
         )
-    yield from _estimate_warnings(run, bench)
-
-
-def _estimate_warnings(run: RecordedRun, bench: RotaryBench) -> Iterator[Finding]:
-    for sentence in estimate_doubts(run.summary, bench.averaging_angle):
-        yield Finding(
-            grade=Grade.WARNING,
-            title="Estimated uncertainty is inconsistent with the errors",
-            text=f"{sentence[:1].upper()}{sentence[1:]}.",
-            remedy="Look at what spool_filter expects: edge_variance of the edges, acceleration_density of the speed, "
-            "ripple_order and ripple_variance of its ripple within a PWM period.",
-        )
+    yield from sentences(tuple(bench.programs.warnings(run.summary)), Grade.WARNING)
 
 
 def in_words(run: RecordedRun) -> str:

@@ -46,6 +46,7 @@ class ReportedPrograms(Extras):
             Line(label, (prefix + key,), kind, (), f"{report.GROUP}{_of(prefix)}")
             for prefix, report in self.reports.items()
             for key, (kind, label) in report.QUANTITIES.items()
+            if key not in report.UNSHOWN
         )
         self.HEADLINE = tuple(prefix + key for prefix, report in self.reports.items() for key in report.HEADLINE)
 
