@@ -181,7 +181,7 @@ def estimate_doubts(found: Mapping[str, float | bool], watch: ShaftWatch) -> Ite
 
 
 class EstimateReport(ProgramReport):
-    """Of an event filter that knows the angle of a shaft: errors, stated standard deviations and coverage of its estimate."""
+    """Of an event filter that knows the angle of a shaft: errors, stated standard deviation, coverage."""
 
     def __init__(self, network: Network, name: str, sample_period: float) -> None:
         super().__init__(network, name, sample_period)

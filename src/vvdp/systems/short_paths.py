@@ -6,6 +6,7 @@ alone, and [values] gives a path of the file's own to any entry.
 it has a table [check_valve] with values of the valve. These are the paths by which values are set, ranged and listed.
 """
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -74,6 +75,7 @@ def with_full_paths(table: Table, faults: list[Fault]) -> FullTable:
     _refuse_targets(targets, names, table, faults)
     content, lines, short = copy_tables(table.content), dict(table.lines), dict[str, str]()
     content.pop(VALUES, None)
+    below_entry = _lines_by_entry(table.lines)
     for outer, entry in _short_entries(table.content):
         name, _, key = outer.partition(".")
         usual = (f"{names[name]}.{name}",) if name in names and name not in OWN else ()
@@ -83,7 +85,7 @@ def with_full_paths(table: Table, faults: list[Fault]) -> FullTable:
                 words = f"is given twice; {short.get(path, path)} stands in the file as well"
                 faults.append(fault_at(table, outer, words))
             _set(content, path, entry)
-            lines |= {path + line.removeprefix(outer): at for line, at in lines.items() if _is_below(line, outer)}
+            lines |= {path + below: line for below, line in below_entry[outer].items()}
             short[path] = outer
         if paths and not (name in OWN and key in field_names(OWN[name])):
             del content[name][key]
@@ -187,8 +189,14 @@ def _set(content: dict[str, Any], path: str, entry: Any) -> None:
     inner[key] = entry
 
 
-def _is_below(line: str, path: str) -> bool:
-    return line == path or line.startswith(f"{path}.")
+def _lines_by_entry(lines: Mapping[str, int]) -> Mapping[str, Mapping[str, int]]:
+    """The lines of each entry TABLE.KEY and of what stands in it, by the rest of the path."""
+    found: dict[str, dict[str, int]] = defaultdict(dict)
+    for path, line in lines.items():
+        table, _, rest = path.partition(".")
+        key, dot, below = rest.partition(".")
+        found[f"{table}.{key}"][dot + below] = line
+    return found
 
 
 def _fault_with_full_path(entry: Any, short: Mapping[str, str]) -> Any:
