@@ -146,7 +146,7 @@ def _shipped_systems(group: str) -> Iterator[tuple[str, str, str]]:
 
 
 def _circuit(content: Mapping[str, object]) -> str:
-    return str(content.get("circuit", "drawn"))
+    return "drawn" if "nodes" in content else str(content.get("circuit", "drawn"))
 
 
 def _circuits() -> Iterator[tuple[str, str, str]]:

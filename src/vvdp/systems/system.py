@@ -177,7 +177,7 @@ class System:
         """What the file names as its circuit; where it draws it itself, how many parts it has."""
         network = self.circuit.network
         count = f"{len(network.nodes)} nodes, {len(network.parts)} components"
-        return str(self.content.get("circuit", f"drawn, {count}"))
+        return f"drawn, {count}" if self.function is None else str(self.content["circuit"])
 
     @property
     def assumptions(self) -> tuple[Sourced, ...]:
