@@ -199,7 +199,8 @@ def meaning_of(name: str, kind: Kind, of: str) -> str:
     """The meaning of a word of a type of the library."""
     special, usual = _words()["types"], _words()["words"]
     own = special.get(of, {})
-    found: str = (special.get(own.get("as"), {}) | own).get(name) or meanings().get((name, kind.unit)) or usual.get(name, "")
+    own = special.get(own.get("as"), {}) | own
+    found: str = own.get(name) or meanings().get((name, kind.unit)) or usual.get(name, "")
     return found
 
 
