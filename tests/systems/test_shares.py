@@ -48,17 +48,16 @@ def built(share):
     [
         ('{ from = "wanted.value", per = "40 lpm" }', 0.25),
         ('{ from = "wanted.value", per = { value = "1 l/s", status = "assumed", note = "twice 30 lpm" } }', 1.0 / 6.0),
-        ('{ from = "line.pressure", per = "1000 bar" }', None),
+        ('{ from = "supply.pressure", per = "400 bar" }', 101.01325 / 400.0),
         ('{ from = "wanted.value", per = "-40 lpm" }', 0.0),
     ],
 )
 def test_an_opening_follows_the_share(share, opening):
-    """10 of 40 lpm open a valve by 0.25, 10 of 60 by 0.1667; a negative command closes it."""
+    """10 of 40 lpm open a valve by 0.25, 10 of 60 by 0.1667, 100 bar and the atmosphere of 400 bar by 0.2525; a
+    negative command closes it. The lag of 5 ms leaves e^-20 after 0.1 s."""
     system = built(share)
     run = simulate(system.model, system.case, system.stepping)
-    found = run.state.valve.opening[-1]
-    # the lag of 5 ms over 0.1 s leaves e^-20; a pressure is followed with the lag, at rest to rounding
-    assert found == pytest.approx(run.state.line[-1] / 1e8 if opening is None else opening, rel=1e-3, abs=1e-8)
+    assert run.state.valve.opening[-1] == pytest.approx(opening, rel=1e-6, abs=1e-9)
 
 
 def test_a_value_has_its_origin():
