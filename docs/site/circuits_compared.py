@@ -17,7 +17,7 @@ from vvdp.machines.duties import Duty, shipped_duties
 from vvdp.network.nodes import DrivenShaft
 from vvdp.rivals.rival_account import system_for
 from vvdp.rivals.rival_circuits import CIRCUITS, SINKS, RivalCircuit, with_value
-from vvdp.systems.system import load_system
+from vvdp.systems.system import System, load_system
 
 PAGE = Path(__file__).parents[1] / "circuits-compared.md"
 BEGIN, END = "<!-- made by docs/site/circuits_compared.py -->\n", "<!-- to here -->\n"
@@ -86,9 +86,14 @@ def drag(circuit: RivalCircuit, duty: Duty, torque: float) -> float:
     if circuit.measured:
         return 0.0
     parts = (duty,) if circuit.shares else duty.alone
-    shaft = system_for(circuit, parts[0]).circuit.network.nodes.get("pump_shaft")
-    speed = shaft.speed if isinstance(shaft, DrivenShaft) else FULL_SPEED
-    return torque * (speed.extremes[0] if isinstance(speed, Signal) else FULL_SPEED) * len(parts)
+    return torque * pump_speed(system_for(circuit, parts[0])) * len(parts)
+
+
+def pump_speed(system: System) -> float:
+    """Speed of the pump of a circuit [rad/s]; that of the others where it has no shaft."""
+    shaft, operation = system.circuit.network.nodes.get("pump_shaft"), system.tables.get("operation")
+    speed = operation.pump_speed if operation else shaft.speed if isinstance(shaft, DrivenShaft) else None
+    return float(speed.extremes[0]) if isinstance(speed, Signal) else FULL_SPEED
 
 
 def unfavourable(found: CircuitComparison) -> Powers:

@@ -10,14 +10,12 @@ from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 
 from circuit_sentences import flowed
-from circuits_compared import FULL_SPEED, PAGE, put, short
+from circuits_compared import PAGE, pump_speed, put, short
 
-from vvdp.base.signal import Signal
 from vvdp.evaluation.summary import simulated_summary
 from vvdp.hydraulics.ports import Medium
 from vvdp.hydraulics.variable_machine import VariableMachine, drag_torque, slip_flow
 from vvdp.machines.duties import Duty, shipped_duties
-from vvdp.network.nodes import DrivenShaft
 from vvdp.rivals.rival_account import begin_of, system_for
 from vvdp.rivals.rival_circuits import CIRCUITS, RivalCircuit, with_value
 from vvdp.simulation.outcome import outcome
@@ -43,13 +41,6 @@ def medium_of(system: System) -> Medium:
     """The oil of a system at 40 degC."""
     oil = system.circuit.network.oil
     return Medium(density=oil.density, viscosity=oil.density * oil.viscosity_40)
-
-
-def pump_speed(system: System) -> float:
-    """Speed of the pump of a system [rad/s]; that of the others where it has no shaft."""
-    shaft = system.circuit.network.nodes.get("pump_shaft")
-    speed = shaft.speed if isinstance(shaft, DrivenShaft) else FULL_SPEED
-    return float(speed.extremes[0]) if isinstance(speed, Signal) else FULL_SPEED
 
 
 def with_slip(circuit: RivalCircuit) -> RivalCircuit:

@@ -55,7 +55,9 @@ SECTIONS = dict(sections())
 def row(name, component):
     doc = told(component.add if isinstance(component, Assembly) else component.law)
     if isinstance(component, Assembly):
-        cells = [component.ports, (), [*values(component.params), "`start` 100 bar"], ("in its pieces",), ()]
+        inputs = [f"`{name}` {kind.example}" for name, kind in component.inputs.items()]
+        own = [*values(component.params), *(["`start` 100 bar"] if component.holds_oil else [])]
+        cells = [component.ports, inputs, own, ("in its pieces",), ()]
     else:
         ports = [f"{port}{ENDS.get(role, '')}" for port, role in component.ports.items()]
         inputs = [

@@ -215,8 +215,8 @@ def test_the_efficiency_of_the_measured_pump_is_that_of_its_law():
     """At 1800 rpm and 100 bar, full: 3.19 N m beside 35.4 and 0.58 % of slip, 91 %; a fifth: 2.64 beside 7.07, 71 %."""
     import circuits_compared
 
-    tables = load_system("measured-pump-control").tables
-    pump, oil, speed, drop = tables["pump"], tables["oil"], 60.0 * np.pi, 100e5
+    network = load_system("measured-pump-control").circuit.network
+    pump, oil, speed, drop = network.parts["pump"].values[0], network.oil, 60.0 * np.pi, 100e5
     medium = Medium(density=oil.density, viscosity=oil.density * oil.viscosity_40)
     slip, found = slip_flow(drop, medium, pump), {}
     for setting in (1.0, 0.2):

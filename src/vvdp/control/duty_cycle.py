@@ -9,7 +9,6 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import FORCE, POSITION, TIME, Force, Position
 from vvdp.base.params import Params
 from vvdp.base.rules import refuse_rows, require_rising
@@ -137,10 +136,8 @@ def refuse_fast_cycle(cycle: DutyCycle, fastest: float) -> None:
     """
     for row, speed in enumerate(cycle_speeds(cycle), 2):
         if abs(speed) > fastest:
-            raise ParameterError(
-                f"DutyCycle.positions: row {row} asks for {1e3 * abs(speed):.4g} mm/s; pump and cylinder reach "
-                f"{1e3 * fastest:.4g} mm/s"
-            )
+            speeds = f"{1e3 * abs(speed):.4g} mm/s; pump and cylinder reach {1e3 * fastest:.4g} mm/s"
+            refuse_rows(cycle, "positions", f"row {row} asks for {speeds}")
 
 
 def refuse_long_cycle(cycle: DutyCycle, lowest: float, highest: float) -> None:
@@ -150,7 +147,5 @@ def refuse_long_cycle(cycle: DutyCycle, lowest: float, highest: float) -> None:
     """
     for row, position in enumerate(cycle.positions, 1):
         if not lowest <= position <= highest:
-            raise ParameterError(
-                f"DutyCycle.positions: row {row} is at {1e3 * position:.4g} mm; the rod travels from "
-                f"{1e3 * lowest:.4g} to {1e3 * highest:.4g} mm"
-            )
+            travel = f"{1e3 * lowest:.4g} to {1e3 * highest:.4g} mm"
+            refuse_rows(cycle, "positions", f"row {row} is at {1e3 * position:.4g} mm; the rod travels from {travel}")

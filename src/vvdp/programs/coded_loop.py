@@ -13,7 +13,7 @@ from vvdp.base.rules import require_positive
 from vvdp.network.program import ProgramType
 from vvdp.programs.generic import GenericProgram
 from vvdp.programs.position_loop import CylinderReading, LoopMemory, PositionLoop, loop_start, one_way_step
-from vvdp.programs.position_loops import CylinderLoop, RoundReport, position_loop
+from vvdp.programs.position_loops import RoundReport, ValveLoop, position_loop
 
 LEAST_DROP = 1e5
 """Drop over a unit below which its loop calculates with this one [Pa]."""
@@ -63,8 +63,8 @@ def coded_start(settings: CodedLoop) -> LoopMemory:
     return loop_start(settings.loop)
 
 
-class CodedTable(CylinderLoop):
-    """As `CylinderLoop`, with a unit whose smallest valve passes `rated_flow` at `rated_drop`, and the pressure of what
+class CodedTable(ValveLoop):
+    """As `ValveLoop`, with a unit whose smallest valve passes `rated_flow` at `rated_drop`, and the pressure of what
     feeds it."""
 
     rated_flow: Flow

@@ -81,13 +81,13 @@ class PositionLaw(Params):
 
 class PositionLoop(PositionLaw):
     """What a position loop works with: its law, the cycle with its reference, the conductance of a throttle from the
-    supply to the tank, the flow below which a one-way pump gives none, and whether a pump over centre works in an open
+    supply to the tank, the flow below which a one-way pump gives none, and whether an overcentre pump works in an open
     circuit (1) or between both chambers (0)."""
 
     cycle: DutyCycle
     reference: ReferenceFilter
     bleed_conductance: Conductance = FEWEST
-    least_flow: Flow = 0.0
+    lowest_flow: Flow = 0.0
     is_open_circuit: Fraction = 0.0
 
 
@@ -277,7 +277,7 @@ def one_way_step(
     found = one_way_actuation(kept, seen.position, settings)
     supply = kept.pressures.supply - settings.reference_pressure
     return LoopMemory(kept.reference, kept.pressures, Joint(found.side, found.side)), CylinderCommand(
-        flow=found.flow if found.flow >= settings.least_flow else 0.0,
+        flow=found.flow if found.flow >= settings.lowest_flow else 0.0,
         valve=found.side,
         opening=found.opening,
         bleed=bleed_opening(found.flow, supply, settings) if settings.bleed_conductance > FEWEST else 0.0,

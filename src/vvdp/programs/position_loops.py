@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from vvdp.base.kinds import Area, Flow, Fraction, Mass, Position, Pressure, ViscousFriction
-from vvdp.base.params import field_values
+from vvdp.base.params import field_names, field_values
 from vvdp.base.units import ATMOSPHERE
 from vvdp.control.duty_cycle import DutyCycle, refuse_fast_cycle, refuse_long_cycle
 from vvdp.control.reference import ReferenceFilter
@@ -30,13 +30,7 @@ from vvdp.programs.report import ProgramReport
 
 
 class CylinderLoop(DutyCycle, ReferenceFilter, LoopTable):
-    """A duty cycle with its filter and the loop that follows it; pump, valves and cylinder as the loop believes them.
-
-    `valve_conductance` is that of an edge of the valve that moves the cylinder, or of the throttle in its return,
-    `bleed_conductance` that of a throttle from the supply to the tank. A one-way pump is asked for no flow below
-    `least_flow`; a pump over centre stands between both chambers, or with `is_open_circuit` 1 between the tank and the
-    loaded one.
-    """
+    """A duty cycle with its filter and the loop that follows it; pump and cylinder as the loop assumes them."""
 
     area_a: Area
     area_b: Area
@@ -45,14 +39,32 @@ class CylinderLoop(DutyCycle, ReferenceFilter, LoopTable):
     lowest_position: Position
     highest_position: Position
     largest_flow: Flow
-    valve_conductance: Conductance = FEWEST
-    bleed_conductance: Conductance = FEWEST
-    least_flow: Flow = 0.0
-    is_open_circuit: Fraction = 0.0
     tank_pressure: Pressure = ATMOSPHERE
 
     def check(self) -> None:
         position_loop(self)
+
+
+class ValveLoop(CylinderLoop):
+    """The same at a valve: `valve_conductance` is that of an edge of the valve that moves the cylinder, or of the
+    throttle in its return."""
+
+    valve_conductance: Conductance
+
+
+class OneWayLoop(ValveLoop):
+    """The same with a pump that is asked for no flow below `lowest_flow`; a fixed one is bled off through a throttle
+    of `bleed_conductance`."""
+
+    bleed_conductance: Conductance = FEWEST
+    lowest_flow: Flow = 0.0
+
+
+class OvercentreLoop(CylinderLoop):
+    """The same with an overcentre pump: between both chambers, or, if `is_open_circuit` is 1, between the tank and the
+    chamber that carries the load."""
+
+    is_open_circuit: Fraction = 0.0
 
 
 def position_loop(table: CylinderLoop) -> PositionLoop:
@@ -60,19 +72,14 @@ def position_loop(table: CylinderLoop) -> PositionLoop:
     cycle = DutyCycle(**field_values(DutyCycle, table))
     refuse_long_cycle(cycle, table.lowest_position, table.highest_position)
     refuse_fast_cycle(cycle, table.largest_flow / max(table.area_a, table.area_b))
+    same = {name: getattr(table, name) for name in field_names(PositionLoop) if name in field_names(type(table))}
     return PositionLoop(
         cycle=cycle,
         reference=ReferenceFilter(filter_rate=table.filter_rate),
         table=LoopTable(**field_values(LoopTable, table)),
         position_gain=loop_gain(table.viscous_friction, table.moving_mass, table.gain_margin),
-        area_a=table.area_a,
-        area_b=table.area_b,
         reference_pressure=table.tank_pressure,
-        largest_flow=table.largest_flow,
-        valve_conductance=table.valve_conductance,
-        bleed_conductance=table.bleed_conductance,
-        least_flow=table.least_flow,
-        is_open_circuit=table.is_open_circuit,
+        **same,
     )
 
 
@@ -82,11 +89,11 @@ class RoundReport(ProgramReport):
     STEADY = False
 
 
-def _position_loop(step: Callable[..., Any]) -> GenericProgram:
-    kind = ProgramType(step, CylinderReading, AT_REST, CylinderLoop, loop_start, report=RoundReport)
+def _position_loop(step: Callable[..., Any], table: type[CylinderLoop]) -> GenericProgram:
+    kind = ProgramType(step, CylinderReading, AT_REST, table, loop_start, report=RoundReport)
     return GenericProgram(kind, made=position_loop)
 
 
-THROTTLE_POSITION_LOOP = _position_loop(throttle_step)
-ONE_WAY_POSITION_LOOP = _position_loop(one_way_step)
-OVERCENTRE_POSITION_LOOP = _position_loop(overcentre_step)
+THROTTLE_POSITION_LOOP = _position_loop(throttle_step, ValveLoop)
+ONE_WAY_POSITION_LOOP = _position_loop(one_way_step, OneWayLoop)
+OVERCENTRE_POSITION_LOOP = _position_loop(overcentre_step, OvercentreLoop)

@@ -30,7 +30,7 @@ from vvdp.rivals.sizing import (
     load_sensing_sizes,
     one_way_sizes,
     open_sizes,
-    sized,
+    size_drawn,
     tank_pressure,
     throttle_sizes,
     unit_sizes,
@@ -85,9 +85,9 @@ class RivalCircuit:
     measured: bool = False
 
 
-def _drawn(sizes: Sizes, shared: tuple[str, ...] = ()) -> Callable[[System, Task], System]:
+def _from_file(sizes: Sizes, shared: tuple[str, ...] = ()) -> Callable[[System, Task], System]:
     """How a drawn circuit is sized, whose control begins at time 0."""
-    return partial(sized, sizes, shared)
+    return partial(size_drawn, sizes, shared)
 
 
 def _machine(size: MachineSize) -> Callable[[System, Task], System]:
@@ -179,7 +179,7 @@ CIRCUITS = (
         name="throttle",
         title="fixed pump of 40 lpm, relief valve, 4/3 proportional valve",
         system="throttle-control",
-        size=_drawn(throttle_sizes, ("tank", "supply", *PUMP_NAMES)),
+        size=_from_file(throttle_sizes, ("tank", "supply", *PUMP_NAMES)),
         sinks={
             RELIEF: ("relief_valve",),
             METERING: ("directional_valve",),
@@ -191,14 +191,14 @@ CIRCUITS = (
         name="bleed-off",
         title="fixed pump of 40 lpm at the load's pressure, a throttle beside the cylinder lets the rest to the tank",
         system="bleed-off-control",
-        size=_drawn(one_way_sizes),
+        size=_from_file(one_way_sizes),
         sinks={**ONE_WAY_SINKS, METERING: ("bleed_valve", "directional_valve.edges")},
     ),
     RivalCircuit(
         name="constant-pressure",
         title="variable pump that holds one pressure, compensated throttles, directional valves",
         system="load-sensing",
-        size=_drawn(constant_pressure_sizes, SHARED_LINE),
+        size=_from_file(constant_pressure_sizes, SHARED_LINE),
         sinks=LOAD_SENSING_SINKS,
         shares=True,
     ),
@@ -206,7 +206,7 @@ CIRCUITS = (
         name="load-sensing",
         title="variable pump 20 bar above the highest load, compensated throttles, directional valves",
         system="load-sensing",
-        size=_drawn(load_sensing_sizes, SHARED_LINE),
+        size=_from_file(load_sensing_sizes, SHARED_LINE),
         sinks=LOAD_SENSING_SINKS,
         shares=True,
     ),
@@ -214,7 +214,7 @@ CIRCUITS = (
         name="independent-valves",
         title="variable pump 10 bar above the highest load, four proportional valves at each cylinder",
         system="independent-valves",
-        size=_drawn(independent_valve_sizes, SHARED_LINE),
+        size=_from_file(independent_valve_sizes, SHARED_LINE),
         sinks={
             **ONE_WAY_SINKS,
             METERING: ("supply_valve_a", "supply_valve_b"),
@@ -226,7 +226,7 @@ CIRCUITS = (
         name="independent-units",
         title="the same with four digital flow control units of five on/off valves at each cylinder",
         system="independent-units",
-        size=_drawn(independent_unit_sizes, SHARED_LINE),
+        size=_from_file(independent_unit_sizes, SHARED_LINE),
         sinks={
             **ONE_WAY_SINKS,
             METERING: _valves_of_units("supply"),
@@ -238,21 +238,21 @@ CIRCUITS = (
         name="flow-control-unit",
         title="fixed pump of 40 lpm, relief valve, one unit of five on/off valves that meters in, directional valve",
         system="flow-control-unit",
-        size=_drawn(unit_sizes),
+        size=_from_file(unit_sizes),
         sinks={**ONE_WAY_SINKS, METERING: (*(f"unit_{number}" for number in range(1, 6)), "directional_valve.edges")},
     ),
     RivalCircuit(
         name="linear-valves",
         title="the machine's circuit with fast linear on/off valves at 75 Hz instead of the rotary one",
         system="linear-valves",
-        size=_drawn(one_way_sizes),
+        size=_from_file(one_way_sizes),
         sinks={**ONE_WAY_SINKS, SWITCHING: ("switching_valve",)},
     ),
     RivalCircuit(
         name="ideal-pump",
         title="ideal variable pump one way, directional valve, meter-out throttle",
         system="ideal-pump-control",
-        size=_drawn(one_way_sizes),
+        size=_from_file(one_way_sizes),
         sinks={**ONE_WAY_SINKS, LEAKAGE: ("pump_leakage", "cylinder")},
         leakage="components.pump_leakage.conductance",
     ),
@@ -260,7 +260,7 @@ CIRCUITS = (
         name="measured-pump",
         title="the same with a variable pump that has the losses of a measured one",
         system="measured-pump-control",
-        size=_drawn(one_way_sizes),
+        size=_from_file(one_way_sizes),
         sinks=ONE_WAY_SINKS,
         measured=True,
     ),
@@ -268,14 +268,14 @@ CIRCUITS = (
         name="digital-pump",
         title="the same with a pump of twelve pistons that deliver or idle one by one",
         system="digital-pump-control",
-        size=_drawn(one_way_sizes),
+        size=_from_file(one_way_sizes),
         sinks={**ONE_WAY_SINKS, PISTON_VALVES: ("pump.breathing", "pump.actuation")},
     ),
     RivalCircuit(
         name="shuttle",
         title="closed circuit, overcentre pump, commanded shuttle valve (fig. 1.6)",
         system="shuttle-circuit",
-        size=_drawn(closed_sizes),
+        size=_from_file(closed_sizes),
         sinks={**CLOSED_SINKS, METERING: ("shuttle_valve", "charge_check_a", "charge_check_b")},
         charge=charge_pressure,
         leakage="components.pump_leakage.conductance",
@@ -284,7 +284,7 @@ CIRCUITS = (
         name="pilot-checks",
         title="closed circuit, overcentre pump, pilot-operated checks (fig. 1.7)",
         system="pilot-check-circuit",
-        size=_drawn(closed_sizes),
+        size=_from_file(closed_sizes),
         sinks={**CLOSED_SINKS, METERING: ("pilot_check_a", "pilot_check_b")},
         charge=charge_pressure,
         leakage="components.pump_leakage.conductance",
@@ -293,7 +293,7 @@ CIRCUITS = (
         name="four-valves",
         title="open circuit, overcentre pump, four 2-way valves (fig. 1.8)",
         system="four-valve-circuit",
-        size=_drawn(open_sizes),
+        size=_from_file(open_sizes),
         sinks={
             RELIEF: ("relief_valve",),
             METERING: (*FOUR_VALVES, *FILLING),

@@ -41,7 +41,7 @@ class Task(NamedTuple):
     rate: float
 
 
-def sized(sizes: Sizes, shared: Collection[str], system: System, task: Task) -> System:
+def size_drawn(sizes: Sizes, shared: Collection[str], system: System, task: Task) -> System:
     """A drawn circuit sized for a task, with as many cylinders as its duty has if these share a supply.
 
     shared  names of what there is one of for all cylinders; empty if each has a circuit of its own

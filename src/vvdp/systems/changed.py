@@ -33,15 +33,15 @@ def with_copy(system: System, names: Collection[str], suffix: str) -> System:
     """
     table, content = system.table, dict(system.table.content)
     for group in GROUPS:
-        copies = {f"{n}{suffix}": _renamed(each, names, suffix) for n, each in content[group].items() if n in names}
+        copies = {f"{n}{suffix}": _with_suffix(each, names, suffix) for n, each in content[group].items() if n in names}
         content[group] = content[group] | copies
     return system.read_from(Table(table.place, content, table.lines))
 
 
-def _renamed(entry: Any, names: Collection[str], suffix: str) -> Any:
+def _with_suffix(entry: Any, names: Collection[str], suffix: str) -> Any:
     """An entry in which names, and paths that begin with one, end with a suffix."""
     if isinstance(entry, Mapping):
-        return {key: each if key in UNNAMED else _renamed(each, names, suffix) for key, each in entry.items()}
+        return {key: each if key in UNNAMED else _with_suffix(each, names, suffix) for key, each in entry.items()}
     first, dot, rest = entry.partition(".") if isinstance(entry, str) else ("", "", "")
     return f"{first}{suffix}{dot}{rest}" if first in names else entry
 

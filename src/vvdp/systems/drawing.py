@@ -26,7 +26,7 @@ from vvdp.base.kinds import (
 )
 from vvdp.base.params import Params, field_names
 from vvdp.base.rules import without_class
-from vvdp.base.signal import Signal, constant
+from vvdp.base.signal import Signal
 from vvdp.base.tables import (
     Sourced,
     Table,
@@ -46,10 +46,12 @@ from vvdp.network.assembly import Assembly, InnerCircuit
 from vvdp.network.component import Component, Role
 from vvdp.network.network import ROOM_TEMPERATURE, Network
 from vvdp.network.nodes import UNRATED, Chamber, Connection, Load, Rotor
+from vvdp.network.paths import Places
 from vvdp.programs.quantities import written_quantity
 from vvdp.systems.bench_tables import Limits
 from vvdp.systems.drawn_programs import ProgramDrawer
 from vvdp.systems.part_keys import PartType, other_type, part_keys
+from vvdp.systems.shares import Share, check_share, share_of, whole_quantity
 
 TABLES = (
     "oil",
@@ -197,18 +199,17 @@ class Drawer(ProgramDrawer):
     def __init__(self, content: Mapping[str, object], origin: Table, faults: list[Fault], folder: Path) -> None:
         self.content, self.origin, self.faults, self.folder = content, origin, faults, folder
         self.rows: list[Sourced] = []
+        self.shares: list[Share] = []
 
     def network(self) -> Network | None:
         """The network of the file; None where something is wrong."""
         oil = self._table(UsualOil, "oil", self._inner("oil"))
         heat = self._given_table(Temperature, "operation")
-        if oil is None:
-            oil = UsualOil()  # a file without faults needs its own: the others are found meanwhile
         oils = {name: self._table(Oil, f"oils.{name}", part) for name, part in self._parts("oils")}
         values: dict[str, Params] = {name: found for name, found in oils.items() if found}
         if balance := self._given_table(HeatBalance, "heat"):
             values["heat"] = balance
-        net = Network(oil, temperature=heat.oil_temperature if heat else ROOM_TEMPERATURE, **values)
+        net = Network(oil or UsualOil(), temperature=heat.oil_temperature if heat else ROOM_TEMPERATURE, **values)
         for name, part in self._parts("parts"):
             self._add_circuit(net, name, part["drawn"])
         for name, part in self._validly_named_parts(net, "nodes"):
@@ -217,6 +218,9 @@ class Drawer(ProgramDrawer):
             self._add_component(net, name, part)
         self._add_programs(net, dict(self._validly_named_parts(net, "programs")))
         self.rows = [row for row in self.rows if (row.key, row.value) != ("rated_power", UNRATED)]  # no limit
+        places = Places(net)
+        for share in self.shares if not self.faults else ():
+            self._try(share.path, partial(check_share, places, share))
         return None if self.faults else net
 
     def _add_circuit(self, net: Network, name: str, drawn: Mapping[str, Any]) -> None:
@@ -390,25 +394,27 @@ class Drawer(ProgramDrawer):
                 case {"from": str() as source, **rest} if not rest:
                     found[key] = source
                 case {"from": str() as source, "per": whole, **rest} if not rest:
-                    found[key] = Connection(share_of, (source, self._whole(f"{path}.{key}", whole)))
+                    found[key] = self._share(f"{path}.{key}", source, whole, known[key])
                 case _:
                     signals[key] = entry
         kinds = tuple((key, known[key]) for key in signals)
         table = self._table(_signals_class(kinds), path, signals) if signals else None
         return found | ({key: getattr(table, key) for key in signals} if table else {})
 
-    def _whole(self, path: str, entry: object) -> Signal:
-        """What the source of an input is divided by; 1 where it cannot be read."""
+    def _share(self, path: str, source: str, entry: object, of: Kind) -> Connection | None:
+        """What is read at a source, per the value of an entry; None where that is none."""
         try:
-            row = read_sourced(path, "per", written_quantity(entry), Signal, entry)
+            whole = whole_quantity(written_quantity(entry))
+            row = read_sourced(path, "per", whole, Signal, entry)
         except ParameterError as problem:
             self._fault(f"{path}.per", str(problem))
-            return constant(1.0)
+            return None
         assert isinstance(row.value, Signal)
         if 0.0 in row.value.extremes:
             self._fault(f"{path}.per", "must not be 0")
         self.rows.append(row)
-        return row.value
+        self.shares.append(Share(path, source, whole, of))
+        return Connection(share_of, (source, row.value))
 
     def _start(self, component: Component, path: str, given: Any) -> Any:
         """The state that a component starts from; None without a table `start`."""
@@ -422,11 +428,6 @@ class Drawer(ProgramDrawer):
         hints = get_type_hints(component.state, include_extras=True)
         table = self._table(type("Start", (Params,), {"__annotations__": hints}), f"{path}.start", given)
         return component.state(**{key: getattr(table, key) for key in hints}) if table else None
-
-
-def share_of(value: float, whole: float) -> float:
-    """A value as a share of a whole [1]."""
-    return value / whole
 
 
 @cache

@@ -197,8 +197,10 @@ def _value(name: str, kind: Kind | None, given: Mapping[str, object], usual: Any
 
 def meaning_of(name: str, kind: Kind, of: str) -> str:
     """The meaning of a word of a type of the library."""
-    special, usual = _words()["types"].get(of, {}), _words()["words"]
-    found: str = special.get(name) or meanings().get((name, kind.unit)) or usual.get(name, "")
+    special, usual = _words()["types"], _words()["words"]
+    own = special.get(of, {})
+    own = special.get(own.get("as"), {}) | own
+    found: str = own.get(name) or meanings().get((name, kind.unit)) or usual.get(name, "")
     return found
 
 

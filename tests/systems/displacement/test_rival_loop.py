@@ -21,7 +21,7 @@ from vvdp.programs.position_loop import (
     throttle_opening,
     throttle_step,
 )
-from vvdp.programs.position_loops import CylinderLoop, position_loop
+from vvdp.programs.position_loops import ValveLoop, position_loop
 
 REFERENCE = 101325.0
 CYCLE = DutyCycle(times=(0.0, 1.0, 3.0), positions=(0.1, 0.2, 0.1), forces=(-1000.0, 500.0, -1000.0))
@@ -138,7 +138,7 @@ def test_a_throttle_beside_the_load_lets_what_is_not_asked_for_go():
 def test_no_flow_is_asked_for_below_the_least_one():
     """2e-4 m^3/s are wanted."""
     for least, flow in ((1.9e-4, 2e-4), (2.1e-4, 0.0)):
-        settings = loop(least_flow=least)
+        settings = loop(lowest_flow=least)
         _, command = one_way_step(0.0, loop_start(settings), seen(position=0.09), settings)
         assert command.flow == pytest.approx(flow) and command.valve == 1.0
 
@@ -153,7 +153,7 @@ TABLE = {
 
 def test_a_table_of_a_file_gives_the_settings_of_the_step():
     """K = b/(m margin) = 2000/(100 2) = 10 1/s."""
-    assert position_loop(CylinderLoop(**TABLE)) == loop()
+    assert position_loop(ValveLoop(**TABLE)) == loop()
 
 
 @pytest.mark.parametrize(
@@ -169,7 +169,7 @@ def test_a_table_of_a_file_gives_the_settings_of_the_step():
 def test_a_cycle_that_a_circuit_cannot_follow_is_refused(changes, words):
     """1.9e-4 m^3/s over 20 cm^2 are 95 mm/s."""
     with pytest.raises(ParameterError, match=words):
-        CylinderLoop(**(TABLE | changes))
+        ValveLoop(**(TABLE | changes))
 
 
 def test_pressures_are_filtered():

@@ -1,0 +1,34 @@
+"""An input of a drawn component that is what is read, per a value: `{ from = "loop.flow", per = "40 lpm" }`."""
+
+from typing import NamedTuple
+
+from vvdp.base.errors import NetworkError
+from vvdp.base.kinds import PRESSURE_DIFFERENCE, PRESSURE_LEVEL, Kind
+from vvdp.network.paths import Places
+from vvdp.programs.quantities import dimension
+
+
+class Share(NamedTuple):
+    """What is read at `source`, per a `whole`, for an input of the quantity `of`; `path` is where it stands."""
+
+    path: str
+    source: str
+    whole: Kind
+    of: Kind
+
+
+def whole_quantity(written: Kind) -> Kind:
+    """The quantity of a whole, as it is written: of pressures a difference, so that 100 bar are 1e7 Pa."""
+    return PRESSURE_DIFFERENCE if written is PRESSURE_LEVEL else written
+
+
+def share_of(value: float, whole: float) -> float:
+    """A value as a share of a whole."""
+    return value / whole
+
+
+def check_share(places: Places, share: Share) -> None:
+    """Raises NetworkError where its source leads nowhere, or its unit is not that of the input."""
+    read = places.quantity(share.source, share.path.rpartition(".")[0].rpartition(".")[2]).kind
+    if dimension(read.unit) != dimension(share.whole.unit).times(dimension(share.of.unit)):
+        raise NetworkError(f"{share.source!r} in {read.unit} per {share.whole.unit} gives no {share.of.name}")
