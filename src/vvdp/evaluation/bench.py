@@ -348,16 +348,16 @@ class RotaryBench(Extras):
         """The oil's temperature [K]."""
         return self.operation.oil_temperature
 
-    def bounds(self, found: Mapping[str, Any]) -> Iterator[Bound]:
+    def bounds(self, found: Mapping[str, float]) -> Iterator[Bound]:
         """The bounds of the laws of valve and spool at what a run has `found`."""
         return bench_bounds(self.values, found)
 
-    def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
+    def warnings(self, found: Mapping[str, float]) -> Iterator[str]:
         """What is to be known before the numbers of a bench, in sentences."""
         yield from bench_warnings(self.values, found, self.closed_form_limits(found))
         yield from self.programs.warnings(found)
 
-    def merits(self, found: Mapping[str, Any]) -> Iterator[str]:
+    def merits(self, found: Mapping[str, float]) -> Iterator[str]:
         """What the numbers of its programs show to be right."""
         return self.programs.merits(found)
 

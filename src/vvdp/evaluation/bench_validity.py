@@ -103,7 +103,7 @@ def transition_loss(beyond_open: float, put_in: float) -> float:
     return beyond_open if beyond_open >= -DUST * abs(put_in) else float("nan")
 
 
-def bench_bounds(bench: BenchValues, found: Mapping[str, Any]) -> Iterator[Bound]:
+def bench_bounds(bench: BenchValues, found: Mapping[str, float]) -> Iterator[Bound]:
     """The bounds of the laws of valve and spool at what a run has `found`."""
     low, high = bench.duty_ratio.extremes
     ends = duty_travel(bench.valve)
@@ -119,7 +119,7 @@ def bench_bounds(bench: BenchValues, found: Mapping[str, Any]) -> Iterator[Bound
     yield from valve_bounds(_bench_reading(bench, found))
 
 
-def _bench_reading(bench: BenchValues, found: Mapping[str, Any]) -> ValveReading:
+def _bench_reading(bench: BenchValues, found: Mapping[str, float]) -> ValveReading:
     return ValveReading(
         valve=bench.valve,
         oil=bench.oil,
@@ -196,7 +196,7 @@ def _bound(label: str, value: float, otherwise: str, **ends: Any) -> Bound:
     return Bound(label=label, otherwise=otherwise, **given)
 
 
-def switching_limits(bench: BenchValues, found: Mapping[str, Any]) -> Iterator[str]:
+def switching_limits(bench: BenchValues, found: Mapping[str, float]) -> Iterator[str]:
     """What of switching, pump and air in a run no quasi-steady average knows, a sentence each."""
     if found["averaged_periods"] < 1:
         yield "the valve does not switch"
@@ -217,7 +217,7 @@ def switching_limits(bench: BenchValues, found: Mapping[str, Any]) -> Iterator[s
         yield f"the oil has {air} of free air, whose compression is in no quasi-steady average"
 
 
-def load_swing(bench: BenchValues, found: Mapping[str, Any]) -> float:
+def load_swing(bench: BenchValues, found: Mapping[str, float]) -> float:
     """Estimated swing of the load pressure within a period, over its mean above the tank's [1]; 0 against a source."""
     pressure = float(found["pressure_mean_load_line_Pa"]) + bench.reference
     delivered, frequency = float(found["mean_load_flow_m3_s"]), float(found["pwm_frequency_Hz"])
@@ -228,7 +228,7 @@ def load_swing(bench: BenchValues, found: Mapping[str, Any]) -> float:
     return swing / (pressure - bench.tank_pressure)
 
 
-def filling_share(bench: BenchValues, found: Mapping[str, Any]) -> float:
+def filling_share(bench: BenchValues, found: Mapping[str, float]) -> float:
     """Time that filling the inlet up to the load takes over the time in which a port opens, of a run [1]."""
     pressure = float(found["pressure_mean_load_line_Pa"]) + bench.reference
     return compression_regime(
@@ -241,7 +241,7 @@ def filling_share(bench: BenchValues, found: Mapping[str, Any]) -> float:
     )
 
 
-def bench_warnings(bench: BenchValues, found: Mapping[str, Any], limits: Iterable[str]) -> Iterator[str]:
+def bench_warnings(bench: BenchValues, found: Mapping[str, float], limits: Iterable[str]) -> Iterator[str]:
     """What is to be known before the numbers of a bench, in sentences: what they leave out, what the motor takes.
 
     limits  why the closed forms do not describe the run, a sentence each

@@ -4,7 +4,6 @@ with the line that it feeds and an orifice that holds its pressure.
 The rig is a system like any other: a text with the values that the file of the circuit gives, with origin and range.
 """
 
-from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from vvdp.base.errors import ConfigError, Fault
@@ -24,12 +23,10 @@ from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Part
 from vvdp.network.nodes import Chamber, DrivenShaft, Node, OilVolume
+from vvdp.systems.part_scopes import Entries
 from vvdp.systems.short_paths import with_full_paths
 from vvdp.systems.spool_travel import spool_source
 from vvdp.systems.system import System, built_system
-
-Entries = Mapping[str, Any]
-"""What a file says in a table, by key."""
 
 STIFF_COUPLING = 1.0
 """Of a motor that holds the spool at its own speed [N m s]."""

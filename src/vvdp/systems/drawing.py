@@ -51,6 +51,7 @@ from vvdp.programs.quantities import written_quantity
 from vvdp.systems.bench_tables import Limits
 from vvdp.systems.drawn_programs import ProgramDrawer
 from vvdp.systems.part_keys import PartType, other_type, part_keys
+from vvdp.systems.part_scopes import Entries
 from vvdp.systems.shares import Share, check_share, share_of, whole_quantity
 
 TABLES = (
@@ -223,7 +224,7 @@ class Drawer(ProgramDrawer):
             self._try(share.path, partial(check_share, places, share))
         return None if self.faults else net
 
-    def _add_circuit(self, net: Network, name: str, drawn: Mapping[str, Any]) -> None:
+    def _add_circuit(self, net: Network, name: str, drawn: Entries) -> None:
         net.circuits[name] = InnerCircuit(drawn["source"], drawn["ports"], frozenset(drawn["names"]))
         self._place(net, name, f"parts.{name}", drawn)
 
@@ -241,7 +242,7 @@ class Drawer(ProgramDrawer):
     def _inner(self, table: str) -> Mapping[str, object]:
         return inner_table(self.content, table, self.origin, self.faults)
 
-    def _parts(self, table: str) -> list[tuple[str, Mapping[str, Any]]]:
+    def _parts(self, table: str) -> list[tuple[str, Entries]]:
         found = self._inner(table)
         for name, part in found.items():
             if not isinstance(part, Mapping):
@@ -319,7 +320,7 @@ class Drawer(ProgramDrawer):
             name = path.rpartition(".")[2]
             self._fault(path, without_class(str(problem).removeprefix(f"{name}: ")))
 
-    def _add_component(self, net: Network, name: str, part: Mapping[str, Any]) -> None:
+    def _add_component(self, net: Network, name: str, part: Entries) -> None:
         path = f"components.{name}"
         component: Component | Assembly | None = self._type(path, part, COMPONENTS)
         if isinstance(component, Assembly):
@@ -385,7 +386,7 @@ class Drawer(ProgramDrawer):
             given.pop(other.name, None)
         return given
 
-    def _inputs(self, known: Mapping[str, Any], path: str, given: Mapping[str, object]) -> dict[str, Any]:
+    def _inputs(self, known: Entries, path: str, given: Mapping[str, object]) -> dict[str, Any]:
         """Sources of inputs: `{ from = "spool.speed" }`, that `per` a value, or a signal."""
         found: dict[str, Any] = {}
         signals = {}

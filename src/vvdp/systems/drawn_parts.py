@@ -9,7 +9,7 @@ from vvdp.components.library import COMPONENTS
 from vvdp.programs.library import PROGRAMS
 from vvdp.systems.part_files import DRAWN, GROUPS, PARTS
 from vvdp.systems.part_keys import PartType, part_keys
-from vvdp.systems.part_scopes import Place, Scope, as_table, inner_name
+from vvdp.systems.part_scopes import Entries, Place, Scope, as_table, inner_name
 
 FAULTS = "faults"
 TYPES: Mapping[str, Mapping[str, PartType]] = {"components": COMPONENTS, "programs": PROGRAMS}
@@ -109,7 +109,7 @@ class DrawnCircuit:
             raise ParameterError(f"{part} has no value {value!r}{nearest(value, list(values)) if values else ''}")
         return tuple(values[value])
 
-    def content(self, given: Mapping[str, Any]) -> dict[str, Any]:
+    def content(self, given: Entries) -> dict[str, Any]:
         """The circuit instead of the `given` content of its file."""
         drawn = {group: table for group, table in self.tables.items() if table or group in given}
         found = dict(given) | drawn | {PARTS: {name: {DRAWN: part} for name, part in self.parts.items()}}

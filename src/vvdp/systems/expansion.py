@@ -23,7 +23,7 @@ from vvdp.systems.part_files import (
     ports_of,
     read_used_part,
 )
-from vvdp.systems.part_scopes import Place, Scope, as_table
+from vvdp.systems.part_scopes import Entries, Place, Scope, as_table
 from vvdp.systems.part_uses import PartUse, joined_ports, set_values
 
 
@@ -159,7 +159,7 @@ class Expansion:
                 use.check_port(port, carried, inner)
         return inner
 
-    def _use_drawn(self, scope: Scope, name: str, entry: Mapping[str, Any]) -> None:
+    def _use_drawn(self, scope: Scope, name: str, entry: Entries) -> None:
         """A part that was drawn before: its values may be set again."""
         place, circuit = scope.place(f"{PARTS}.{name}"), self.circuit
         if not is_record(entry[DRAWN], circuit.tables):

@@ -12,6 +12,7 @@ from vvdp.base.rules import without_class
 from vvdp.base.tables import Sourced, Table, build
 from vvdp.network.network import Network
 from vvdp.systems.circuits import NetworkFunction, TableSlot, circuit_names, draw, network_function, table_slots
+from vvdp.systems.part_scopes import Entries
 
 DRAWN = ("nodes", "components", "parts")
 """Tables of which a file that draws its circuit has one."""
@@ -72,7 +73,7 @@ def _class(slot: TableSlot, name: str, part: Mapping[str, object], table: Table,
     return cls
 
 
-def own_tables(function: NetworkFunction, content: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+def own_tables(function: NetworkFunction, content: Entries) -> dict[str, dict[str, Any]]:
     """What of a file a circuit takes: its tables, with the keys that it knows."""
     known = {name: set().union(*map(keys_of, slot.classes)) for name, slot in table_slots(function).items()}
     return {

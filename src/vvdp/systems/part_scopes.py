@@ -4,12 +4,14 @@ import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeAlias
 
 from vvdp.base.errors import Fault
 from vvdp.base.tables import ORIGIN, Table, fault_at
 from vvdp.systems.part_files import GROUPS, PARTS, PartFile
 
+Entries: TypeAlias = Mapping[str, Any]
+"""What stands in a table of a file, by key."""
 PATH = re.compile(r"[a-z]\w*(\.\w+)*")
 TIME = "t"
 """What every program may read besides the quantities of the circuit."""
@@ -103,6 +105,6 @@ def inner_name(path: str, drawn: Collection[str]) -> str:
     return ".".join((name, *rest))
 
 
-def as_table(given: Any) -> Mapping[str, Any]:
+def as_table(given: Any) -> Entries:
     """A table, empty where something else stands."""
     return given if isinstance(given, Mapping) else {}

@@ -1,6 +1,5 @@
 """One use of a part in a file: the nodes at its ports, what these carry, and the values that it is given."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,7 +10,7 @@ from vvdp.network.assembly import Assembly
 from vvdp.network.component import Role
 from vvdp.systems.drawn_parts import DrawnCircuit
 from vvdp.systems.part_files import PARTS, TABLES_OF_A_PART, VALUES, WORDS, PartFile
-from vvdp.systems.part_scopes import Place, Scope, as_table
+from vvdp.systems.part_scopes import Entries, Place, Scope, as_table
 
 OIL, SHAFT, ROD = "oil", "shaft", "rod"
 CARRIED = {Role.PORT: OIL, Role.SHAFT: SHAFT, Role.SHAFT_SPEED: SHAFT, Role.ROD: ROD}
@@ -34,7 +33,7 @@ class PartUse:
     circuit: DrawnCircuit
     scope: Scope
     name: str
-    entry: Mapping[str, Any]
+    entry: Entries
     file: PartFile
 
     @property

@@ -19,7 +19,7 @@ from vvdp.hydraulics.heat import HeatBalance
 from vvdp.systems.bench_tables import Limits
 from vvdp.systems.drawing import TABLES, Temperature
 from vvdp.systems.part_files import GROUPS, VALUES, targets_of
-from vvdp.systems.part_scopes import as_table
+from vvdp.systems.part_scopes import Entries, as_table
 
 OWN = {"oil": UsualOil, "operation": Temperature, "heat": HeatBalance, "limits": Limits}
 """Tables of any drawn circuit, whose keys mean something there as well."""
@@ -78,7 +78,7 @@ def with_full_paths(table: Table, faults: list[Fault]) -> FullTable:
     below_entry = _lines_by_entry(table.lines)
     for outer, entry in _short_entries(table.content):
         name, _, key = outer.partition(".")
-        usual = (f"{names[name]}.{name}",) if name in names and name not in OWN else ()
+        usual = (f"{names[name]}.{name}",) if name in names else ()
         paths = targets.get(outer) or [f"{path}.{key}" for path in targets.get(name, usual)]
         for path in paths:
             if _has(table.content, path) or path in short:
@@ -110,24 +110,26 @@ def full_settings(table: Table, settings: Sequence[str]) -> list[str]:
         path, equals, value = setting.partition("=")
         path = path.strip()
         name = path.partition(".")[0]
-        full = f"{names[name]}.{path}" if name in names and name not in OWN else path
+        full = f"{names[name]}.{path}" if name in names else path
         found.append(short.get(full, path if name in table.content else full) + equals + value)
     return found
 
 
-def _short_entries(content: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+def _short_entries(content: Entries) -> Iterator[tuple[str, Any]]:
     """The entries that may belong to a node, component or program, by their paths in the file."""
     for name, given in content.items():
         if isinstance(given, Mapping) and name not in ("run", VALUES) and (name in OWN or name not in TABLES):
             yield from ((f"{name}.{key}", entry) for key, entry in given.items())
 
 
-def _names(content: Mapping[str, Any]) -> dict[str, str]:
-    """The table in which each node, component and program stands, by its name."""
-    return {name: group for group in (*GROUPS, "oils") for name in as_table(content.get(group))}
+def _names(content: Entries) -> dict[str, str]:
+    """The table in which each node, component, program and oil stands, by its name; none of a name that a table of any
+    circuit has."""
+    groups = ((group, as_table(content.get(group))) for group in (*GROUPS, "oils"))
+    return {name: group for group, entries in groups for name in entries if name not in (*TABLES, "run")}
 
 
-def _targets(given: Mapping[str, Any], above: tuple[str, ...]) -> Iterator[tuple[str, tuple[str, ...]]]:
+def _targets(given: Entries, above: tuple[str, ...]) -> Iterator[tuple[str, tuple[str, ...]]]:
     """What each path of [values] sets."""
     for key, entry in given.items():
         path = (*above, key)
@@ -155,7 +157,7 @@ def _refuse_targets(
 
 
 def _refuse_unknown_keys(
-    content: Mapping[str, Any],
+    content: Entries,
     targets: Mapping[str, tuple[str, ...]],
     names: Mapping[str, str],
     table: Table,
@@ -172,7 +174,7 @@ def _refuse_unknown_keys(
             del content[name][key]
 
 
-def _has(content: Mapping[str, Any], path: str) -> bool:
+def _has(content: Entries, path: str) -> bool:
     found: Any = content
     for word in path.split("."):
         found = as_table(found).get(word)
