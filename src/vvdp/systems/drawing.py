@@ -214,7 +214,7 @@ class Drawer(ProgramDrawer):
         for name, part in self._parts("parts"):
             self._add_circuit(net, name, part["drawn"])
         for name, part in self._validly_named_parts(net, "nodes"):
-            self._add_node(net, name, part, {n: o for n, o in oils.items() if o})
+            self._add_node(net, name, part, {n: o or net.oil for n, o in oils.items()})
         for name, part in self._validly_named_parts(net, "components"):
             self._add_component(net, name, part)
         self._add_programs(net, dict(self._validly_named_parts(net, "programs")))

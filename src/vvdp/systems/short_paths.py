@@ -30,19 +30,20 @@ FAULTS = "faults"
 class FullTable:
     """A drawn circuit in which each value stands with its node, component or program.
 
-    short  the paths that the file has for values that stand elsewhere in it
-    order  the tables of the file
+    short    the paths that the file has for values that stand elsewhere in it
+    written  the file as it is
     """
 
     table: Table
     short: Mapping[str, str]
-    order: tuple[str, ...] = ()
+    written: Table
 
     def path_of(self, full: str) -> str:
         """The path of a value in the file; of one that it leaves out, that of the table in which it would stand."""
         group, _, rest = full.partition(".")
-        is_inner = group in GROUPS and rest.partition(".")[0] in self.order
-        return self.short.get(full, rest if is_inner else full)
+        stands_there = full in self.written.lines or group not in GROUPS
+        usual = full if stands_there or rest.partition(".")[0] not in self.written.content else rest
+        return self.short.get(full, usual)
 
     def locate(self, fault: Fault) -> Fault:
         """A fault at the path that the file has."""
@@ -55,7 +56,7 @@ class FullTable:
         named: dict[str, Sourced] = {}
         for row in map(self._rename, rows):
             named.setdefault(row.setting, row)
-        places = {table: number for number, table in enumerate(self.order)}
+        places = {table: number for number, table in enumerate(self.written.content)}
         return tuple(sorted(named.values(), key=lambda row: places.get(row.table.partition(".")[0], 0)))
 
     def _rename(self, row: Sourced) -> Sourced:
@@ -70,7 +71,7 @@ def with_full_paths(table: Table, faults: list[Fault]) -> FullTable:
     """
     names = _names(table.content)
     if not names:
-        return FullTable(table, {})
+        return FullTable(table, {}, table)
     targets = dict(_targets(as_table(table.content.get(VALUES)), ()))
     _refuse_targets(targets, names, table, faults)
     content, lines, short = copy_tables(table.content), dict(table.lines), dict[str, str]()
@@ -93,7 +94,7 @@ def with_full_paths(table: Table, faults: list[Fault]) -> FullTable:
     content = {name: inner for name, inner in content.items() if inner != {} or name in OWN}
     if isinstance(content.get(FAULTS), Mapping):
         content[FAULTS] = {name: _fault_with_full_path(each, short) for name, each in content[FAULTS].items()}
-    return FullTable(Table(table.place, content, lines), short, tuple(table.content))
+    return FullTable(Table(table.place, content, lines), short, table)
 
 
 def path_in_file(table: Table, full: str) -> str:
