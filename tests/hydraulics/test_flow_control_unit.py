@@ -71,6 +71,12 @@ def test_pulses_by_hand():
     assert pulse_volume(15.0, 15.0, DROP, binary) == 0.0
 
 
+@pytest.mark.parametrize("changes", [{"valves": 2.5}, {"valves": 0.0}, {"equal_sizes": 0.5}])
+def test_a_unit_that_is_none_is_refused(changes):
+    with pytest.raises(ParameterError, match=next(iter(changes))):
+        FlowControlUnit(**(field_values(OnOffValve, SMALLEST) | {"valves": 5.0} | changes))
+
+
 @pytest.mark.parametrize(("before", "after"), [(15.0, 16.0), (16.0, 15.0), (7.0, 8.0), (0.0, 31.0)])
 def test_pulses_as_simulated(before, after):
     """Between two pressures that hold, from 20 ms before the code changes to 50 ms after it."""
