@@ -311,7 +311,7 @@ def test_a_file_that_is_none_is_refused(tmp_path):
     [
         (
             (0.05, 0.35, 0.05),
-            "throttle on steady: duty_cycle.positions: "
+            "throttle on steady: programs.loop.positions: "
             + wording.compare.rod_travels.format(row=2, position="350 mm", low=0, high=300),
         ),
         ((0.05, 0.29, 0.05), wording.compare.too_fast.format(row=2, speed="480 mm/s", reach="329.1 mm/s")),

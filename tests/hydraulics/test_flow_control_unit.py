@@ -3,11 +3,13 @@
 import pytest
 
 from vvdp.base.errors import ParameterError
+from vvdp.base.params import field_values
 from vvdp.base.signal import step
 from vvdp.components.flow_control_units import add_flow_control_unit
 from vvdp.components.library import UsualOil
 from vvdp.fluid.mixture import fluid_state
 from vvdp.hydraulics.flow_control_unit import (
+    FlowControlUnit,
     OnOffValve,
     UnitValve,
     binary_valves,
@@ -69,6 +71,12 @@ def test_pulses_by_hand():
     assert pulse_volume(15.0, 15.0, DROP, binary) == 0.0
 
 
+@pytest.mark.parametrize("changes", [{"valves": 2.5}, {"valves": 0.0}, {"equal_sizes": 0.5}])
+def test_a_unit_that_is_none_is_refused(changes):
+    with pytest.raises(ParameterError, match=next(iter(changes))):
+        FlowControlUnit(**(field_values(OnOffValve, SMALLEST) | {"valves": 5.0} | changes))
+
+
 @pytest.mark.parametrize(("before", "after"), [(15.0, 16.0), (16.0, 15.0), (7.0, 8.0), (0.0, 31.0)])
 def test_pulses_as_simulated(before, after):
     """Between two pressures that hold, from 20 ms before the code changes to 50 ms after it."""
@@ -76,7 +84,8 @@ def test_pulses_as_simulated(before, after):
     net = Network(oil)
     net.pressure_source("high", 135e5)
     net.pressure_source("low", 100e5)
-    add_flow_control_unit(net, "unit", valves, ("high", "low"), step(before, after, 0.05))
+    unit = FlowControlUnit(**field_values(OnOffValve, SMALLEST), valves=5.0)
+    add_flow_control_unit(net, "unit", unit, {"a": "high", "b": "low", "code": step(before, after, 0.05)})
     circuit = build(net)
     run = simulate(circuit.model, circuit.case, Stepping(until=0.1))
     assert balance(run).is_trusted

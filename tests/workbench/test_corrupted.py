@@ -69,7 +69,8 @@ def test_each_of_100_gets_an_answer_in_words(server):
             for fault in head.get("faults", ()):
                 told += 1
                 assert fault["message"].strip() and not re.search("mistake of vvdp|Traceback", fault["message"]), fault
-                assert fault["key"] or fault["line"] or asked["kind"] == "draft", fault
+                is_placed = fault["key"] or fault["line"] or "is empty" in fault["message"]  # a text without tables
+                assert is_placed or asked["kind"] == "draft", fault
             if asked["kind"] == "draft":
                 key, _, value = asked["set"][0].partition("=")
                 faults = head.get("faults", [])

@@ -42,7 +42,7 @@ UNIT_VALVE = Component(unit_valve, symbol="switching_valve_2_2")
 
 
 def add_flow_control_unit(
-    net: Network, name: str, unit: FlowControlUnit, joints: Mapping[str, Source], start: None
+    net: Network, name: str, unit: FlowControlUnit, joints: Mapping[str, Source], start: None = None
 ) -> None:
     """Digital flow control unit between a and b: on/off valves in parallel, of which its `code` opens some.
 

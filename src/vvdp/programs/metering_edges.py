@@ -14,6 +14,7 @@ import numpy as np
 
 from vvdp.base.kinds import Count, Force, Fraction, Number, Position, Pressure
 from vvdp.base.params import Params
+from vvdp.base.rules import require_positive
 from vvdp.control.duty_cycle import cycle_point
 from vvdp.network.program import ProgramType
 from vvdp.programs.generic import GenericProgram
@@ -193,6 +194,10 @@ class EdgeTable(CylinderLoop):
     return_step: Conductance
     highest: Count = 1.0
     is_coded: Fraction = 0.0
+
+    def check(self) -> None:
+        super().check()
+        require_positive(self, "supply_step", "return_step", "highest")
 
 
 def edge_loop(table: EdgeTable) -> EdgeLoop:

@@ -8,6 +8,7 @@ from typing import Any
 
 from vvdp.base.kinds import Area, Flow, Fraction, Mass, Position, Pressure, ViscousFriction
 from vvdp.base.params import field_names, field_values
+from vvdp.base.rules import require_positive
 from vvdp.base.units import ATMOSPHERE
 from vvdp.control.duty_cycle import DutyCycle, refuse_fast_cycle, refuse_long_cycle
 from vvdp.control.reference import ReferenceFilter
@@ -42,6 +43,9 @@ class CylinderLoop(DutyCycle, ReferenceFilter, LoopTable):
     tank_pressure: Pressure = ATMOSPHERE
 
     def check(self) -> None:
+        require_positive(
+            self, "viscous_friction", "moving_mass", why="without them no gain of the position has a margin"
+        )
         position_loop(self)
 
 
@@ -50,6 +54,10 @@ class ValveLoop(CylinderLoop):
     throttle in its return."""
 
     valve_conductance: Conductance
+
+    def check(self) -> None:
+        super().check()
+        require_positive(self, "valve_conductance")
 
 
 class OneWayLoop(ValveLoop):

@@ -94,8 +94,11 @@ def system_for(circuit: RivalCircuit, duty: Duty, begin: float = 0.0, rate: floa
     system = load_system(circuit.system)
     try:
         system = circuit.size(system, Task(duty, begin, ROUNDS, rate))
-    except (ConfigError, ParameterError) as problem:
+    except ParameterError as problem:
         raise ParameterError(f"{circuit.name} on {duty.name}: {problem}") from None
+    except ConfigError as problem:
+        faults = "; ".join(f"{each.key}: {each.message}" for each in problem.faults)
+        raise ParameterError(f"{circuit.name} on {duty.name}: {faults}") from None
     until = begin + ROUNDS * duty.period
     last = until - duty.period
     stepping = replace(system.stepping, until=until, average_from=last, record_interval=RECORD, window=0.0)

@@ -52,7 +52,7 @@ from vvdp.systems.bench_tables import Limits
 from vvdp.systems.drawn_programs import ProgramDrawer
 from vvdp.systems.part_keys import PartType, other_type, part_keys
 from vvdp.systems.part_scopes import Entries
-from vvdp.systems.shares import Share, check_share, share_of, whole_quantity
+from vvdp.systems.shares import Share, check_share, share, whole_quantity
 
 TABLES = (
     "oil",
@@ -220,8 +220,8 @@ class Drawer(ProgramDrawer):
         self._add_programs(net, dict(self._validly_named_parts(net, "programs")))
         self.rows = [row for row in self.rows if (row.key, row.value) != ("rated_power", UNRATED)]  # no limit
         places = Places(net)
-        for share in self.shares if not self.faults else ():
-            self._try(share.path, partial(check_share, places, share))
+        for each in self.shares if not self.faults else ():
+            self._try(each.path, partial(check_share, places, each))
         return None if self.faults else net
 
     def _add_circuit(self, net: Network, name: str, drawn: Entries) -> None:
@@ -415,7 +415,7 @@ class Drawer(ProgramDrawer):
             self._fault(f"{path}.per", "must not be 0")
         self.rows.append(row)
         self.shares.append(Share(path, source, whole, of))
-        return Connection(share_of, (source, row.value))
+        return Connection(share, (source, row.value))
 
     def _start(self, component: Component, path: str, given: Any) -> Any:
         """The state that a component starts from; None without a table `start`."""

@@ -22,13 +22,13 @@ def whole_quantity(written: Kind) -> Kind:
     return PRESSURE_DIFFERENCE if written is PRESSURE_LEVEL else written
 
 
-def share_of(value: float, whole: float) -> float:
+def share(value: float, whole: float) -> float:
     """A value as a share of a whole."""
     return value / whole
 
 
-def check_share(places: Places, share: Share) -> None:
+def check_share(places: Places, given: Share) -> None:
     """Raises NetworkError where its source leads nowhere, or its unit is not that of the input."""
-    read = places.quantity(share.source, share.path.rpartition(".")[0].rpartition(".")[2]).kind
-    if dimension(read.unit) != dimension(share.whole.unit).times(dimension(share.of.unit)):
-        raise NetworkError(f"{share.source!r} in {read.unit} per {share.whole.unit} gives no {share.of.name}")
+    read = places.quantity(given.source, given.path.rpartition(".")[0].rpartition(".")[2]).kind
+    if dimension(read.unit) != dimension(given.whole.unit).times(dimension(given.of.unit)):
+        raise NetworkError(f"{given.source!r} in {read.unit} per {given.whole.unit} gives no {given.of.name}")
