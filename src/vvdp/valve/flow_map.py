@@ -14,7 +14,7 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import Flow, Power, Pressure
 from vvdp.base.select import maximum, minimum, select
-from vvdp.valve.branch import BranchFlow, branch_law, throttled_flow
+from vvdp.valve.branch import BranchFlow, branch_law, search_flow, throttled_flow
 from vvdp.valve.condition import Condition
 from vvdp.valve.geometry import EVEN, Openings, port_openings
 from vvdp.valve.rotary import RotaryValve
@@ -96,51 +96,60 @@ def quasi_steady_cycle(duty_ratio: float, at: Condition, valve: RotaryValve) -> 
 
 
 def balanced_cycle(openings: Openings, at: Condition, valve: RotaryValve) -> Cycle:
-    """State of the valve at given openings, arrays of one shape; see `quasi_steady_cycle`."""
-    law, shape = branch_law(at.density, valve, at.vapour_pressure), np.shape(openings.load)
+    """State of the valve at given openings, arrays of shape (n,); see `quasi_steady_cycle`.
+
+    at  whose load pressure may be an array of shape (m, 1): then all but the openings has the shape (m, n)
+    """
+    law = branch_law(at.density, valve, at.vapour_pressure)
+    shape = np.broadcast_shapes(np.shape(openings.load), np.shape(at.load_pressure))
     relief = at.relief_pressure, at.relief_override, at.relief_rated_flow
 
-    def flows_at(pressure: Any) -> tuple[BranchFlow, BranchFlow, Any]:
-        load = throttled_flow(pressure, at.load_pressure, openings.load, law)
-        tank = throttled_flow(pressure, at.tank_pressure, openings.tank, law)
+    tank_open = openings.tank > 0.0
+
+    def taken(pressure: Any) -> Any:
         spilled = static_relief_flow(pressure, *relief, at.tank_pressure)
-        return load, tank, load.flow + tank.flow + spilled + at.pump_leakage * (pressure - at.tank_pressure)
+        flow = search_flow(pressure, at.load_pressure, openings.load, law)
+        flow[..., tank_open] += search_flow(pressure[..., tank_open], at.tank_pressure, openings.tank[tank_open], law)
+        return flow + spilled + at.pump_leakage * (pressure - at.tank_pressure)
 
     # Without override the search ends at the relief pressure, and what it leaves over is the relief flow.
     low: Any = np.full(shape, minimum(at.load_pressure, at.tank_pressure))
     high: Any = np.full(shape, highest_inlet_pressure(at.flow, *relief))
-    least, most = flows_at(low)[2], flows_at(high)[2]
+    least, most = taken(low), taken(high)
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        found = flows_at(middle)[2]
+        found = taken(middle)
         short = found < at.flow
         low, least = select(short, middle, low), select(short, found, least)
         high, most = select(short, high, middle), select(short, most, found)
     missing = maximum(at.flow - least, 0.0)
     inlet = low + missing / maximum(maximum(most - least, missing), LEAST_FLOW) * (high - low)
-    load, tank, _ = flows_at(inlet)
+    load = throttled_flow(inlet, at.load_pressure, openings.load, law)
+    tank = throttled_flow(inlet, at.tank_pressure, openings.tank, law)
     leakage = at.pump_leakage * (inlet - at.tank_pressure)
     spilled = maximum(at.flow - leakage - load.flow - tank.flow, 0.0)
     return Cycle(openings=openings, inlet_pressure=inlet, load=load, tank=tank, relief_flow=spilled)
 
 
 def delivered_flows(duty_ratios: Array, at: Condition, valve: RotaryValve) -> Array:
-    """Mean flows to the load at many duty ratios [m^3/s], shape as these; `quasi_steady_mean` for one.
+    """Mean flows to the load at many duty ratios [m^3/s], shape (n,) or (m, n); `quasi_steady_mean` for one.
 
     A quarter of the angles of `quasi_steady_mean`, and each pair of openings balanced only once: within 0.02 % of the
     pump flow of that, and 30 times faster.
 
     duty_ratios  axial position over helix length, shape (n,) [1]
-    at           with the relief pressure highest
+    at           with the relief pressure highest; its load pressure may be an array of shape (m, 1)
     """
     angle = np.pi / valve.sections * (np.arange(FEWER_ANGLES) + 0.5) / FEWER_ANGLES
     position = np.asarray(duty_ratios)[:, np.newaxis] * valve.helix_length
     found: Any = port_openings(angle, position, valve)  # type: ignore[arg-type]  # on arrays too
     feeds = found.load > 0.0
-    pairs, place = np.unique(np.stack([found.load[feeds], found.tank[feeds]]), axis=1, return_inverse=True)
-    flows = np.zeros(feeds.shape)
-    flows[feeds] = balanced_cycle(Openings(*pairs), at, valve).load.flow[place.ravel()]  # type: ignore[index]
-    means: Array = np.mean(flows, axis=1)
+    pairs, place = np.unique(found.load[feeds] + 1j * found.tank[feeds], return_inverse=True)
+    openings: Any = Openings(pairs.real.copy(), pairs.imag.copy())
+    balanced: Any = balanced_cycle(openings, at, valve).load.flow
+    flows = np.zeros((*balanced.shape[:-1], *feeds.shape))
+    flows[..., feeds] = balanced[..., place]
+    means: Array = np.mean(flows, axis=-1)
     return means
 
 
