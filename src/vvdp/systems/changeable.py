@@ -125,25 +125,27 @@ def _with_followers(made: Changeable, probes: Sequence[Probe], probing: Probing)
     if wrong := [each for each in found if each.why_not]:
         raise ValueError(min(wrong, key=lambda each: each.stage).why_not)
     followers = _followers(probes, found, probing)
-    if None in followers and None not in _followers((probes[0], probes[-1]), (found[0], found[-1]), probing):
+    if followers is None and _followers((probes[0], probes[-1]), (found[0], found[-1]), probing) is not None:
         followers = _followers(probes, [probing.find(probe) for probe in probes], probing)
+    if followers is None:
+        raise ValueError("what follows from it is not one product or sum")
     if not followers:
         raise ValueError("nothing that is simulated follows it")
-    if None in followers:
-        raise ValueError("what follows from it is not one product or sum")
-    return replace(made, steps=steps, followers=tuple(each for each in followers if each is not None))
+    return replace(made, steps=steps, followers=followers)
 
 
-def _followers(probes: Sequence[Probe], found: Sequence[Found], probing: Probing) -> list[Follower | None]:
-    """What follows a value, None for what does so by no single operation. What is held is calculated by the module."""
+def _followers(probes: Sequence[Probe], found: Sequence[Found], probing: Probing) -> tuple[Follower, ...] | None:
+    """What follows a value; None where something does so by no single operation."""
     numbers: Array = np.stack([each.numbers for each in found])
     values = [probe.si for probe in probes]
-    followers = list[Follower | None]()
+    followers = list[Follower]()
     for at in np.flatnonzero((numbers != probing.numbers).any(axis=0) & probing.counted):
-        vector, place = probing.place(int(at))
         operation = operation_of(values, numbers[:, at].tolist())
-        followers.append(None if operation is None else Follower(VECTORS[vector], place, *operation))
-    return followers
+        if operation is None:
+            return None
+        vector, place = probing.place(int(at))
+        followers.append(Follower(VECTORS[vector], place, *operation))
+    return tuple(followers)
 
 
 def operation_of(values: Sequence[float], numbers: Sequence[float]) -> tuple[str, float] | None:

@@ -175,8 +175,11 @@ class System:
         return Table(self.name, self.content, {})
 
     def read_from(self, table: Table) -> "System":
-        """The system of another text in the same place. Raises ConfigError with all its faults."""
-        return built_system(table, self.name, self.folder)
+        """The system of another text in the same place: tables that stay are not read again.
+
+        Raises ConfigError with all its faults.
+        """
+        return built_system(table, self.name, self.folder, None if self.redrawn else self)
 
     def with_tables(self, tables: Mapping[str, object]) -> "System":
         """The same system drawn from other tables."""
@@ -278,9 +281,10 @@ def _check_overridden(plain: Table, place: tuple[str, Path], overridden: set[str
             raise ConfigError(hidden) from None
 
 
-def built_system(table: Table, name: str, folder: Path = Path()) -> System:
+def built_system(table: Table, name: str, folder: Path = Path(), before: System | None = None) -> System:
     """The system that a parsed table describes; modules that it names are looked for in `folder`.
 
+    before  a system that may have some of its tables
     Raises ConfigError with all its faults.
     """
     faults: list[Fault] = []
@@ -292,7 +296,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     _refuse_unknown_tables(function, table, faults)
     content.pop(FAULTS, None)
     lengths = None if function is not None and SHAPE in table_slots(function) else content.pop(SHAPE, None)
-    drawn = _draw(function, content, table, faults, folder)
+    drawn = _draw(function, content, table, faults, folder, before)
     drawing, failing = _fail(drawn, function, content, table, faults, folder)
     network, rows, values = drawing
     if run is not None:
@@ -357,11 +361,16 @@ def saved_system(directory: Directory, name: str, recorded: Any, trust: str = ""
 
 
 def _draw(
-    function: NetworkFunction | None, content: Mapping[str, object], table: Table, faults: list[Fault], folder: Path
+    function: NetworkFunction | None,
+    content: Mapping[str, object],
+    table: Table,
+    faults: list[Fault],
+    folder: Path,
+    before: System | None,
 ) -> Drawing:
     """What a file draws, through its function or by itself."""
     if function is not None:
-        values, rows = _tables(function, content, table, faults)
+        values, rows = _tables(function, content, table, faults, before)
         return Drawing(None if faults else _drawn_by(function, values, table, faults), rows, values)
     if set(DRAWN).isdisjoint(content):
         return Drawing(None, [], {})
@@ -454,7 +463,11 @@ def _run_table(given: Any, table: Table, faults: list[Fault]) -> tuple[tuple[Run
 
 
 def _tables(
-    function: NetworkFunction, content: Mapping[str, object], table: Table, faults: list[Fault]
+    function: NetworkFunction,
+    content: Mapping[str, object],
+    table: Table,
+    faults: list[Fault],
+    before: System | None,
 ) -> tuple[dict[str, Any], list[Sourced]]:
     """The values of the tables that a circuit takes, and where each comes from."""
     slots = table_slots(function)
@@ -469,6 +482,10 @@ def _tables(
             faults.append(Fault(table.place, table.lines.get(key, 0), key, what))
             continue
         cls = _class(slot, key, part, table, faults)
+        if before is not None and type(before.tables.get(key)) is cls and repr(part) == repr(before.content.get(key)):
+            values[key] = before.tables[key]
+            rows += [row for row in before.rows if row.table == key]
+            continue
         others = {field for other in slot.classes if other is not cls for field in _fields(other)} - _fields(cls)
         values[key], found = build(cls, {k: v for k, v in part.items() if k not in others}, key, table, faults)
         rows += found
