@@ -6,9 +6,16 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 from vvdp.hydraulics.relief_valve import ReliefValve, relief_flow
+from vvdp.valve import flow_map
 from vvdp.valve.branch import branch_flow
 from vvdp.valve.condition import Condition
-from vvdp.valve.flow_map import averaged_spool_speed, quasi_steady_cycle, quasi_steady_mean, static_relief_flow
+from vvdp.valve.flow_map import (
+    averaged_spool_speed,
+    delivered_flows,
+    quasi_steady_cycle,
+    quasi_steady_mean,
+    static_relief_flow,
+)
 from vvdp.valve.geometry import EVEN, port_openings
 from vvdp.valve.losses import closed_form_load_flow, full_open_loss, transition_loss
 from vvdp.valve.torque import friction_coefficient, pwm_frequency, spool_inertia, spool_torque
@@ -225,3 +232,17 @@ def test_leakage_of_the_pump_is_in_the_balance(prototype):
     assert found.pump_leakage_flow == pytest.approx(2.45e-12 * (found.inlet_pressure - T), rel=1e-12)
     # The mean of squares is at least the square of the mean.
     assert found.pump_loss > found.pump_leakage_flow * (found.inlet_pressure - T)
+
+
+@pytest.mark.parametrize("lap", [0.5, 1.2])
+@pytest.mark.parametrize("override", [0.0, 8.0])
+@pytest.mark.parametrize("leakage", [0.0, 6e-13])
+def test_pressures_are_those_of_plain_bisection(prototype, monkeypatch, lap, override, leakage):
+    """To the last bit, from a load at the tank's pressure to one at the relief valve's."""
+    valve, at = replace(prototype, lap_ratio=lap), condition(override=override)._replace(pump_leakage=leakage)
+    loads = np.linspace(at.tank_pressure, at.relief_pressure, 5)[:, np.newaxis]
+    duties, at = np.linspace(-0.2, 1.3, 31), at._replace(load_pressure=loads)
+    found = delivered_flows(duties, at, valve)
+    monkeypatch.setattr(flow_map, "CORRECTIONS", 0)
+    assert np.array_equal(found, delivered_flows(duties, at, valve))
+    assert 0.9 * at.flow < found.max() < 1.0001 * at.flow

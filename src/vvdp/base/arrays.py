@@ -6,5 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array: TypeAlias = NDArray[np.float64]
+Mask: TypeAlias = NDArray[np.bool_]
 Rows: TypeAlias = np.ndarray[Any, np.dtype[np.intp]]
 """Places in an array."""

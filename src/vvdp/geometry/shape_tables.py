@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -34,6 +35,7 @@ def shipped_shapes() -> dict[str, str]:
     return {f.name.removesuffix(".toml"): f.read_text("utf-8") for f in sorted(folder.iterdir(), key=lambda f: f.name)}
 
 
+@cache
 def prototype_table() -> Table:
     """The shipped table of shapes, with the origin of each value."""
     text = (resources.files("vvdp.geometry") / "prototype.toml").read_text("utf-8")

@@ -4,6 +4,7 @@ Source  ours, docs/models/whole-machine.md, where a function names no other.
 """
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -49,8 +50,9 @@ def flow_map_of(valve: RotaryValve, at: Condition) -> FlowMap:
     duties = duty_ratios(transition_fraction(valve))
     rise = at.relief_pressure - at.tank_pressure
     pressures = [at.tank_pressure + share * rise for share in PRESSURES]
-    rows = [delivered_flows(duties, at._replace(load_pressure=p), valve) for p in pressures]
-    flows = np.sort(np.array(rows), axis=1)  # what falls does so by rounding alone
+    behind: Any = np.array(pressures)[:, np.newaxis]
+    rows = delivered_flows(duties, at._replace(load_pressure=behind), valve)
+    flows = np.sort(rows, axis=1)  # what falls does so by rounding alone
     return FlowMap(
         duty_ratios=tuple(map(float, duties)), line_pressures=tuple(pressures), flows=tuple(map(float, flows.ravel()))
     )

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Iterator
+from functools import lru_cache
 
 WIDTH = 116
 
@@ -32,10 +33,11 @@ def keyword_call(head: str, cls: type, fields: dict[str, str]) -> Iterator[str]:
     yield "),"
 
 
-def fold(line: str) -> list[str]:
+@lru_cache(maxsize=4096)
+def fold(line: str) -> tuple[str, ...]:
     """A line of text, on several where it is too long: one for each argument of a call, term of a sum, or factor."""
     if len(line) <= WIDTH or line.endswith("("):
-        return [line]
+        return (line,)
     space = line[: len(line) - len(line.lstrip())]
     head, value, tail = re.fullmatch(r"(\s*(?:return |\w+ = |\w+=)?)(.*?)(,?)", line).groups()  # type: ignore[union-attr]
     terms, (begin, end) = split_at(value, (" + ", " - ")), first_bracket(value)
@@ -49,9 +51,9 @@ def fold(line: str) -> list[str]:
     if len(terms) < 2:
         terms, opened, closed = split_at(value, (" * ",)), "(", ")"
     if len(terms) < 2:
-        return [line]
+        return (line,)
     folds = [text for term in terms for text in fold(f"{space}    {term.lstrip()}")]
-    return [head + opened, *folds, f"{space}{closed}{tail}"]
+    return (head + opened, *folds, f"{space}{closed}{tail}")
 
 
 def first_bracket(text: str) -> tuple[int, int]:

@@ -5,7 +5,7 @@ they follow the value by one operation that gives the same bits in a browser. A 
 reported with the reason, and stays as it is.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,9 +15,9 @@ from vvdp.base.arrays import Array
 from vvdp.base.display import display_unit, unit_symbol
 from vvdp.base.errors import VvdpError
 from vvdp.base.kinds import PRESSURE_LEVEL, Kind
-from vvdp.base.tables import Sourced, with_settings
+from vvdp.base.tables import Sourced
 from vvdp.base.units import line_to_si, parse
-from vvdp.simulation.layout import held_part, vectors
+from vvdp.systems.probing import Found, Probe, Probing
 from vvdp.systems.system import System
 
 VECTORS = ("y", "command", "memory", "params")
@@ -79,65 +79,73 @@ class Changeable:
 
 def changeable_values(system: System, fixed: Callable[[System], object]) -> tuple[Changeable, ...]:
     """The values of a system that are one number each; `fixed` gives what a page cannot calculate again."""
-    base, before = vectors(system.case), fixed(system)
-    found = []
-    for row in system.rows:
-        if np.isfinite(row.nominal) and row.table != "run":
-            found.append(_changeable(system, row, (base, before), fixed))
-    return tuple(found)
+    probing = Probing(system, fixed)
+    rows = [row for row in system.rows if np.isfinite(row.nominal) and row.table != "run"]
+    ranges = [_ranges(row) for row in rows]
+    probing.build_inner(first for each in ranges if (first := next(filter(_with_ends(probing), each), None)))
+    return tuple(_changeable(row, each, probing) for row, each in zip(rows, ranges, strict=True))
 
 
-def _changeable(system: System, row: Sourced, base: Any, fixed: Callable[[System], object]) -> Changeable:
-    """A value with a slider over its whole range, or over what is near to it where the ends contradict others."""
-    number, (low, high) = _as_written(row.nominal, row.kind), _ends(row)
+def _ranges(row: Sourced) -> list[tuple[Probe, ...]]:
+    """What is tried of a value: its whole range, and what is near to it where the ends contradict other values."""
+    number, (low, high) = as_written(row.nominal, row.kind), _ends(row)
     near = tuple(float(f"{number * factor:.12g}") for factor in PROBES) if number else ()
     inside = tuple(sorted({*(x for x in near if low <= x <= high), number}))
-    why = "its range is empty"
     middle = float(f"{0.4 * low + 0.6 * high:.4g}")
-    for probes in (tuple(sorted({low, *inside, middle, high})), inside):
-        if len(probes) < 3 or not low <= number <= high:
+    tried = [tuple(sorted({low, *inside, middle, high})), inside]
+    return [tuple(Probe(row, x) for x in each) for each in tried if len(each) >= 3 and low <= number <= high]
+
+
+def _with_ends(probing: Probing) -> Callable[[tuple[Probe, ...]], bool]:
+    """Whether the circuit can be built at both ends of a range."""
+    return lambda probes: not (probing.find(probes[0]).why_not or probing.find(probes[-1]).why_not)
+
+
+def _changeable(row: Sourced, ranges: Sequence[tuple[Probe, ...]], probing: Probing) -> Changeable:
+    """A value with what follows it, over the first of its ranges over which that is known."""
+    number, (low, high) = as_written(row.nominal, row.kind), _ends(row)
+    why = "its range is empty"
+    for each in ranges:
+        made = Changeable(row, row.kind.display_unit, number, each[0].number, each[-1].number)
+        if each is not ranges[-1] and not _with_ends(probing)(each):
             continue
-        made = Changeable(row, row.kind.display_unit, number, probes[0], probes[-1])
         try:
-            return _with_followers(system, made, probes, base, fixed)
-        except (VvdpError, ValueError) as problem:
-            why = str(problem).splitlines()[0].removeprefix("--set: ")[:160]
+            return _with_followers(made, each, probing)
+        except ValueError as problem:
+            why = str(problem)
     return Changeable(row, row.kind.display_unit, number, low, high, why_not=why)
 
 
-def _with_followers(
-    system: System, made: Changeable, probes: Sequence[float], base: Any, fixed: Callable[[System], object]
-) -> Changeable:
-    """The value with what follows it. Raises ValueError, or what a system raises, where it cannot be changed so."""
-    steps = conversion(made.row.kind, made.unit, probes)
+def _with_followers(made: Changeable, probes: Sequence[Probe], probing: Probing) -> Changeable:
+    """The value with what follows it. Raises ValueError with the reason where it cannot be changed so."""
+    steps = conversion(made.row.kind, made.unit, [probe.number for probe in probes])
     if steps is None:
         raise ValueError("its unit is not read by one operation")
-    cases = [_with_value(system, made.row, probe, made.unit) for probe in probes]
-    if any(fixed(each) != base[1] for each in cases):
-        raise ValueError("it changes the circuit itself, or from what numbers are counted")
-    rows = [vectors(each.case) for each in cases]
-    if any(a.shape != b.shape for each in rows for a, b in zip(each, base[0], strict=True)):
-        raise ValueError("it changes how many numbers the circuit has")
-    held = held_part(system.case)
-    values = [parse(f"{probe!r} {made.unit}".rstrip(), made.row.kind) for probe in probes]
-    followers = list(_followers(base[0], rows, values, held))
+    found = [probing.shown(probe) for probe in probes]
+    if wrong := [each for each in found if each.why_not]:
+        raise ValueError(min(wrong, key=lambda each: each.stage).why_not)
+    followers = _followers(probes, found, probing)
+    if followers is None and _followers((probes[0], probes[-1]), (found[0], found[-1]), probing) is not None:
+        followers = _followers(probes, [probing.find(probe) for probe in probes], probing)
+    if followers is None:
+        raise ValueError("what follows from it is not one product or sum")
     if not followers:
         raise ValueError("nothing that is simulated follows it")
-    if None in followers:
-        raise ValueError("what follows from it is not one product or sum")
-    return replace(made, steps=steps, followers=tuple(each for each in followers if each is not None))
+    return replace(made, steps=steps, followers=followers)
 
 
-def _followers(base: Any, rows: Sequence[Any], values: Sequence[float], held: slice) -> Iterator[Follower | None]:
-    """What follows a value, None for what does so by no single operation. What is held is calculated by the module."""
-    for name, place in zip(VECTORS, range(len(VECTORS)), strict=True):
-        probed: Array = np.stack([each[place] for each in rows])
-        changed = (probed != base[place]).any(axis=0)
-        if name == "command":
-            changed[held] = False
-        for at in np.flatnonzero(changed):
-            found = operation_of(values, probed[:, at].tolist())
-            yield None if found is None else Follower(name, int(at), *found)
+def _followers(probes: Sequence[Probe], found: Sequence[Found], probing: Probing) -> tuple[Follower, ...] | None:
+    """What follows a value; None where something does so by no single operation."""
+    numbers: Array = np.stack([each.numbers for each in found])
+    values = [probe.si for probe in probes]
+    followers = list[Follower]()
+    for at in np.flatnonzero((numbers != probing.numbers).any(axis=0) & probing.counted):
+        operation = operation_of(values, numbers[:, at].tolist())
+        if operation is None:
+            return None
+        vector, place = probing.place(int(at))
+        followers.append(Follower(VECTORS[vector], place, *operation))
+    return tuple(followers)
 
 
 def operation_of(values: Sequence[float], numbers: Sequence[float]) -> tuple[str, float] | None:
@@ -187,7 +195,7 @@ def _in_si(number: float, unit: str, kind: Kind, *, difference: bool = False) ->
         return number * factor + offset
 
 
-def _as_written(value: float, kind: Kind) -> float:
+def as_written(value: float, kind: Kind) -> float:
     """A value [SI] in the unit in which it is written, of 12 digits."""
     unit = display_unit(kind)
     return float(f"{unit.from_si(value):.12g}")
@@ -196,19 +204,14 @@ def _as_written(value: float, kind: Kind) -> float:
 def _ends(row: Sourced) -> tuple[float, float]:
     """Ends of the slider of a value, within what its quantity may be."""
     kind = row.kind
-    number = _as_written(row.nominal, kind)
+    number = as_written(row.nominal, kind)
     if row.range is not None:
-        low, high = (_as_written(end, kind) for end in row.range)
+        low, high = (as_written(end, kind) for end in row.range)
     elif number:
         low, high = sorted((LEAST * number, MOST * number))
     elif kind.name == PRESSURE_LEVEL.name:
         low, high = 0.0, kind.scale / display_unit(kind).scale
     else:
-        low, high = 0.0, _as_written(min(kind.high, max(kind.scale, 1e-9)), kind)
-    least, most = sorted((_as_written(kind.low, kind), _as_written(kind.high, kind)))
+        low, high = 0.0, as_written(min(kind.high, max(kind.scale, 1e-9)), kind)
+    least, most = sorted((as_written(kind.low, kind), as_written(kind.high, kind)))
     return float(f"{max(low, least):.4g}"), float(f"{min(high, most):.4g}")
-
-
-def _with_value(system: System, row: Sourced, number: float, unit: str) -> System:
-    text = f'{row.setting}="{number!r} {unit}"' if unit else f"{row.setting}={number!r}"
-    return system.read_from(with_settings(system.table, [text]))

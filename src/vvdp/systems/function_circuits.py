@@ -4,7 +4,7 @@ import traceback
 from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from vvdp.base.errors import Fault, NetworkError, ParameterError
 from vvdp.base.params import Params
@@ -39,10 +39,22 @@ def circuit_function(table: Table, folder: Path, faults: list[Fault]) -> Network
     return None if is_drawn else function
 
 
+class ReadBefore(NamedTuple):
+    """Tables of a file that were read already: what they say, the values, and where these come from."""
+
+    content: Entries
+    values: Entries
+    rows: tuple[Sourced, ...]
+
+
 def read_tables(
-    function: NetworkFunction, content: Mapping[str, object], table: Table, faults: list[Fault]
+    function: NetworkFunction,
+    content: Mapping[str, object],
+    table: Table,
+    faults: list[Fault],
+    before: ReadBefore | None,
 ) -> tuple[dict[str, Any], list[Sourced]]:
-    """The values of the tables that a circuit takes, and where each comes from."""
+    """The values of the tables that a circuit takes, and where each comes from; what stays is not read again."""
     slots = table_slots(function)
     values: dict[str, Any] = {}
     rows: list[Sourced] = []
@@ -55,6 +67,10 @@ def read_tables(
             faults.append(Fault(table.place, table.lines.get(key, 0), key, what))
             continue
         cls = _class(slot, key, part, table, faults)
+        if before is not None and type(before.values.get(key)) is cls and repr(part) == repr(before.content.get(key)):
+            values[key] = before.values[key]
+            rows += [row for row in before.rows if row.table == key]
+            continue
         others = {field for other in slot.classes if other is not cls for field in keys_of(other)} - keys_of(cls)
         values[key], found = build(cls, {k: v for k, v in part.items() if k not in others}, key, table, faults)
         rows += found

@@ -49,7 +49,15 @@ from vvdp.systems.expansion import expand
 from vvdp.systems.extras import Extras
 from vvdp.systems.fault_tables import FAULTS, FaultReader
 from vvdp.systems.faults import NamedFault, OtherValue, change_entries, change_tables, faulty_network
-from vvdp.systems.function_circuits import DRAWN, circuit_function, keys_of, network_of, own_tables, read_tables
+from vvdp.systems.function_circuits import (
+    DRAWN,
+    ReadBefore,
+    circuit_function,
+    keys_of,
+    network_of,
+    own_tables,
+    read_tables,
+)
 from vvdp.systems.options import duration_of, lasting, option_keys, without_other_position
 from vvdp.systems.own_modules import OwnModule, folder_of_saved, own_module
 from vvdp.systems.own_programs import absolute_fmus, own_code
@@ -195,8 +203,11 @@ class System:
         return Table(self.name, self.content, {})
 
     def read_from(self, table: Table) -> "System":
-        """The system of another text in the same place. Raises ConfigError with all its faults."""
-        return built_system(table, self.name, self.folder)
+        """The system of another text in the same place: tables that stay are not read again.
+
+        Raises ConfigError with all its faults.
+        """
+        return built_system(table, self.name, self.folder, None if self.redrawn else self)
 
     def with_tables(self, tables: Mapping[str, object]) -> "System":
         """The same system drawn by its function, or that of the circuit which its file names, from other tables."""
@@ -302,9 +313,10 @@ def _check_overridden(plain: Table, place: tuple[str, Path], overridden: set[str
             raise ConfigError(hidden) from None
 
 
-def built_system(table: Table, name: str, folder: Path = Path()) -> System:
+def built_system(table: Table, name: str, folder: Path = Path(), before: System | None = None) -> System:
     """The system that a parsed table describes; modules that it names are looked for in `folder`.
 
+    before  a system that may have some of its tables
     Raises ConfigError with all its faults.
     """
     faults: list[Fault] = []
@@ -318,7 +330,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     _refuse_unknown_tables(function, table, faults)
     content.pop(FAULTS, None)
     lengths = None if function is not None and SHAPE in table_slots(function) else content.pop(SHAPE, None)
-    drawn = _draw(function, content, table, faults, folder)
+    drawn = _draw(function, content, table, faults, folder, before)
     drawing, failing = _fail(drawn, function, content, table, faults, folder)
     network, rows, values = drawing
     if run is not None:
@@ -388,11 +400,17 @@ def saved_system(directory: Directory, name: str, recorded: Any, trust: str = ""
 
 
 def _draw(
-    function: NetworkFunction | None, content: Mapping[str, object], table: Table, faults: list[Fault], folder: Path
+    function: NetworkFunction | None,
+    content: Mapping[str, object],
+    table: Table,
+    faults: list[Fault],
+    folder: Path,
+    before: System | None,
 ) -> Drawing:
     """What a file draws, through its function or by itself."""
     if function is not None:
-        values, rows = read_tables(function, content, table, faults)
+        known = None if before is None else ReadBefore(before.content, before.own_tables, before.rows)
+        values, rows = read_tables(function, content, table, faults, known)
         return Drawing(None if faults else network_of(function, values, table, faults), rows, values)
     if set(DRAWN).isdisjoint(content):
         return Drawing(None, [], {})

@@ -289,6 +289,19 @@ def throttled_flow(upstream_pressure: float, downstream_pressure: float, opening
     return choked_flow(free, choking_ratio(free, upstream_pressure, law), law)
 
 
+def search_flow(upstream_pressure: float, downstream_pressure: float, opening: float, law: BranchLaw) -> float:
+    """The flow of `throttled_flow` alone, for searches: the drops behind choked nozzles are not worked out [m^3/s].
+
+    upstream_pressure, downstream_pressure  at inlet rail and outlet port, absolute [Pa]
+    opening                                 open fraction of the branch's ports, 0 to 1 [1]
+
+    Source  wang2017, eqs. 2.3 to 2.5; choking: iec2011
+    """
+    free = law_flow(upstream_pressure - downstream_pressure, opening, law)
+    kept: float = np.sqrt(1.0 / maximum(choking_ratio(free, upstream_pressure, law), 1.0))
+    return free.flow * kept
+
+
 def choking_drop(upstream_pressure: float, law: BranchLaw) -> float:
     """Drop over the nozzles from which on they choke, F_L^2 (P_1 - F_F P_v), F_L the pressure recovery [Pa].
 

@@ -7,6 +7,7 @@ simulation's loop. See docs/models/rotary-valve.md, "Flow map".
 Source  ours, docs/models/rotary-valve.md, where a function names no other.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import Flow, Power, Pressure
 from vvdp.base.select import maximum, minimum, select
-from vvdp.valve.branch import BranchFlow, branch_law, throttled_flow
+from vvdp.valve.branch import BranchFlow, branch_law, search_flow, throttled_flow
 from vvdp.valve.condition import Condition
 from vvdp.valve.geometry import EVEN, Openings, port_openings
 from vvdp.valve.rotary import RotaryValve
@@ -23,6 +24,8 @@ from vvdp.valve.torque import friction_coefficient, spool_torque
 ANGLES, FEWER_ANGLES = 1000, 250
 BISECTIONS = 24
 """To within some Pa; a straight line between these ends is then right to 1e-12."""
+SECANTS, CORRECTIONS = 7, 4
+"""Steps after which hardly any pressure is in another interval than bisection ends in, and of those that are."""
 LEAST_FLOW = 1e-30
 """What a flow is divided by where there is none [m^3/s]."""
 
@@ -96,51 +99,110 @@ def quasi_steady_cycle(duty_ratio: float, at: Condition, valve: RotaryValve) -> 
 
 
 def balanced_cycle(openings: Openings, at: Condition, valve: RotaryValve) -> Cycle:
-    """State of the valve at given openings, arrays of one shape; see `quasi_steady_cycle`."""
-    law, shape = branch_law(at.density, valve, at.vapour_pressure), np.shape(openings.load)
+    """State of the valve at given openings, arrays of shape (n,); see `quasi_steady_cycle`.
+
+    at  whose load pressure may be an array of shape (m, 1): then all but the openings has the shape (m, n)
+    """
+    law = branch_law(at.density, valve, at.vapour_pressure)
+    shape = np.broadcast_shapes(np.shape(openings.load), np.shape(at.load_pressure))
     relief = at.relief_pressure, at.relief_override, at.relief_rated_flow
 
-    def flows_at(pressure: Any) -> tuple[BranchFlow, BranchFlow, Any]:
-        load = throttled_flow(pressure, at.load_pressure, openings.load, law)
-        tank = throttled_flow(pressure, at.tank_pressure, openings.tank, law)
+    tank_open: Any = openings.tank > 0.0
+    tank_opening: Any = np.extract(tank_open, openings.tank)
+
+    def taken(pressure: Any) -> Any:
+        flow: Any = search_flow(pressure, at.load_pressure, openings.load, law)
+        flow[..., tank_open] += search_flow(pressure[..., tank_open], at.tank_pressure, tank_opening, law)
         spilled = static_relief_flow(pressure, *relief, at.tank_pressure)
-        return load, tank, load.flow + tank.flow + spilled + at.pump_leakage * (pressure - at.tank_pressure)
+        return flow + spilled + at.pump_leakage * (pressure - at.tank_pressure)
 
     # Without override the search ends at the relief pressure, and what it leaves over is the relief flow.
-    low: Any = np.full(shape, minimum(at.load_pressure, at.tank_pressure))
-    high: Any = np.full(shape, highest_inlet_pressure(at.flow, *relief))
-    least, most = flows_at(low)[2], flows_at(high)[2]
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        found = flows_at(middle)[2]
-        short = found < at.flow
-        low, least = select(short, middle, low), select(short, found, least)
-        high, most = select(short, high, middle), select(short, most, found)
+    bottom: Any = np.full(shape, minimum(at.load_pressure, at.tank_pressure))
+    top: Any = np.full(shape, highest_inlet_pressure(at.flow, *relief))
+    low, least, high, most = _bracket(taken, at.flow, bottom, at.relief_pressure, top)
     missing = maximum(at.flow - least, 0.0)
     inlet = low + missing / maximum(maximum(most - least, missing), LEAST_FLOW) * (high - low)
-    load, tank, _ = flows_at(inlet)
+    load = throttled_flow(inlet, at.load_pressure, openings.load, law)
+    tank = throttled_flow(inlet, at.tank_pressure, openings.tank, law)
     leakage = at.pump_leakage * (inlet - at.tank_pressure)
     spilled = maximum(at.flow - leakage - load.flow - tank.flow, 0.0)
     return Cycle(openings=openings, inlet_pressure=inlet, load=load, tank=tank, relief_flow=spilled)
 
 
+def _bracket(
+    taken: Callable[[Any], Any], flow: float, bottom: Any, cracking: float, top: Any
+) -> tuple[Any, Any, Any, Any]:
+    """The interval in which bisection ends: its low end, what is `taken` there, its high end, and there.
+
+    The flow grows with the pressure, so which half is chosen follows from where the flow is reached. This is found in
+    fewer evaluations, and then both ends are checked; bisection itself is the last resort.
+
+    taken             flow at each of an array of pressures [m^3/s]
+    flow              that is to be reached [m^3/s]
+    bottom, top       between which pressures, arrays of one shape [Pa]
+    cracking          as in `_reaching_pressure` [Pa]
+    """
+    found: Any = _reaching_pressure(taken, flow, bottom, cracking, top)
+    for _ in range(CORRECTIONS):
+        low, high = _halved(found.__gt__, bottom, top)
+        least, most = taken(low), taken(high)
+        above, below = (least >= flow) & (low > bottom), (most < flow) & (high < top)
+        if not (above | below).any():
+            return low, least, high, most
+        found = np.where(above, low, np.where(below, np.nextafter(high, np.inf), found))
+    low, high = _halved(lambda middle: taken(middle) < flow, bottom, top)
+    return low, taken(low), high, taken(high)
+
+
+def _halved(is_short: Callable[[Any], Any], low: Any, high: Any) -> tuple[Any, Any]:
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        short = is_short(middle)
+        low, high = np.where(short, middle, low), np.where(short, high, middle)
+    return low, high
+
+
+def _reaching_pressure(taken: Callable[[Any], Any], flow: float, bottom: Any, cracking: float, top: Any) -> Any:
+    """About where a flow is reached [Pa]: the squares of flows through orifices are straight lines (Illinois).
+
+    cracking  above which the relief valve takes its part [Pa]
+    """
+
+    def excess(pressure: Any) -> Any:
+        found = taken(pressure)
+        return found * abs(found) - flow * flow
+
+    (low, under), (high, over), short = (bottom, excess(bottom)), (top, excess(top)), None
+    middle: Any = np.clip(cracking, bottom, top)
+    for _ in range(SECANTS):
+        found, before = excess(middle), short
+        short = found < 0.0
+        kept = np.where(short == before, 0.5, 1.0)  # an end that stays a second time counts half
+        low, under = np.where(short, middle, low), np.where(short, found, kept * under)
+        high, over = np.where(short, high, middle), np.where(short, kept * over, found)
+        middle = low + np.clip(under / minimum(under - over, -(LEAST_FLOW**2)), 0.0, 1.0) * (high - low)
+    return middle
+
+
 def delivered_flows(duty_ratios: Array, at: Condition, valve: RotaryValve) -> Array:
-    """Mean flows to the load at many duty ratios [m^3/s], shape as these; `quasi_steady_mean` for one.
+    """Mean flows to the load at many duty ratios [m^3/s], shape (n,) or (m, n); `quasi_steady_mean` for one.
 
     A quarter of the angles of `quasi_steady_mean`, and each pair of openings balanced only once: within 0.02 % of the
     pump flow of that, and 30 times faster.
 
     duty_ratios  axial position over helix length, shape (n,) [1]
-    at           with the relief pressure highest
+    at           with the relief pressure highest; its load pressure may be an array of shape (m, 1)
     """
     angle = np.pi / valve.sections * (np.arange(FEWER_ANGLES) + 0.5) / FEWER_ANGLES
     position = np.asarray(duty_ratios)[:, np.newaxis] * valve.helix_length
     found: Any = port_openings(angle, position, valve)  # type: ignore[arg-type]  # on arrays too
     feeds = found.load > 0.0
-    pairs, place = np.unique(np.stack([found.load[feeds], found.tank[feeds]]), axis=1, return_inverse=True)
-    flows = np.zeros(feeds.shape)
-    flows[feeds] = balanced_cycle(Openings(*pairs), at, valve).load.flow[place.ravel()]  # type: ignore[index]
-    means: Array = np.mean(flows, axis=1)
+    pairs, place = np.unique(found.load[feeds] + 1j * found.tank[feeds], return_inverse=True)
+    openings: Any = Openings(pairs.real.copy(), pairs.imag.copy())  # type: ignore[arg-type]
+    balanced: Any = balanced_cycle(openings, at, valve).load.flow
+    flows = np.zeros((*balanced.shape[:-1], *feeds.shape))
+    flows[..., feeds] = balanced[..., place]
+    means: Array = np.mean(flows, axis=-1)
     return means
 
 

@@ -59,6 +59,14 @@ def test_many_duty_ratios_at_once_are_as_one_by_one():
     np.testing.assert_allclose(delivered_flows(np.array(DUTIES), here, valve), one_by_one, atol=2e-4 * at.flow)
 
 
+def test_many_pressures_at_once_have_the_bits_of_one_by_one():
+    valve, at = condition()
+    duties, pressures = np.array(DUTIES), TANK + BAR * np.array([0.0, 5.0, 20.0, 45.0])
+    one_by_one = [delivered_flows(duties, at._replace(load_pressure=p), valve) for p in pressures]
+    together = delivered_flows(duties, at._replace(load_pressure=pressures[:, np.newaxis]), valve)
+    assert np.array_equal(together, one_by_one)
+
+
 def test_map_goes_from_no_flow_to_all_of_it():
     flows = np.array(the_map().flows).reshape(-1, len(the_map().duty_ratios))
     assert np.all(flows[:, 0] == 0.0)
