@@ -60,22 +60,20 @@ def start_at_rest(
     )
 
 
-def add_cylinder(
-    net: Network, parts: LoadedCylinder, force: Source, position: str = "position", suffix: str = ""
-) -> None:
+def add_cylinder(net: Network, parts: LoadedCylinder, force: Source, position: str = "position") -> None:
     """Add a cylinder with its load to a network that has values `initial` with the fields of `InitialCylinder`.
 
     Its nodes are `chamber_a`, `chamber_b` and `rod`, its components `cylinder`, `friction`, `end_stops` and
-    `load_force`. `suffix` goes behind all of these names, and behind `initial`, where there are several.
+    `load_force`.
 
     force     on the rod from outside, in the direction of its position [N]
     position  field of `initial` with the position at which the rod starts
     """
-    a, b, rod, initial = (name + suffix for name in (*CHAMBERS, "rod", "initial"))
-    net.volume(a, parts.chamber_a, start=f"{initial}.pressure_a")
-    net.volume(b, parts.chamber_b, start=f"{initial}.pressure_b")
-    net.rod(rod, parts.load, position=f"{initial}.{position}")
-    net.add("cylinder" + suffix, CYLINDER, parts.cylinder, a=a, b=b, rod=rod)
-    net.add("friction" + suffix, ROD_FRICTION, parts.friction, rod=rod)
-    net.add("end_stops" + suffix, END_STOP, parts.end_stops, rod=rod)
-    net.add("load_force" + suffix, LOAD_FORCE, rod=rod, force=force)
+    a, b = CHAMBERS
+    net.volume(a, parts.chamber_a, start="initial.pressure_a")
+    net.volume(b, parts.chamber_b, start="initial.pressure_b")
+    net.rod("rod", parts.load, position=f"initial.{position}")
+    net.add("cylinder", CYLINDER, parts.cylinder, a=a, b=b, rod="rod")
+    net.add("friction", ROD_FRICTION, parts.friction, rod="rod")
+    net.add("end_stops", END_STOP, parts.end_stops, rod="rod")
+    net.add("load_force", LOAD_FORCE, rod="rod", force=force)

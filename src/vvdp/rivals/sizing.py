@@ -12,7 +12,7 @@ from vvdp.hydraulics.flow_control_unit import UnitValve
 from vvdp.machines.cylinder_load import LOW_SIDE, start_at_rest
 from vvdp.machines.duties import Duty
 from vvdp.network.nodes import Tank
-from vvdp.systems.changed import Number, with_copy, with_numbers
+from vvdp.systems.changed import Number, with_copies, with_numbers
 from vvdp.systems.part_files import GROUPS
 from vvdp.systems.system import System
 
@@ -49,16 +49,18 @@ def size_drawn(sizes: Sizes, shared: Collection[str], system: System, task: Task
     Raises ConfigError where it cannot follow.
     """
     found = with_numbers(system, {**_cycle_numbers(task.duty, task.rate), **sizes(system, task.duty)})
-    content = found.table.content
+    further = dict(zip(SUFFIXES[1:], task.duty.further if shared else (), strict=False))
+    if not further:
+        return found
+    content, numbers = found.table.content, dict[str, Any]()
     names = [name for group in GROUPS for name in content[group] if name not in shared]
-    for suffix, sensed, each in zip(SUFFIXES[1:], SENSED, task.duty.further if shared else (), strict=False):
-        found = with_copy(found, names, suffix)
-        numbers = {**_cycle_numbers(each, task.rate, suffix), **_start_numbers(found, each, suffix=suffix)}
+    found = with_copies(found, names, list(further))
+    for sensed, (suffix, each) in zip(SENSED, further.items(), strict=False):
+        numbers |= _cycle_numbers(each, task.rate, suffix) | _start_numbers(found, each, suffix=suffix)
         if (source := content["components"]["pump"].get("load_pressure")) is not None:
             head, _, key = source["from"].partition(".")
             numbers[f"components.pump.{sensed}"] = {"from": f"{head}{suffix}.{key}"}
-        found = with_numbers(found, numbers)
-    return found
+    return with_numbers(found, numbers)
 
 
 def _cycle_numbers(duty: Duty, rate: float, suffix: str = "") -> dict[str, Any]:

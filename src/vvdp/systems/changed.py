@@ -1,7 +1,7 @@
 """A system with other values, or with some of what its file draws once more."""
 
 import json
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from vvdp.base.kinds import PRESSURE_LEVEL, Kind
@@ -24,17 +24,21 @@ def with_numbers(system: System, numbers: Mapping[str, Number | Mapping[str, Any
     return system.read_from(with_settings(system.table, settings))
 
 
-def with_copy(system: System, names: Collection[str], suffix: str) -> System:
-    """The system with some nodes, components and programs of its file once more, their names ending with `suffix`.
+def with_copies(system: System, names: Collection[str], suffixes: Sequence[str]) -> System:
+    """The system with some nodes, components and programs of its file once more for each suffix, behind their names.
 
-    Copies are joined to one another, and else to what the originals are joined to.
+    Copies are joined to one another, and else to what the originals are joined to. They stand behind the originals,
+    those of nodes behind all nodes, so that the order of the states that were there stays.
 
     Raises ConfigError with all faults.
     """
     table, content = system.table, dict(system.table.content)
     for group in GROUPS:
-        copies = {f"{n}{suffix}": _with_suffix(each, names, suffix) for n, each in content[group].items() if n in names}
-        content[group] = content[group] | copies
+        entries: Mapping[str, Any] = content[group]
+        own, listed = [name for name in entries if name in names], list(entries.items())
+        copies = [(f"{name}{end}", _with_suffix(entries[name], names, end)) for end in suffixes for name in own]
+        at = len(entries) if group == "nodes" or not own else list(entries).index(own[-1]) + 1
+        content[group] = dict(listed[:at] + copies + listed[at:])
     return system.read_from(Table(table.place, content, table.lines))
 
 
