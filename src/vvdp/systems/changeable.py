@@ -136,7 +136,7 @@ def _with_followers(made: Changeable, probes: Sequence[Probe], probing: Probing)
         raise ValueError("its unit is not read by one operation")
     if _departs(probes, probing):
         raise ValueError(OTHERWISE)
-    found = [probing.shown(probe) for probe in probes]
+    found = [probing.view(probe) for probe in probes]
     if wrong := [each for each in found if each.why_not]:
         raise ValueError(min(wrong, key=lambda each: each.stage).why_not)
     followers = _followers(probes, found, probing)

@@ -41,7 +41,7 @@ from vvdp.simulation.run import Method, Stepping
 from vvdp.systems.assumed import assumed_rows
 from vvdp.systems.circuits import (
     NetworkFunction,
-    TableSlot,
+    chosen_class,
     circuit_names,
     draw,
     network_function,
@@ -481,7 +481,7 @@ def _tables(
             what = "missing table" if part is None else f"{part!r} is not a table"
             faults.append(Fault(table.place, table.lines.get(key, 0), key, what))
             continue
-        cls = _class(slot, key, part, table, faults)
+        cls = chosen_class(slot, key, part, table, faults)
         if before is not None and type(before.tables.get(key)) is cls and repr(part) == repr(before.content.get(key)):
             values[key] = before.tables[key]
             rows += [row for row in before.rows if row.table == key]
@@ -490,18 +490,6 @@ def _tables(
         values[key], found = build(cls, {k: v for k, v in part.items() if k not in others}, key, table, faults)
         rows += found
     return values, rows
-
-
-def _class(slot: TableSlot, name: str, part: Mapping[str, object], table: Table, faults: list[Fault]) -> type[Params]:
-    """The class of a table, with a fault where its keys belong to two."""
-    cls = slot.choice(part)
-    own = _fields(cls)
-    for other in slot.classes:
-        for key in part.keys() & (_fields(other) - own):
-            instead = ", ".join(sorted(own - _fields(other)))
-            message = f"contradicts {name}.{instead}; give one of the two"
-            faults.append(Fault(table.place, table.lines.get(f"{name}.{key}", 0), f"{name}.{key}", message))
-    return cls
 
 
 def _fields(cls: type[Params]) -> set[str]:
