@@ -86,5 +86,5 @@ def test_no_case_with_several_values_differs_from_one_alone(name):
     shared = [probe for each in usable for probe in each if (probe.row.setting, probe.number) in probing.together]
     assert len(shared) > 60
     for probe in shared:
-        seen, alone = (look(probe).numbers[probing.counted] for look in (probing.shown, probing.find))
+        seen, alone = (look(probe).numbers[probing.counted] for look in (probing.view, probing.find))
         assert np.array_equal(seen, alone), probe.option

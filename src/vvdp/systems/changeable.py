@@ -28,6 +28,7 @@ PROBES = (0.93, 1.0, 1.11)
 """By what a value is multiplied to see what follows it."""
 LEAST, MOST = 0.2, 3.0
 """Ends of a slider where a file gives no range, as multiples of its value."""
+OTHERWISE = "what follows from it is not one product or sum"
 OPERATIONS: Mapping[str, Callable[[float, float], float]] = {
     "+": lambda x, c: x + c,
     "*": lambda x, c: x * c,
@@ -82,7 +83,7 @@ def changeable_values(system: System, fixed: Callable[[System], object]) -> tupl
     probing = Probing(system, fixed)
     rows = [row for row in system.rows if np.isfinite(row.nominal) and row.table != "run"]
     ranges = [_ranges(row) for row in rows]
-    probing.build_inner(first for each in ranges if (first := next(filter(_with_ends(probing), each), None)))
+    probing.build_inner(first for each in ranges if (first := next(filter(_is_usable(probing), each), None)))
     return tuple(_changeable(row, each, probing) for row, each in zip(rows, ranges, strict=True))
 
 
@@ -96,9 +97,21 @@ def _ranges(row: Sourced) -> list[tuple[Probe, ...]]:
     return [tuple(Probe(row, x) for x in each) for each in tried if len(each) >= 3 and low <= number <= high]
 
 
-def _with_ends(probing: Probing) -> Callable[[tuple[Probe, ...]], bool]:
-    """Whether the circuit can be built at both ends of a range."""
-    return lambda probes: not (probing.find(probes[0]).why_not or probing.find(probes[-1]).why_not)
+def _is_usable(probing: Probing) -> Callable[[tuple[Probe, ...]], bool]:
+    """Whether the circuit can be built at both ends of a range, and what follows at the first one may be followed."""
+
+    def usable(probes: tuple[Probe, ...]) -> bool:
+        ends = (probing.find(probes[at]) for at in (0, -1))
+        return not next(ends).why_not and not _departs(probes, probing) and not next(ends).why_not
+
+    return usable
+
+
+def _departs(probes: Sequence[Probe], probing: Probing) -> bool:
+    """Whether the number of the file and the first end of a range alone show that no single operation leads to both."""
+    two = [probes[0], *(probe for probe in probes if probe.is_written)]
+    found = [probing.find(probe) for probe in two]
+    return len(two) == 2 and not found[0].why_not and _followers(two, found, probing) is None
 
 
 def _changeable(row: Sourced, ranges: Sequence[tuple[Probe, ...]], probing: Probing) -> Changeable:
@@ -107,7 +120,7 @@ def _changeable(row: Sourced, ranges: Sequence[tuple[Probe, ...]], probing: Prob
     why = "its range is empty"
     for each in ranges:
         made = Changeable(row, row.kind.display_unit, number, each[0].number, each[-1].number)
-        if each is not ranges[-1] and not _with_ends(probing)(each):
+        if each is not ranges[-1] and not _is_usable(probing)(each):
             continue
         try:
             return _with_followers(made, each, probing)
@@ -121,14 +134,16 @@ def _with_followers(made: Changeable, probes: Sequence[Probe], probing: Probing)
     steps = conversion(made.row.kind, made.unit, [probe.number for probe in probes])
     if steps is None:
         raise ValueError("its unit is not read by one operation")
-    found = [probing.shown(probe) for probe in probes]
+    if _departs(probes, probing):
+        raise ValueError(OTHERWISE)
+    found = [probing.view(probe) for probe in probes]
     if wrong := [each for each in found if each.why_not]:
         raise ValueError(min(wrong, key=lambda each: each.stage).why_not)
     followers = _followers(probes, found, probing)
     if followers is None and _followers((probes[0], probes[-1]), (found[0], found[-1]), probing) is not None:
         followers = _followers(probes, [probing.find(probe) for probe in probes], probing)
     if followers is None:
-        raise ValueError("what follows from it is not one product or sum")
+        raise ValueError(OTHERWISE)
     if not followers:
         raise ValueError("nothing that is simulated follows it")
     return replace(made, steps=steps, followers=followers)

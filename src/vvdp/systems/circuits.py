@@ -11,9 +11,9 @@ from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
 
-from vvdp.base.errors import ParameterError
+from vvdp.base.errors import Fault, ParameterError
 from vvdp.base.params import Params
-from vvdp.base.tables import nearest
+from vvdp.base.tables import Table, nearest
 from vvdp.network.network import Network
 from vvdp.systems.own_modules import local_file, module_name, run_local_module
 
@@ -39,6 +39,20 @@ class TableSlot:
             return len(keys.keys() & _keys(cls))
 
         return max(self.classes, key=shared_base)
+
+
+def chosen_class(
+    slot: TableSlot, name: str, part: Mapping[str, object], table: Table, faults: list[Fault]
+) -> type[Params]:
+    """The class of the table called `name`; a fault is appended for each of its keys that belongs to another one."""
+    cls, classes = slot.choice(part), list[Any](slot.classes)
+    own = _keys(classes[slot.classes.index(cls)])
+    for other in classes:
+        for key in part.keys() & (_keys(other) - own):
+            instead = ", ".join(sorted(own - _keys(other)))
+            message = f"contradicts {name}.{instead}; give one of the two"
+            faults.append(Fault(table.place, table.lines.get(f"{name}.{key}", 0), f"{name}.{key}", message))
+    return cls
 
 
 @cache

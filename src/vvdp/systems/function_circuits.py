@@ -11,7 +11,7 @@ from vvdp.base.params import Params
 from vvdp.base.rules import without_class
 from vvdp.base.tables import Sourced, Table, build
 from vvdp.network.network import Network
-from vvdp.systems.circuits import NetworkFunction, TableSlot, circuit_names, draw, network_function, table_slots
+from vvdp.systems.circuits import NetworkFunction, chosen_class, circuit_names, draw, network_function, table_slots
 from vvdp.systems.part_scopes import Entries
 
 DRAWN = ("nodes", "components", "parts")
@@ -66,7 +66,7 @@ def read_tables(
             what = "missing table" if part is None else f"{part!r} is not a table"
             faults.append(Fault(table.place, table.lines.get(key, 0), key, what))
             continue
-        cls = _class(slot, key, part, table, faults)
+        cls = chosen_class(slot, key, part, table, faults)
         if before is not None and type(before.values.get(key)) is cls and repr(part) == repr(before.content.get(key)):
             values[key] = before.values[key]
             rows += [row for row in before.rows if row.table == key]
@@ -75,18 +75,6 @@ def read_tables(
         values[key], found = build(cls, {k: v for k, v in part.items() if k not in others}, key, table, faults)
         rows += found
     return values, rows
-
-
-def _class(slot: TableSlot, name: str, part: Mapping[str, object], table: Table, faults: list[Fault]) -> type[Params]:
-    """The class of a table, with a fault where its keys belong to two."""
-    cls = slot.choice(part)
-    own = keys_of(cls)
-    for other in slot.classes:
-        for key in part.keys() & (keys_of(other) - own):
-            instead = ", ".join(sorted(own - keys_of(other)))
-            message = f"contradicts {name}.{instead}; give one of the two"
-            faults.append(Fault(table.place, table.lines.get(f"{name}.{key}", 0), f"{name}.{key}", message))
-    return cls
 
 
 def own_tables(function: NetworkFunction, content: Entries) -> dict[str, dict[str, Any]]:

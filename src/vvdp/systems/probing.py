@@ -71,10 +71,10 @@ class Probing:
         """The case with one other value."""
         key = probe.row.setting, probe.number
         if key not in self.alone:
-            self.alone[key] = self._built([probe])
+            self.alone[key] = self._build([probe])
         return self.alone[key]
 
-    def shown(self, probe: Probe) -> Found:
+    def view(self, probe: Probe) -> Found:
         """The same, as a case with several other values shows it if there is one."""
         return self.together.get((probe.row.setting, probe.number)) or self.find(probe)
 
@@ -85,7 +85,7 @@ class Probing:
         return vector, at - int(starts[vector])
 
     def build_inner(self, ranges: Iterable[tuple[Probe, ...]]) -> None:
-        """Build the cases between the ends of ranges whose ends can be built, for `shown`."""
+        """Build the cases between the ends of ranges whose ends can be built, for `view`."""
         waiting = [(probe, self._reach(each)) for each in ranges for probe in each[1:-1]]
         for batch in _apart([each for each in waiting if not each[0].is_written]):
             self._build_together(batch)
@@ -100,7 +100,7 @@ class Probing:
         if len(batch) == 1:
             self.find(batch[0][0])
             return
-        found = self._built([probe for probe, _ in batch])
+        found = self._build([probe for probe, _ in batch])
         reached = np.any([reach for _, reach in batch], axis=0)
         if found.why_not or ((found.numbers != self.numbers) & self.counted & ~reached).any():
             self._build_together(batch[: len(batch) // 2])
@@ -109,7 +109,7 @@ class Probing:
         for probe, reach in batch:
             self.together[probe.row.setting, probe.number] = Found(np.where(reach, found.numbers, self.numbers))
 
-    def _built(self, probes: Sequence[Probe]) -> Found:
+    def _build(self, probes: Sequence[Probe]) -> Found:
         try:
             if all(probe.is_written for probe in probes):
                 return Found(self.numbers)

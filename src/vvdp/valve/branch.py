@@ -290,7 +290,7 @@ def throttled_flow(upstream_pressure: float, downstream_pressure: float, opening
 
 
 def search_flow(upstream_pressure: float, downstream_pressure: float, opening: float, law: BranchLaw) -> float:
-    """The flow of `throttled_flow` alone, for searches: the drops behind choked nozzles are not worked out [m^3/s].
+    """The flow of `throttled_flow` alone, for searches: without the drops behind choked nozzles [m^3/s].
 
     upstream_pressure, downstream_pressure  at inlet rail and outlet port, absolute [Pa]
     opening                                 open fraction of the branch's ports, 0 to 1 [1]

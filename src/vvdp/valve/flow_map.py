@@ -110,7 +110,7 @@ def balanced_cycle(openings: Openings, at: Condition, valve: RotaryValve) -> Cyc
     tank_open: Any = openings.tank > 0.0
     tank_opening: Any = np.extract(tank_open, openings.tank)
 
-    def taken(pressure: Any) -> Any:
+    def total_flow(pressure: Any) -> Any:
         flow: Any = search_flow(pressure, at.load_pressure, openings.load, law)
         flow[..., tank_open] += search_flow(pressure[..., tank_open], at.tank_pressure, tank_opening, law)
         spilled = static_relief_flow(pressure, *relief, at.tank_pressure)
@@ -119,7 +119,7 @@ def balanced_cycle(openings: Openings, at: Condition, valve: RotaryValve) -> Cyc
     # Without override the search ends at the relief pressure, and what it leaves over is the relief flow.
     bottom: Any = np.full(shape, minimum(at.load_pressure, at.tank_pressure))
     top: Any = np.full(shape, highest_inlet_pressure(at.flow, *relief))
-    low, least, high, most = _bracket(taken, at.flow, bottom, at.relief_pressure, top)
+    low, least, high, most = _bracket(total_flow, at.flow, bottom, at.relief_pressure, top)
     missing = maximum(at.flow - least, 0.0)
     inlet = low + missing / maximum(maximum(most - least, missing), LEAST_FLOW) * (high - low)
     load = throttled_flow(inlet, at.load_pressure, openings.load, law)
@@ -130,31 +130,31 @@ def balanced_cycle(openings: Openings, at: Condition, valve: RotaryValve) -> Cyc
 
 
 def _bracket(
-    taken: Callable[[Any], Any], flow: float, bottom: Any, cracking: float, top: Any
+    flow_at: Callable[[Any], Any], flow: float, bottom: Any, cracking: float, top: Any
 ) -> tuple[Any, Any, Any, Any]:
-    """The interval in which bisection ends: its low end, what is `taken` there, its high end, and there.
+    """The interval in which bisection ends: its low end, the flow there, its high end, and there.
 
     The flow grows with the pressure, so which half is chosen follows from where the flow is reached. This is found in
     fewer evaluations, and then both ends are checked; bisection itself is the last resort.
 
-    taken             flow at each of an array of pressures [m^3/s]
+    flow_at           flow at each of an array of pressures [m^3/s]
     flow              that is to be reached [m^3/s]
     bottom, top       between which pressures, arrays of one shape [Pa]
     cracking          as in `_reaching_pressure` [Pa]
     """
-    found: Any = _reaching_pressure(taken, flow, bottom, cracking, top)
+    found: Any = _reaching_pressure(flow_at, flow, bottom, cracking, top)
     for _ in range(CORRECTIONS):
-        low, high = _halved(found.__gt__, bottom, top)
-        least, most = taken(low), taken(high)
+        low, high = _bisect(found.__gt__, bottom, top)
+        least, most = flow_at(low), flow_at(high)
         above, below = (least >= flow) & (low > bottom), (most < flow) & (high < top)
         if not (above | below).any():
             return low, least, high, most
         found = np.where(above, low, np.where(below, np.nextafter(high, np.inf), found))
-    low, high = _halved(lambda middle: taken(middle) < flow, bottom, top)
-    return low, taken(low), high, taken(high)
+    low, high = _bisect(lambda middle: flow_at(middle) < flow, bottom, top)
+    return low, flow_at(low), high, flow_at(high)
 
 
-def _halved(is_short: Callable[[Any], Any], low: Any, high: Any) -> tuple[Any, Any]:
+def _bisect(is_short: Callable[[Any], Any], low: Any, high: Any) -> tuple[Any, Any]:
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
         short = is_short(middle)
@@ -162,14 +162,14 @@ def _halved(is_short: Callable[[Any], Any], low: Any, high: Any) -> tuple[Any, A
     return low, high
 
 
-def _reaching_pressure(taken: Callable[[Any], Any], flow: float, bottom: Any, cracking: float, top: Any) -> Any:
+def _reaching_pressure(flow_at: Callable[[Any], Any], flow: float, bottom: Any, cracking: float, top: Any) -> Any:
     """About where a flow is reached [Pa]: the squares of flows through orifices are straight lines (Illinois).
 
     cracking  above which the relief valve takes its part [Pa]
     """
 
     def excess(pressure: Any) -> Any:
-        found = taken(pressure)
+        found = flow_at(pressure)
         return found * abs(found) - flow * flow
 
     (low, under), (high, over), short = (bottom, excess(bottom)), (top, excess(top)), None
