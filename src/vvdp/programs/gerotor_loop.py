@@ -29,13 +29,12 @@ from vvdp.programs.axial_loop import (
     Stage,
     Target,
     is_known,
-    known_phase,
     next_reference,
     next_stage,
     show,
     sight_of,
 )
-from vvdp.programs.spool_encoder import WatchMemory, WatchSettings, watch_start, watch_step
+from vvdp.programs.spool_encoder import WatchMemory, WatchSettings, watch_start, watched_phase
 from vvdp.sensing.axial_sensor import AxialSensor, SpoolPlace, axial_sensor_start, axial_sensor_step
 from vvdp.sensing.encoder import Shaft
 from vvdp.sensing.instrument import InstrumentMemory
@@ -231,9 +230,6 @@ def watched_gerotor_step(
     t: float, memory: WatchedGerotorMemory, place: GerotorPlace, settings: WatchedGerotor
 ) -> tuple[WatchedGerotorMemory, AxialCommand]:
     """Program: encoder and event filter give the spool's angle."""
-    shaft = Shaft(place.time, place.angle, place.speed)
-    watch, estimate = watch_step(t, memory.watch, shaft, settings.watch)
-    wanted = signal_value(t, settings.loop.wanted)
-    phase = known_phase(estimate, watch.filter.slip, memory.watch.filter.slip)
-    loop, command = gerotor_axial_step(memory.loop, place, phase, wanted, settings.loop)
+    watch, phase = watched_phase(t, memory.watch, Shaft(place.time, place.angle, place.speed), settings.watch)
+    loop, command = gerotor_axial_step(memory.loop, place, phase, signal_value(t, settings.loop.wanted), settings.loop)
     return WatchedGerotorMemory(watch, loop), command
