@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import h5py
 import numpy as np
@@ -11,6 +12,7 @@ from tests.words import wording
 
 import vvdp
 from vvdp.base.errors import ConfigError
+from vvdp.runs.tables import node_listing
 from vvdp.systems.system import load_system
 
 
@@ -85,6 +87,14 @@ def test_an_unknown_series_is_named(run, what):
         run.pressure("inlett")
 
 
+def test_an_unknown_key_of_a_summary_names_the_nearest(run):
+    with pytest.raises(ConfigError, match=r"run\.summary: eficiency: unknown key; did you mean .efficiency."):
+        run.summary["eficiency"]
+    with pytest.raises(KeyError, match=r"docs/keys\.md"):
+        run.summary["xqzw"]
+    assert run.summary.get("eficiency") is None and "eficiency" not in run.summary
+
+
 CIRCUIT = """
 [nodes]
 tank = { type = "tank" }
@@ -97,6 +107,14 @@ load = { type = "orifice", a = "line", b = "tank", area = "5 mm^2" }
 [run]
 until = "10 ms"
 """
+
+
+def test_rounding_is_shown_as_zero_in_the_table_of_nodes():
+    """7e-11 Pa is 7e-16 of the reference pressure; 1 Pa is more than the 1e-9 of it that counts as rounding."""
+    done = vvdp.loads(CIRCUIT).run()
+    small = replace(done, summary=done.summary | {"pressure_min_tank_Pa": -7e-11, "pressure_max_tank_Pa": 1.0})
+    (shown,) = (row.values for row in node_listing(small).rows if row.label == "tank, pressure")
+    assert shown == (0.0, 0.0, 1.0)
 
 
 def test_values_of_a_component_may_stand_in_a_table_of_their_own():

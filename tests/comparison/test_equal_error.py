@@ -71,6 +71,10 @@ def test_a_common_error_has_three_digits():
     assert [common_error([each]) for each in (3.0301e-3, 3.03e-3, 6.675e-4, 0.02)] == [3.04e-3, 3.03e-3, 6.68e-4, 0.02]
 
 
+def test_the_common_error_of_circuits_without_error_is_zero_and_reached():
+    assert common_error([0.0, 0.0]) == 0.0 and is_reached(0.0, common_error([0.0]))
+
+
 def test_a_circuit_that_cannot_is_tried_up_to_the_fastest_poles():
     tried = attempts(lambda rate: Attempt(rate, 2e-3, 1.0), Attempt(25.0, 2e-3, 1.0), 1e-3, 0.01)
     assert tried[-1].filter_rate == FASTEST and not is_reached(tried[closest(tried, 1e-3)].error, 1e-3)

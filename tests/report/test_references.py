@@ -23,6 +23,11 @@ def test_every_entry_has_author_title_place_and_year():
         assert not re.search(r"[{}\\]", reference.authors + reference.title + reference.place)
 
 
+def test_no_entry_stands_twice():
+    keys = [entry.key for entry in parsed_references((ROOT / "report" / "references.bib").read_text("utf-8"))]
+    assert [key for key in KNOWN if keys.count(key) > 1] == []
+
+
 @pytest.mark.parametrize("name", shipped_systems())
 def test_the_shipped_systems_cite_known_literature(name):
     assert {row.source for row in load_system(name).rows} - {""} <= set(KNOWN)

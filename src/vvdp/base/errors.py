@@ -52,6 +52,12 @@ class ConfigError(VvdpError, ValueError):
         return type(self), (list(self.faults),)  # workers send it to who asked them
 
 
+class UnknownKeyError(ConfigError, KeyError):
+    """A key that a mapping does not have; says which of its keys were perhaps meant."""
+
+    __str__ = VvdpError.__str__  # a KeyError would show the repr of its message
+
+
 def unusable(path: Path | str, message: str) -> ConfigError:
     """A `ConfigError` about a file as a whole."""
     return ConfigError([Fault(str(path), 0, "", message)])

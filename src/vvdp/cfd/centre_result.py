@@ -25,7 +25,7 @@ from vvdp.base.kinds import (
 from vvdp.base.params import field_kinds
 from vvdp.cfd.centre_study import CentreRun
 from vvdp.cfd.rail_result import METHOD, Told
-from vvdp.cfd.state_table import QUALITY, approach, quality_listings, restless_findings, state_columns
+from vvdp.cfd.state_table import QUALITY, quality_listings, restless_findings, state_columns
 from vvdp.geometry.result import origin_rows
 from vvdp.geometry.shape import perpendicular_area
 from vvdp.numerics.least_squares import fit
@@ -89,8 +89,8 @@ def centre_result(runs: Sequence[CentreRun], told: Told) -> Result:
         title="Pressure drop of the centre section over the flow",
         system=told.system,
         manner=METHOD,
-        references=tuple(dict.fromkeys(("wang2017", *(row.source for row in told.rows if row.source)))),
-        conditions={"flow": span, "oil": told.oil, "grid": told.grid, **approach(order)},
+        references=told.sources,
+        conditions=told.conditions({"flow": span}, order),
         left_out=("Rail and nozzles upstream: the stubs have a uniform inflow and walls without friction.",
                   "The turning of the spool, leakage, cavitation, and the warming of the oil."),
         numbers=numbers_of(numbers, QUANTITIES),

@@ -24,7 +24,7 @@ from vvdp.cfd.centre import CentreOrder
 from vvdp.cfd.centre_result import LENGTHS, centre_lengths
 from vvdp.cfd.centre_study import CentreRun
 from vvdp.cfd.rail_result import METHOD, Told
-from vvdp.cfd.state_table import QUALITY, approach, quality_listings, restless_findings, state_columns
+from vvdp.cfd.state_table import QUALITY, quality_listings, restless_findings, state_columns
 from vvdp.numerics.least_squares import fit
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Finding, Result, Section, Table, listing_of, numbers_of
@@ -75,13 +75,8 @@ def openings_result(runs: Sequence[CentreRun], told: Told) -> Result:
         title="Partly open nozzles",
         system=told.system,
         manner=f"{METHOD} {STANDING}",
-        references=tuple(dict.fromkeys(("wang2017", *(row.source for row in told.rows if row.source)))),
-        conditions={
-            "flow": with_unit(order.flow, FLOW),
-            "oil": told.oil,
-            "grid": told.grid,
-            **approach(order),
-        },
+        references=told.sources,
+        conditions=told.conditions({"flow": with_unit(order.flow, FLOW)}, order),
         left_out=("The turning of the spool: what it does to a jet within a transition.",
                   "Rail and nozzles upstream, leakage, cavitation."),
         numbers=numbers_of(numbers, QUANTITIES),

@@ -21,7 +21,7 @@ from vvdp.cfd.parts_study import PartRun
 from vvdp.cfd.rail import RailOrder, rail_case, sleeve_case, turned_rail, turned_sleeve
 from vvdp.cfd.rail_result import METHOD, Told
 from vvdp.cfd.series import NamedCase
-from vvdp.cfd.state_table import QUALITY, approach, quality_listings, residual_findings, state_columns
+from vvdp.cfd.state_table import QUALITY, quality_listings, residual_findings, state_columns
 from vvdp.cfd.turbine import TurbineOrder, turbine_case, turned_turbine, turned_valve, valve_case
 from vvdp.geometry.shape import perpendicular_area
 from vvdp.results.chart import Bars, Chart, Colour
@@ -169,13 +169,8 @@ def _result(
         title=f"{whole[0].upper()}{whole[1:]} and its parts",
         system=told.system,
         manner=f"{METHOD} {words}",
-        references=tuple(dict.fromkeys(("wang2017", *(row.source for row in told.rows if row.source)))),
-        conditions={
-            "flow": with_unit(order.flow, FLOW),
-            "oil": told.oil,
-            "grid": told.grid,
-            **approach(order),
-        },
+        references=told.sources,
+        conditions=told.conditions({"flow": with_unit(order.flow, FLOW)}, order),
         left_out=LEFT_OUT,
         numbers=numbers_of(numbers, quantities),
         listings={

@@ -25,7 +25,7 @@ from vvdp.cfd.centre_result import LENGTHS, centre_lengths
 from vvdp.cfd.numerics import PASSING
 from vvdp.cfd.period import STEPS, PeriodRun
 from vvdp.cfd.rail_result import METHOD, Told
-from vvdp.cfd.state_table import QUALITY, approach, quality_listings
+from vvdp.cfd.state_table import QUALITY, quality_listings
 from vvdp.numerics.least_squares import Fit, fit
 from vvdp.results.chart import Chart, Colour, Line, Lines
 from vvdp.results.result import Column, Finding, Grade, Result, Section, Table, listing_of, numbers_of
@@ -85,14 +85,14 @@ def period_result(run: PeriodRun, told: Told) -> Result:
         title="A PWM period of the turning spool",
         system=told.system,
         manner=f"{METHOD} {TURNING}",
-        references=tuple(dict.fromkeys(("wang2017", *(row.source for row in told.rows if row.source)))),
-        conditions={
-            "spool speed": with_unit(centre.speed, SPEED),
-            "total drop": with_unit(run.order.drop, PRESSURE_DIFFERENCE),
-            "oil": told.oil,
-            "grid": told.grid,
-            **approach(centre._replace(phases=(PASSING,))),
-        },
+        references=told.sources,
+        conditions=told.conditions(
+            {
+                "spool speed": with_unit(centre.speed, SPEED),
+                "total drop": with_unit(run.order.drop, PRESSURE_DIFFERENCE),
+            },
+            centre._replace(phases=(PASSING,)),
+        ),
         left_out=("Rail and nozzles upstream, whose oil would take longer to get under way; leakage, cavitation.",
                   "The side of the tank, which is the mirror image half a pitch on."),
         numbers=numbers_of(numbers, QUANTITIES),

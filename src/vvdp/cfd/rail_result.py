@@ -25,7 +25,7 @@ from vvdp.base.tables import Sourced
 from vvdp.cfd.convergence import LARGEST_IMBALANCE
 from vvdp.cfd.rail import RailOrder, outlets
 from vvdp.cfd.rail_study import RailRun
-from vvdp.cfd.state_table import QUALITY, approach, quality_listings, residual_findings
+from vvdp.cfd.state_table import QUALITY, Ordered, approach, quality_listings, residual_findings
 from vvdp.geometry.result import origin_rows
 from vvdp.results.chart import Bars, Chart, Colour, Level, Line, Lines
 from vvdp.results.result import Column, Finding, Grade, Listing, Result, Section, Table, listing_of, numbers_of
@@ -87,6 +87,15 @@ class Told(NamedTuple):
     oil: str
     rows: tuple[Sourced, ...]
 
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """Keys of the dissertation and of every source of a length, each once."""
+        return tuple(dict.fromkeys(("wang2017", *(row.source for row in self.rows if row.source))))
+
+    def conditions(self, own: dict[str, str], order: Ordered) -> dict[str, str]:
+        """Conditions of a result: its `own`, then oil, grid and how the `order` is solved."""
+        return {**own, "oil": self.oil, "grid": self.grid, **approach(order)}
+
 
 def rail_result(order: RailOrder, run: RailRun, told: Told) -> Result:
     """The result of a run; its sections name drawings that the page has: geometry, sections."""
@@ -96,13 +105,8 @@ def rail_result(order: RailOrder, run: RailRun, told: Told) -> Result:
         title="Flow through the inlet rail",
         system=told.system,
         manner=MANNER,
-        references=tuple(dict.fromkeys(("wang2017", *(row.source for row in told.rows if row.source)))),
-        conditions={
-            "flow": with_unit(order.flow, FLOW),
-            "oil": told.oil,
-            "grid": told.grid,
-            **approach(order),
-        },
+        references=told.sources,
+        conditions=told.conditions({"flow": with_unit(order.flow, FLOW)}, order),
         left_out=LEFT_OUT,
         numbers=numbers_of(numbers, QUANTITIES),
         listings={

@@ -27,7 +27,7 @@ from vvdp.cfd.rail_result import (
     rail_lengths,
 )
 from vvdp.cfd.rail_study import RailRun
-from vvdp.cfd.state_table import QUALITY, approach, quality_listings, restless_findings, state_columns
+from vvdp.cfd.state_table import QUALITY, quality_listings, restless_findings, state_columns
 from vvdp.numerics.power_laws import DropLaws, drop_laws
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Finding, Result, Section, Table, listing_of, numbers_of
@@ -75,8 +75,8 @@ def sweep_result(order: RailOrder, runs: Sequence[RailRun], told: Told) -> Resul
         title="Pressure drop of the inlet rail over the flow",
         system=told.system,
         manner=MANNER,
-        references=tuple(dict.fromkeys(("wang2017", *(row.source for row in told.rows if row.source)))),
-        conditions={"flow": span, "oil": told.oil, "grid": told.grid, **approach(order)},
+        references=told.sources,
+        conditions=told.conditions({"flow": span}, order),
         left_out=LEFT_OUT,
         numbers=numbers_of(numbers, QUANTITIES),
         listings={

@@ -20,7 +20,7 @@ from vvdp.base.kinds import (
     Kind,
 )
 from vvdp.cfd.rail_result import METHOD, Told
-from vvdp.cfd.state_table import QUALITY, approach, quality_listings, restless_findings, state_columns
+from vvdp.cfd.state_table import QUALITY, quality_listings, restless_findings, state_columns
 from vvdp.cfd.turbine import TurbineOrder
 from vvdp.cfd.turbine_study import TurbineRun
 from vvdp.geometry.result import origin_rows
@@ -73,18 +73,14 @@ def turbine_result(runs: Sequence[TurbineRun], told: Told) -> Result:
     law = fit([flows**2, flows * speeds], table["torque_N_m"])
     line = law.scale(np.array([order.flow**2, order.flow]))
     numbers = _numbers(order, table, line)
+    span = " to ".join(with_unit(each, FLOW) for each in sorted({flows.min(), flows.max()}))
     return Result(
         verb=VERB,
         title="Torque of the outlet turbine over the speed",
         system=told.system,
         manner=f"{METHOD} {FRAME}",
-        references=tuple(dict.fromkeys(("wang2017", *(row.source for row in told.rows if row.source)))),
-        conditions={
-            "flow": " to ".join(with_unit(each, FLOW) for each in sorted({flows.min(), flows.max()})),
-            "oil": told.oil,
-            "grid": told.grid,
-            **approach(order),
-        },
+        references=told.sources,
+        conditions=told.conditions({"flow": span}, order),
         left_out=("Centre section and windows upstream: the oil enters the chamber along the axis, without swirl.",
                   "Leakage, cavitation, and the warming of the oil."),
         numbers=numbers_of(numbers, QUANTITIES),

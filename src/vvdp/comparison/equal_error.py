@@ -48,8 +48,11 @@ def common_error(errors: Sequence[float]) -> float:
     >>> common_error([1e-3, 3.0301e-3])
     0.00304
     """
-    step = 10.0 ** (math.floor(math.log10(max(errors))) + 1 - DIGITS)
-    return round(step * math.ceil(max(errors) / step - 1e-6), 12)
+    largest = max(errors)
+    if largest == 0.0:
+        return 0.0
+    step = 10.0 ** (math.floor(math.log10(largest)) + 1 - DIGITS)
+    return round(step * math.ceil(largest / step - 1e-6), 12)
 
 
 def is_reached(error: float, wanted: float, share: float = TOLERANCE) -> bool:

@@ -10,9 +10,7 @@ import numpy as np
 from vvdp.base.params import Params
 from vvdp.base.rules import require_positive
 from vvdp.base.signal import signal_value
-from vvdp.control.backstepping import backstepping_law
 from vvdp.control.chamber import ChamberReading
-from vvdp.control.passivity import passivity_law, printed_passivity_law
 from vvdp.control.reference import Rate
 from vvdp.estimation.axial_filter import Phase
 from vvdp.programs.axial_loop import AxialCommand, AxialPlace, turned_phase
@@ -22,8 +20,10 @@ from vvdp.programs.chamber_loop import (
     ChamberView,
     LoopMemory,
     PassiveLoop,
-    chamber_command,
+    backstepping_command,
     chamber_view,
+    passive_command,
+    printed_command,
 )
 
 
@@ -42,21 +42,6 @@ class RawFeedback(VelocityFilter):
     """
 
 
-def view_with(view: ChamberView, reading: ChamberReading) -> ChamberView:
-    """The same view with another reading for the law."""
-    return ChamberView(
-        sensor=view.sensor,
-        observer=view.observer,
-        reference=view.reference,
-        stage=view.stage,
-        estimate=view.estimate,
-        reading=reading,
-        phase=view.phase,
-        measured=view.measured,
-        margin=view.margin,
-    )
-
-
 def low_pass(before: float, velocity: float, settings: ChamberLoop) -> float:
     """The velocity [m/s] after a sample, from the one before it and the new one."""
     fading: float = np.exp(-settings.velocity_rate * settings.observer.sample_period)
@@ -68,38 +53,30 @@ def raw_view(memory: LoopMemory, place: AxialPlace, phase: Phase, wanted: float,
     view = chamber_view(memory, place, phase, wanted, settings)
     slope = (view.measured - memory.reading.position) / settings.observer.sample_period
     velocity = 0.0 if view.stage.held > 0.0 else low_pass(memory.reading.velocity, slope, settings)
-    return view_with(view, ChamberReading(view.measured, velocity, place.pressure))
+    return view._replace(reading=ChamberReading(view.measured, velocity, place.pressure))
 
 
-def raw_passive_axial_step(
-    memory: LoopMemory, place: AxialPlace, phase: Phase, wanted: float, settings: PassiveLoop
-) -> tuple[LoopMemory, AxialCommand]:
-    """One sample of the passivity law that receives what the sensor shows."""
-    view = raw_view(memory, place, phase, wanted, settings)
-    flow = passivity_law(view.reference, view.reading, settings.gains, settings.drive)
-    return chamber_command(view, flow, settings.gains, settings)
+def turned_raw_view(t: float, memory: LoopMemory, place: AxialPlace, settings: ChamberLoop) -> ChamberView:
+    """The same, the spool's angle known."""
+    return raw_view(memory, place, turned_phase(place), signal_value(t, settings.wanted), settings)
 
 
 def raw_passive_step(
     t: float, memory: LoopMemory, place: AxialPlace, settings: PassiveLoop
 ) -> tuple[LoopMemory, AxialCommand]:
     """Program: the passivity law, shown what the sensor shows; the spool's angle known."""
-    return raw_passive_axial_step(memory, place, turned_phase(place), signal_value(t, settings.wanted), settings)
+    return passive_command(turned_raw_view(t, memory, place, settings), settings)
 
 
 def raw_printed_step(
     t: float, memory: LoopMemory, place: AxialPlace, settings: PassiveLoop
 ) -> tuple[LoopMemory, AxialCommand]:
     """Program: the published passivity law, shown what the sensor shows; the spool's angle known."""
-    view = raw_view(memory, place, turned_phase(place), signal_value(t, settings.wanted), settings)
-    flow = printed_passivity_law(view.reference, view.reading, settings.gains, settings.drive)
-    return chamber_command(view, flow, settings.gains, settings)
+    return printed_command(turned_raw_view(t, memory, place, settings), settings)
 
 
 def raw_backstepping_step(
     t: float, memory: LoopMemory, place: AxialPlace, settings: BacksteppingLoop
 ) -> tuple[LoopMemory, AxialCommand]:
     """Program: backstepping, shown what the sensor shows; the spool's angle known."""
-    view = raw_view(memory, place, turned_phase(place), signal_value(t, settings.wanted), settings)
-    flow = backstepping_law(view.reference, view.reading, settings.gains, settings.drive)
-    return chamber_command(view, flow, settings.gains, settings)
+    return backstepping_command(turned_raw_view(t, memory, place, settings), settings)

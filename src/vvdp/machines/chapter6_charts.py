@@ -18,6 +18,19 @@ if TYPE_CHECKING:
 
 TABLE = "displacement"
 """Name of the table that holds what is drawn."""
+OPENING = Lines(lines=(Line(x="time_s", y="opening", colour=Colour.GREEN),), low=0.0, high=1.05)
+"""Panel of the return valve."""
+DIRECTION = Lines(
+    lines=(Line(x="time_s", y="direction", stroke=Stroke.STEPS, colour=Colour.PURPLE),), low=-1.2, high=1.2, height=0.4
+)
+"""Panel of the directional valve."""
+
+
+def sampled_error(record: "Record", reference: Array, period: float) -> tuple[Array, Kind, str]:
+    """Column of the error [m] against a `reference`, of the position at the last sample, one each `period` [s]."""
+    sampled = period * (np.ceil(record.times / period - 1e-6) - 1.0)
+    position = np.interp(sampled, record.times, record.states["rod.position"].values)
+    return position - reference, POSITION, "error against the reference"
 
 
 def displacement_columns(record: "Record", period: float) -> dict[str, tuple[Array, Kind, str]]:
@@ -26,13 +39,11 @@ def displacement_columns(record: "Record", period: float) -> dict[str, tuple[Arr
     A row shows what was commanded at the last sample before it: errors are those against the position at that sample.
     """
     shown = {key: record.commands[f"{PROGRAM}.{key}"].values for key in ("reference", "opening", "flow", "mode")}
-    position = record.states["rod.position"].values
-    sampled = np.interp(period * (np.ceil(record.times / period - 1e-6) - 1.0), record.times, position)
     return {
         "time_s": (record.times, DURATION, "time"),
-        "position_m": (position, POSITION, "position"),
+        "position_m": (record.states["rod.position"].values, POSITION, "position"),
         "reference_m": (shown["reference"], POSITION, "filtered reference"),
-        "tracking_error_m": (sampled - shown["reference"], POSITION, "error against the reference"),
+        "tracking_error_m": sampled_error(record, shown["reference"], period),
         "pressure_a_Pa": (record.states["chamber_a"].values, PRESSURE_LEVEL, "chamber a"),
         "pressure_b_Pa": (record.states["chamber_b"].values, PRESSURE_LEVEL, "chamber b"),
         "pump_flow_m3_s": (record.states["pump.flow"].values, FLOW, "flow of the pump"),
@@ -54,6 +65,12 @@ def displacement_charts(record: "Record", bounds: PressureBounds, period: float)
     yield actuation_chart(), table
 
 
+def motion_panels(position: tuple[Line, ...], rows: tuple[int, ...]) -> tuple[Lines, Lines]:
+    """Panels of these lines of a position, and of its error over these rows."""
+    error = Line(x="time_s", y="tracking_error_m", rows=rows)
+    return Lines(lines=position, label="position"), Lines(lines=(error,), label="error")
+
+
 def motion_chart(rows: tuple[int, ...]) -> Chart:
     """Position over the whole run, and the error over these rows."""
     position = (
@@ -65,11 +82,16 @@ def motion_chart(rows: tuple[int, ...]) -> Chart:
         caption="The rod and its filtered reference, and the error between them once control has settled: it lies "
         "where the cylinder turns round and its pressures change places.",
         table=TABLE,
-        panels=(
-            Lines(lines=position, label="position"),
-            Lines(lines=(Line(x="time_s", y="tracking_error_m", rows=rows),), label="error"),
-        ),
+        panels=motion_panels(position, rows),
         height=4.5,
+    )
+
+
+def bound_levels(bounds: PressureBounds) -> tuple[Level, Level]:
+    """Levels of the bounds of a pressure."""
+    return (
+        Level(value=bounds.highest_pressure, label="upper bound"),
+        Level(value=bounds.lowest_pressure, label="lower bound"),
     )
 
 
@@ -79,17 +101,13 @@ def pressure_chart(bounds: PressureBounds) -> Chart:
         Line(x="time_s", y="pressure_a_Pa", label="chamber a"),
         Line(x="time_s", y="pressure_b_Pa", label="chamber b"),
     )
-    levels = (
-        Level(value=bounds.highest_pressure, label="upper bound"),
-        Level(value=bounds.lowest_pressure, label="lower bound"),
-    )
     return Chart(
         name="displacement-pressures",
         caption="Pressures of both chambers between their bounds, and the pressure mode: 1 none near, 2 supply low, "
         "3 return low, 4 supply high, 5 return high, half a mode more within the band before a bound.",
         table=TABLE,
         panels=(
-            Lines(lines=pressures, label="pressure", levels=levels),
+            Lines(lines=pressures, label="pressure", levels=bound_levels(bounds)),
             Lines(lines=(Line(x="time_s", y="mode", stroke=Stroke.STEPS),), low=0.5, high=6.0, height=0.5),
         ),
         height=4.5,
@@ -102,16 +120,10 @@ def actuation_chart() -> Chart:
         Line(x="time_s", y="asked_flow_m3_s", label="asked", colour=Colour.FAINT),
         Line(x="time_s", y="pump_flow_m3_s", label="given"),
     )
-    opening = Line(x="time_s", y="opening", colour=Colour.GREEN)
-    direction = Line(x="time_s", y="direction", stroke=Stroke.STEPS, colour=Colour.PURPLE)
     return Chart(
         name="displacement-actuation",
         caption="The flow of the pump, slow; the opening of the return valve, fast; and the direction.",
         table=TABLE,
-        panels=(
-            Lines(lines=flows, label="flow of the pump"),
-            Lines(lines=(opening,), low=0.0, high=1.05),
-            Lines(lines=(direction,), low=-1.2, high=1.2, height=0.4),
-        ),
+        panels=(Lines(lines=flows, label="flow of the pump"), OPENING, DIRECTION),
         height=5.5,
     )

@@ -6,7 +6,7 @@ Source  ours, docs/models/displacement-control.md
 from typing import NamedTuple
 
 from vvdp.base.kinds import Angle, Fraction, Position, Pressure, Speed, Time
-from vvdp.programs.axial_loop import STOP, AxialCommand, AxialPlace, Stage, known_phase
+from vvdp.programs.axial_loop import STOP, AxialCommand, AxialPlace, Stage
 from vvdp.programs.chamber_loop import WatchedLoop, WatchedMemory, passive_axial_step
 from vvdp.programs.gerotor_loop import (
     GerotorMemory,
@@ -15,7 +15,7 @@ from vvdp.programs.gerotor_loop import (
     WatchedGerotorMemory,
     gerotor_axial_step,
 )
-from vvdp.programs.spool_encoder import watch_step
+from vvdp.programs.spool_encoder import watched_phase
 from vvdp.sensing.encoder import Shaft
 
 
@@ -46,11 +46,10 @@ def led_step(
     t: float, memory: WatchedMemory, place: LedPlace, settings: WatchedLoop
 ) -> tuple[WatchedMemory, AxialCommand]:
     """Program: the passivity law holds the position that another program wants, until it takes the energy away."""
-    watch, estimate = watch_step(t, memory.watch, Shaft(place.time, place.angle, place.speed), settings.watch)
+    watch, phase = watched_phase(t, memory.watch, Shaft(place.time, place.angle, place.speed), settings.watch)
     before = memory.loop
     loop = before._replace(stage=_stage(before.stage, place.energised, place.time))
     seen = AxialPlace(place.time, place.angle, place.speed, place.position, place.pressure)
-    phase = known_phase(estimate, watch.filter.slip, memory.watch.filter.slip)
     loop, command = passive_axial_step(loop, seen, phase, place.wanted, settings.loop)
     return WatchedMemory(watch, loop), command
 
@@ -59,12 +58,11 @@ def led_gerotor_step(
     t: float, memory: WatchedGerotorMemory, place: LedGerotorPlace, settings: WatchedGerotor
 ) -> tuple[WatchedGerotorMemory, AxialCommand]:
     """Program: the same of a gerotor drive."""
-    watch, estimate = watch_step(t, memory.watch, Shaft(place.time, place.angle, place.speed), settings.watch)
+    watch, phase = watched_phase(t, memory.watch, Shaft(place.time, place.angle, place.speed), settings.watch)
     before = memory.loop.drive
     drive = before._replace(stage=_stage(before.stage, place.energised, place.time))
     seen = GerotorPlace(place.time, place.angle, place.speed, place.position)
     memory_then = GerotorMemory(drive, memory.loop.observer)
-    phase = known_phase(estimate, watch.filter.slip, memory.watch.filter.slip)
     loop, command = gerotor_axial_step(memory_then, seen, phase, place.wanted, settings.loop)
     return WatchedGerotorMemory(watch, loop), command
 

@@ -9,11 +9,12 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import DURATION, DUTY_RATIO, FLAG, FLOW, FRACTION, POSITION, PRESSURE_LEVEL, SIGNED_FRACTION, Kind
 from vvdp.control.pressure_modes import PressureBounds
+from vvdp.machines.chapter6_charts import DIRECTION, OPENING, bound_levels, motion_panels, sampled_error
 from vvdp.machines.machine_control import SAMPLE_PERIOD
 from vvdp.machines.machine_loop import PROGRAM
 from vvdp.machines.stages import CONTROL, PHASES
 from vvdp.machines.tracking import SETTLED
-from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke, flag_panel
+from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke, flag_panel
 from vvdp.results.result import Column, Table
 
 if TYPE_CHECKING:
@@ -30,16 +31,14 @@ def machine_columns(record: "Record") -> Columns:
     A row shows what was commanded at the last sample before it: errors are those against the position at that sample.
     """
     shown = {key.partition(".")[2]: s.values for key, s in record.commands.items() if key.startswith(f"{PROGRAM}.")}
-    position, times = record.states["rod.position"].values, record.times
-    sampled = np.interp(SAMPLE_PERIOD * (np.ceil(times / SAMPLE_PERIOD - 1e-6) - 1.0), times, position)
     pressures = {f"{name}_Pa": record.states[name].values for name in ("chamber_a", "chamber_b", "line")}
     return {
-        "time_s": (times, DURATION, "time"),
+        "time_s": (record.times, DURATION, "time"),
         **{f"phase_{PHASES[n]}": ((shown["phase"] == n) * 1.0, FLAG, PHASES[n]) for n in phases_of(record)},
-        "position_m": (position, POSITION, "position"),
+        "position_m": (record.states["rod.position"].values, POSITION, "position"),
         "wanted_m": (shown["wanted"], POSITION, "cycle"),
         "reference_m": (shown["reference"], POSITION, "filtered reference"),
-        "tracking_error_m": (sampled - shown["reference"], POSITION, "error against the reference"),
+        "tracking_error_m": sampled_error(record, shown["reference"], SAMPLE_PERIOD),
         **{key: (values, PRESSURE_LEVEL, key[:-3].replace("_", " ")) for key, values in pressures.items()},
         "flow_m3_s": (shown["flow"], FLOW, "flow asked for"),
         "split_flow_m3_s": (shown["split_flow"], FLOW, "flow of the split"),
@@ -96,10 +95,7 @@ def motion_chart(rows: tuple[int, ...]) -> Chart:
         caption="The rod, the cycle it is to follow and that cycle as filtered; and the error against the latter once "
         "control has settled.",
         table=TABLE,
-        panels=(
-            Lines(lines=position, label="position"),
-            Lines(lines=(Line(x="time_s", y="tracking_error_m", rows=rows),), label="error"),
-        ),
+        panels=motion_panels(position, rows),
         height=4.5,
     )
 
@@ -111,16 +107,12 @@ def pressure_chart(bounds: PressureBounds) -> Chart:
         Line(x="time_s", y="chamber_b_Pa", label="chamber b", colour=Colour.LOAD),
         Line(x="time_s", y="line_Pa", label="line", colour=Colour.GREEN, width=0.8),
     )
-    levels = (
-        Level(value=bounds.highest_pressure, label="upper bound"),
-        Level(value=bounds.lowest_pressure, label="lower bound"),
-    )
     return Chart(
         name="machine-pressures",
         caption="Pressures of both chambers and of the line, which change places at each reversal, between the bounds "
         "that the control guards.",
         table=TABLE,
-        panels=(Lines(lines=pressures, label="pressure", levels=levels),),
+        panels=(Lines(lines=pressures, label="pressure", levels=bound_levels(bounds)),),
         height=3.0,
     )
 
@@ -139,13 +131,8 @@ def actuation_chart() -> Chart:
         panels=(
             Lines(lines=flows, label="flow"),
             Lines(lines=(Line(x="time_s", y="duty_ratio", colour=Colour.RED),)),
-            Lines(lines=(Line(x="time_s", y="opening", colour=Colour.GREEN),), low=0.0, high=1.05),
-            Lines(
-                lines=(Line(x="time_s", y="direction", stroke=Stroke.STEPS, colour=Colour.PURPLE),),
-                low=-1.2,
-                high=1.2,
-                height=0.4,
-            ),
+            OPENING,
+            DIRECTION,
         ),
         height=6.0,
     )

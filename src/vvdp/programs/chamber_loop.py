@@ -164,52 +164,55 @@ def chamber_command(
     return memory, show(command, view.stage, view.reference, observed, view.estimate, demand)
 
 
-def passive_axial_step(
-    memory: LoopMemory, place: AxialPlace, phase: Phase, wanted: float, settings: PassiveLoop
-) -> tuple[LoopMemory, AxialCommand]:
-    """One sample of the loop with the passivity law."""
-    view = chamber_view(memory, place, phase, wanted, settings)
+def passive_command(view: ChamberView, settings: PassiveLoop) -> tuple[LoopMemory, AxialCommand]:
+    """What the passivity law commands of what is known."""
     flow = passivity_law(view.reference, view.reading, settings.gains, settings.drive)
     return chamber_command(view, flow, settings.gains, settings)
 
 
-def printed_axial_step(
-    memory: LoopMemory, place: AxialPlace, phase: Phase, wanted: float, settings: PassiveLoop
-) -> tuple[LoopMemory, AxialCommand]:
+def printed_command(view: ChamberView, settings: PassiveLoop) -> tuple[LoopMemory, AxialCommand]:
     """The same with the published, approximate feedforward."""
-    view = chamber_view(memory, place, phase, wanted, settings)
     flow = printed_passivity_law(view.reference, view.reading, settings.gains, settings.drive)
     return chamber_command(view, flow, settings.gains, settings)
 
 
-def backstepping_axial_step(
-    memory: LoopMemory, place: AxialPlace, phase: Phase, wanted: float, settings: BacksteppingLoop
-) -> tuple[LoopMemory, AxialCommand]:
+def backstepping_command(view: ChamberView, settings: BacksteppingLoop) -> tuple[LoopMemory, AxialCommand]:
     """The same with backstepping."""
-    view = chamber_view(memory, place, phase, wanted, settings)
     flow = backstepping_law(view.reference, view.reading, settings.gains, settings.drive)
     return chamber_command(view, flow, settings.gains, settings)
+
+
+def turned_view(t: float, memory: LoopMemory, place: AxialPlace, settings: ChamberLoop) -> ChamberView:
+    """What is known after a sample, the spool's angle known."""
+    return chamber_view(memory, place, turned_phase(place), signal_value(t, settings.wanted), settings)
+
+
+def passive_axial_step(
+    memory: LoopMemory, place: AxialPlace, phase: Phase, wanted: float, settings: PassiveLoop
+) -> tuple[LoopMemory, AxialCommand]:
+    """One sample of the loop with the passivity law."""
+    return passive_command(chamber_view(memory, place, phase, wanted, settings), settings)
 
 
 def passive_step(
     t: float, memory: LoopMemory, place: AxialPlace, settings: PassiveLoop
 ) -> tuple[LoopMemory, AxialCommand]:
     """Program: the passivity law, the spool's angle known."""
-    return passive_axial_step(memory, place, turned_phase(place), signal_value(t, settings.wanted), settings)
+    return passive_command(turned_view(t, memory, place, settings), settings)
 
 
 def printed_step(
     t: float, memory: LoopMemory, place: AxialPlace, settings: PassiveLoop
 ) -> tuple[LoopMemory, AxialCommand]:
     """Program: the published passivity law, the spool's angle known."""
-    return printed_axial_step(memory, place, turned_phase(place), signal_value(t, settings.wanted), settings)
+    return printed_command(turned_view(t, memory, place, settings), settings)
 
 
 def backstepping_step(
     t: float, memory: LoopMemory, place: AxialPlace, settings: BacksteppingLoop
 ) -> tuple[LoopMemory, AxialCommand]:
     """Program: backstepping, the spool's angle known."""
-    return backstepping_axial_step(memory, place, turned_phase(place), signal_value(t, settings.wanted), settings)
+    return backstepping_command(turned_view(t, memory, place, settings), settings)
 
 
 def watched_start(settings: WatchedLoop) -> WatchedMemory:

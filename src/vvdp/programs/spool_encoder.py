@@ -7,10 +7,12 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, Count, Fraction, FractionSignal, Length
 from vvdp.base.params import Params
 from vvdp.base.rules import require_positive
+from vvdp.estimation.axial_filter import Phase
 from vvdp.estimation.estimator import Estimate
 from vvdp.estimation.event_filter import event_filter_step
 from vvdp.estimation.event_memory import EventFilterMemory, event_filter_start
 from vvdp.estimation.event_settings import EventFilter, EventFilterValues, event_filter
+from vvdp.programs.axial_loop import known_phase
 from vvdp.sensing.encoder import (
     NO_FAULTS,
     SAMPLED,
@@ -75,6 +77,12 @@ def watch_step(t: float, memory: WatchMemory, reading: Shaft, settings: WatchSet
     encoder, seen = encoder_step(memory.encoder, reading, settings.encoder)
     remembered, estimate = event_filter_step(memory.filter, seen, settings.filter)
     return WatchMemory(encoder, remembered), estimate
+
+
+def watched_phase(t: float, memory: WatchMemory, reading: Shaft, settings: WatchSettings) -> tuple[WatchMemory, Phase]:
+    """Encoder and event filter take a sample; the phase of the periodic sensor error as they show it."""
+    watch, estimate = watch_step(t, memory, reading, settings)
+    return watch, known_phase(estimate, watch.filter.slip, memory.filter.slip)
 
 
 def encoder_of(table: EncoderTable) -> Encoder:

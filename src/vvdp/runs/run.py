@@ -9,9 +9,9 @@ from typing import Any, TypeVar
 import numpy as np
 
 from vvdp.base.arrays import Array, Rows
-from vvdp.base.errors import ConfigError, Fault
+from vvdp.base.errors import ConfigError, Fault, UnknownKeyError
 from vvdp.base.manifest import Directory, open_directory
-from vvdp.base.tables import nearest
+from vvdp.base.tables import nearest, suggestion
 from vvdp.evaluation.overview import flow_ports, inside, period
 from vvdp.evaluation.quantities import summary_numbers
 from vvdp.network.network import Network
@@ -51,6 +51,15 @@ def _member(known: Mapping[str, T], name: str, what: str) -> T:
     return known[name]
 
 
+class NamedNumbers(dict[str, float | bool]):
+    """The numbers of a summary by key."""
+
+    def __missing__(self, key: str) -> float:
+        """Raises UnknownKeyError, with the nearest keys."""
+        near = suggestion(key, self, most=3) or "; docs/keys.md describes all keys"
+        raise UnknownKeyError([Fault("run.summary", 0, key, f"unknown key{near}")])
+
+
 @dataclass(frozen=True, eq=False)
 class RecordedRun:
     """A record with its system, its summary and where it comes from; `directory` is None for one in memory."""
@@ -62,6 +71,9 @@ class RecordedRun:
     directory: Path | None = None
     done: Run | None = field(default=None, repr=False)
     """The simulation itself, of which the record is what is kept; None of a run that was read back."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "summary", NamedNumbers(self.summary))
 
     @property
     def network(self) -> Network:

@@ -29,7 +29,7 @@ from vvdp.evaluation.overview import (
 )
 from vvdp.evaluation.valve_forms import placed_form_quantities
 from vvdp.evaluation.valve_numbers import valve_quantities
-from vvdp.network.nodes import DrivenShaft, Rod, Shaft
+from vvdp.network.nodes import DrivenShaft, HydraulicNode, Rod, Shaft
 from vvdp.results.result import Column, Listing, Row, Table
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.balance import LIMIT
@@ -37,7 +37,8 @@ from vvdp.simulation.record import Record
 from vvdp.systems.extras import Extras
 
 ROUNDING = 1e-9
-"""What is stored counts as nothing below this share of the largest power."""
+"""A value counts as nothing below this share of the largest of its kind; for gauge pressures that is at least the
+reference pressure."""
 GAUGE = "Pressures are gauge."
 MEANS = "Means over the averaging window; lowest and highest over the whole run, its start included."
 
@@ -60,9 +61,9 @@ def overview(run: RecordedRun, extras: Extras) -> Listing:
     )
 
 
-def without_dust(power: float, largest: float) -> float:
-    """A power, or zero where it is nothing but rounding beside the largest."""
-    return 0.0 if abs(power) < ROUNDING * abs(largest) else power
+def without_dust(value: float, largest: float) -> float:
+    """A value, or zero where it is nothing but rounding beside the largest of its kind."""
+    return 0.0 if abs(value) < ROUNDING * abs(largest) else value
 
 
 def screen_listings(run: RecordedRun) -> tuple[Listing, ...]:
@@ -85,10 +86,16 @@ def valve_listing(run: RecordedRun) -> tuple[Listing, ...]:
 
 def node_listing(run: RecordedRun) -> Listing:
     """Means and extremes of every node."""
-    rows = (
-        Row(f"{line.name.replace('_', ' ')}, {line.quantity}", line.kind, (line.mean, line.low, line.high))
-        for line in node_lines(run.system, run.summary)
-    )
+    lines, nodes = list(node_lines(run.system, run.summary)), run.network.nodes.values()
+    references = [node.oil.reference_pressure for node in nodes if isinstance(node, HydraulicNode)]
+    largest = {GAUGE_PRESSURE: max(references, default=0.0)}
+    for line in lines:
+        largest[line.kind] = max(largest.get(line.kind, 0.0), abs(line.low), abs(line.high))
+    rows = []
+    for line in lines:
+        mean = None if line.mean is None else without_dust(line.mean, largest[line.kind])
+        low, high = (without_dust(value, largest[line.kind]) for value in (line.low, line.high))
+        rows.append(Row(f"{line.name.replace('_', ' ')}, {line.quantity}", line.kind, (mean, low, high)))
     note = f"{MEANS} {GAUGE}"
     return Listing(title="Nodes", heads=("mean", "lowest", "highest"), rows=tuple(rows), note=note)
 
