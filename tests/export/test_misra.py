@@ -23,7 +23,7 @@ def test_the_page_names_the_rules():
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("name", ["accumulator-charging", "prototype"])
+@pytest.mark.parametrize("name", ["accumulator-charging", "prototype", "displacement-control"])
 def test_no_required_rule_is_violated(name, tmp_path):
     made = c_machine(load_system(name))
     for end in ("h", "c"):

@@ -150,6 +150,43 @@ def test_the_workspace_is_the_callers_and_its_end_is_a_failure():
         assert failed or found == 1000 * 999 / 2  # the room of 100 numbers serves all 1000 calls, one after the other
 
 
+def ramp(count):
+    """An array of 30 numbers, or one of 50: each function takes the room of its result from its caller."""
+    if count < 5:
+        short = np.empty((30,))
+        short[:] = count
+        return short[:20]
+    long = np.empty((50,))
+    long[:] = count
+    return long[:20]
+
+
+def either_array(count):
+    first = ramp(count)[0]
+    if count > 7:
+        return first + ramp(count)[1]
+    return first
+
+
+def ramps(count):
+    return either_array(count) + either_array(count + 1)
+
+
+@needs_compiler
+def test_of_two_branches_the_larger_counts_and_a_function_gives_back_what_it_took():
+    """Each array takes 30 or 50 numbers; `either_array` takes two, and twice one after the other: 2 * 50."""
+    made = write_c(module_of(ramps, (3,)), "m")
+    assert " * m_entry: 100 reals, 0 wholes at most\n" in made.header
+    run_ = compile_c(made, compilers()[0]).m_entry
+    run_.restype = ctypes.c_double
+    for argument, count, failed in ((9, 99, 1), (9, 100, 0), (1, 29, 1), (1, 30, 0)):
+        numbers, failure = np.zeros(count), ctypes.c_int64(7)
+        room = Workspace(numbers.ctypes.data, count, None, 0)
+        found = run_(ctypes.c_int64(argument), ctypes.byref(failure), ctypes.byref(room))
+        assert failure.value == failed
+        assert failed or found == {9: 9 + 9 + 10 + 10, 1: 1 + 2}[argument]
+
+
 def test_room_that_depends_on_the_arguments_is_said_to():
     cases = dict(programs.CASES)
     held = write_c(module_of(programs.held_arrays, cases[programs.held_arrays][0]), "m")

@@ -56,7 +56,9 @@ def target_goal(name: str, precision: Precision) -> str:
 # The vectors on microcontrollers in QEMU, which counts instructions; the C library may change last bits.
 ARM = arm-none-eabi-
 QEMU = qemu-system-arm
-ARM_FLAGS = $(filter-out -W%,$(FLAGS)) -DTOLERANCE={tolerance:g} -ffunction-sections
+# Short code with the same bits; small structs are kept in registers.
+ARM_SHORT = -Os --param sra-max-scalarization-size-Osize=64
+ARM_FLAGS = $(filter-out -W% -O2,$(FLAGS)) $(ARM_SHORT) -DTOLERANCE={tolerance:g} -ffunction-sections
 
 pil: {" ".join(f"pil_{core.name}" for core in CORES)}
 

@@ -208,10 +208,28 @@ def by_address(text: Text, value: tree.Expression) -> str:
     return f"&{one(text, value, NAME)}"
 
 
+def field_of(value: tree.Expression) -> tree.Field | None:
+    """The field of a record that holds an array, or the one of which it is a part; None where it is of no record."""
+    while isinstance(value, tree.View):
+        value = value.array
+    return value if isinstance(value, tree.Field) else None
+
+
 def argument(text: Text, value: tree.Expression, kind: Kind, *, changes: bool) -> list[str]:
-    """What is handed over for an argument."""
+    """What is handed over for an argument. The address of an array that a record holds, and which changes, has a name.
+
+    The record is constant, its array is not: without the name, checkers take the array for constant (MISRA rule 11.8).
+    """
     if isinstance(kind, Row):
-        return list(row(text, value, kind, changes=changes))
+        found = list(row(text, value, kind, changes=changes))
+        field = field_of(value)
+        if changes and field is not None:
+            assert isinstance(field.record.kind, Record)
+            name = text.new_name(text.shared.member(field.record.kind, field.number))
+            text.optional.add(name)  # an expression may be written twice
+            text.put(f"{TYPES[kind.element]} *{name} = {found[0]};")
+            found[0] = name
+        return found
     return [by_address(text, value) if isinstance(kind, Record) else one(text, value)]
 
 
