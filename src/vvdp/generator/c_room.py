@@ -28,12 +28,12 @@ class _Taken(NamedTuple):
 
 def room_of(module: tree.Module) -> dict[str, Amount | None]:
     """By function, the most that it takes; None if that depends on what is known only when the code runs."""
-    reals, wholes = (_taken(module, of_wholes=each) for each in (False, True))
+    reals, wholes = (_room_taken(module, of_wholes=each) for each in (False, True))
     found = {name: (reals[name].most, wholes[name].most) for name in reals}
     return {name: None if math.inf in both else (int(both[0]), int(both[1])) for name, both in found.items()}
 
 
-def _taken(module: tree.Module, *, of_wholes: bool) -> dict[str, _Taken]:
+def _room_taken(module: tree.Module, *, of_wholes: bool) -> dict[str, _Taken]:
     """What each function takes. One whose result has no arrays gives all back at its end."""
     found = dict[str, _Taken]()
     for function in module.functions:
@@ -60,7 +60,7 @@ def _of_block(frame: _Frame, block: tree.Block, *, hoisted: bool) -> _Taken:
         inner = [_of_block(frame, part, hoisted=hoisted and not carried) for part in inner_blocks(each)]
         if carried and any(part.most for part in inner):
             return _Taken(math.inf, math.inf, math.inf)
-        found = _joined(each, inner) if inner else _of_value(frame, each, hoisted=hoisted)
+        found = _join_room(each, inner) if inner else _of_value(frame, each, hoisted=hoisted)
         most, left = max(most, taken + found.most), max(left, taken + found.left)
         taken += found.after
         if taken == -math.inf:
@@ -68,7 +68,7 @@ def _of_block(frame: _Frame, block: tree.Block, *, hoisted: bool) -> _Taken:
     return _Taken(most, taken, left)
 
 
-def _joined(statement: tree.Statement, inner: Sequence[_Taken]) -> _Taken:
+def _join_room(statement: tree.Statement, inner: Sequence[_Taken]) -> _Taken:
     """Of two branches, the larger amount; of a loop, one round, which gives back what the one before took."""
     most, left = max(each.most for each in inner), max(each.left for each in inner)
     if isinstance(statement, tree.If):
