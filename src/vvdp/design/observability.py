@@ -66,7 +66,7 @@ QUANTITIES: dict[str, tuple[Kind, str]] = {
 
 
 class Margins(NamedTuple):
-    """The tables of the margin: over spool speed, the same beside it, the lost speeds, and stretches below a limit."""
+    """The tables of the margin: over spool speed, beside it, unobservable speeds, and stretches below a limit."""
 
     margin: Table
     beside: Table
