@@ -61,6 +61,34 @@ def test_a_class_is_frozen_keyword_only_and_checked() -> None:
     assert tube == Tube(pressure=1e5, length=0.1) and hash(tube) == hash(Tube(pressure=1e5, length=0.1))
 
 
+def test_checks_of_all_classes_are_made_once_those_built_on_first() -> None:
+    made: list[str] = []
+
+    class Size(Params):
+        length: Length
+
+        def check(self) -> None:
+            made.append("size")
+
+    class Left(Size):
+        def check(self) -> None:
+            made.append("left")
+
+    class Right(Size):
+        def check(self) -> None:
+            made.append("right")
+
+    class Both(Left, Right):
+        def check(self) -> None:
+            made.append("both")
+
+    class Inheriting(Both):
+        pass
+
+    Inheriting(length=1.0)
+    assert made == ["size", "left", "right", "both"]
+
+
 def test_signals_are_checked_at_their_extremes() -> None:
     assert Source(pressure=1e5, length=0.1, drive=sine(2e5, 1e5, 1.0)).drive.base == 2e5
     with pytest.raises(ParameterError, match="Source.drive: -100000 Pa " + wording.files.is_outside):

@@ -1,6 +1,7 @@
 """Parameter classes: frozen, keyword-only, every field of a kind, every value checked when it is made."""
 
 import dataclasses
+from collections.abc import Callable
 from functools import cache
 from typing import Any, Union, dataclass_transform, get_args, get_origin, get_type_hints
 
@@ -105,10 +106,20 @@ class Params:
             for bound in _bounds(value):
                 if fault := kind.fault(bound):
                     raise ParameterError(f"{type(self).__name__}.{name}: {fault}")
-        self.check()
+        cls: type = type(self)
+        for check in _checks(cls):
+            check(self)
 
     def check(self) -> None:
-        """Refuse values that contradict each other; a subclass overrides this where it has something to say."""
+        """Refuse values that contradict each other; those of the classes that a class builds on are refused before."""
+
+
+@cache
+def _checks(cls: type) -> tuple[Callable[[Params], None], ...]:
+    """The `check` of each class that a class builds on, each once, then its own."""
+    bases: list[type] = [base for base in cls.__bases__ if issubclass(base, Params)]
+    own = [vars(cls)["check"]] if "check" in vars(cls) else []
+    return tuple(dict.fromkeys([*(each for base in bases for each in _checks(base)), *own]))
 
 
 def _bounds(value: Any) -> tuple[float, ...]:

@@ -1,6 +1,6 @@
 """The figures of a comparison of estimators, as data over its tables."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -15,16 +15,16 @@ SMALLEST = 1e-3
 """Where the scales of errors begin [rad, rad/s]."""
 
 
-def comparison_charts(found: Comparison, figures: Figures, tables: Mapping[str, Table]) -> Iterator[Chart]:
+def comparison_charts(found: Comparison, figures: Figures, scores: Table) -> Iterator[Chart]:
     """All figures that a comparison gives."""
     for quantity, unit in (("speed", "rad_s"), ("angle", "rad")):
         key = f"{quantity}_error_rms_{unit}"
         error = ErrorFigure(key, figures.kinds[key][1], SMALLEST, 0.0)
-        yield error_chart(found, tables["comparison"], figures, error, (f"{quantity}-error", _error_caption(quantity)))
+        yield error_chart(found, scores, figures, error, (f"{quantity}-error", _error_caption(quantity)))
     if found.traced:
         yield _traces(found, found.traced)
     if found.first_step:
-        yield _delays(found, tables["comparison"])
+        yield _delays(found, scores)
     words = "What a sample takes on one core, the whole record divided by its samples, logarithmic."
     cost = Dots(names="name", value="cost_s", least=1e-9, title="cost")
     height = 0.7 + 0.16 * len(found.contenders)

@@ -101,9 +101,6 @@ TRACES = (Colour.LOAD, Colour.INLET, Colour.GREEN, Colour.PURPLE, Colour.RED, Co
 def circuit_result(found: CircuitComparison) -> Result:
     """The result of a comparison of circuits."""
     scores = _score_table(found)
-    tables = {"comparison": scores, "circuits": _circuit_table(found), "front": _front_table(found)}
-    tables["shares"] = _share_table(scores)
-    tables |= dict(_trace_tables(found))
     charts = {chart.name: chart for chart in _charts(found, scores)}
     return Result(
         verb="compare circuits",
@@ -112,7 +109,13 @@ def circuit_result(found: CircuitComparison) -> Result:
         manner=MANNER,
         conditions={name: _condition(duty) for name, duty in found.duties.items()},
         numbers=_numbers(found),
-        tables=tables,
+        tables={
+            "comparison": scores,
+            "circuits": _circuit_table(found),
+            "front": _front_table(found),
+            "shares": _share_table(scores),
+            **dict(_trace_tables(found)),
+        },
         charts=charts,
         findings=tuple(_findings(found)),
         sections=(

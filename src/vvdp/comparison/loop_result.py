@@ -63,12 +63,11 @@ ERROR = ErrorFigure("tracking_error_rms_m", "Error of tracking", 1e-6, 1e-9)
 
 def controller_result(found: Contest) -> Result:
     """The result of a comparison of controllers."""
-    tables = {"comparison": score_table(found, CONTROLLERS), "controllers": _controller_table(found)}
+    scores, controllers = score_table(found, CONTROLLERS), _controller_table(found)
     errors = error_tables(found, CONTROLLERS, ERROR, "tracking")
-    tables |= errors | {"least": least_table(found, ERROR, list(found.contenders), "With what comes within 5 % of it.")}
-    if found.traced is not None:
-        tables["traces"] = _trace_table(found.traced)
-    charts = {chart.name: chart for chart in _charts(found, tables)}
+    least = least_table(found, ERROR, list(found.contenders), "With what comes within 5 % of it.")
+    traces = {} if found.traced is None else {"traces": _trace_table(found.traced)}
+    charts = {chart.name: chart for chart in _charts(found, scores, controllers)}
     return Result(
         verb="compare controllers",
         title="Controllers of the spool's axial position",
@@ -76,7 +75,7 @@ def controller_result(found: Contest) -> Result:
         manner=MANNER,
         conditions=run_conditions(found),
         numbers=run_numbers(found),
-        tables=tables,
+        tables={"comparison": scores, "controllers": controllers, **errors, "least": least, **traces},
         charts=charts,
         findings=tuple(run_findings(found, "controllers with the same noise")),
         sections=(
@@ -135,15 +134,15 @@ def _trace_table(traced: TracedLoop) -> Table:
     return Table(title="Traces", columns=columns, is_data=True)
 
 
-def _charts(found: Contest, tables: Mapping[str, Table]) -> Iterator[Chart]:
+def _charts(found: Contest, scores: Table, controllers: Table) -> Iterator[Chart]:
     caption = (
         "Error of tracking for every controller in every scenario. Dot: root mean square over all runs; bar: where "
         "90 % of the runs lie. The scale is logarithmic and the same in all panels; an arrow stands for less than 1 um."
     )
-    yield error_chart(found, tables["comparison"], CONTROLLERS, ERROR, ("tracking-error", caption))
+    yield error_chart(found, scores, CONTROLLERS, ERROR, ("tracking-error", caption))
     if found.traced is not None:
         yield _trace_chart(found, found.traced)
-    if np.isfinite(tables["controllers"]["noise_sensitivity"]).all():
+    if np.isfinite(controllers["noise_sensitivity"]).all():
         bars = Bars(
             names="name",
             values=("effort_noisy", "effort_clean"),

@@ -88,14 +88,12 @@ def figures_of(found: Comparison) -> Figures:
 def comparison_result(found: Comparison) -> Result:
     """The result of a comparison: scores of each pair, cost and robustness of each estimator, traces, charts."""
     figures = figures_of(found)
-    tables = {"comparison": score_table(found, figures), "estimators": _estimator_table(found)}
+    scores = score_table(found, figures)
     speeds = error_tables(found, figures, ERROR, "speed")
     causal = [name for name in found.contenders if name in found.causal]
     note = "Of those that work as the samples come, with what comes within 5 % of it."
-    tables |= speeds | {"least": least_table(found, ERROR, causal, note)}
-    if found.traced:
-        tables["traces"] = _trace_table(found.traced)
-    charts = {chart.name: chart for chart in comparison_charts(found, figures, tables)}
+    traces = {"traces": _trace_table(found.traced)} if found.traced else {}
+    charts = {chart.name: chart for chart in comparison_charts(found, figures, scores)}
     return Result(
         verb="compare estimators",
         title="Estimators of angle and speed on a coarse encoder",
@@ -111,7 +109,13 @@ def comparison_result(found: Comparison) -> Result:
             "rate_Hz": Number(found.rate, FREQUENCY, "sample rate"),
             **run_numbers(found),
         },
-        tables=tables,
+        tables={
+            "comparison": scores,
+            "estimators": _estimator_table(found),
+            **speeds,
+            "least": least_table(found, ERROR, causal, note),
+            **traces,
+        },
         charts=charts,
         findings=tuple(run_findings(found, "estimators on the same readings")),
         sections=(

@@ -25,10 +25,6 @@ from vvdp.network.component import Component
 class MeteringValve(ProportionalValve, Characteristic):
     """A proportional valve with a dead band whose flow grows linearly or progressively beyond it."""
 
-    def check(self) -> None:
-        ProportionalValve.check(self)
-        Characteristic.check(self)
-
 
 class SeriesThrottles(Params):
     """Conductances fully open; the flow turns linear in the drop over both below about `transition_pressure`."""

@@ -32,7 +32,6 @@ class ThrottledDirectionalValve(DirectionalValve):
     return_lag: Time
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "return_lag")
 
 

@@ -30,25 +30,13 @@ from vvdp.network.component import Component
 class ThreeWayValve(SwitchingValve, Orifice):
     """Spool and ports of a three-way switching valve."""
 
-    def check(self) -> None:
-        SwitchingValve.check(self)
-        Orifice.check(self)
-
 
 class PulsedThreeWayValve(ThreeWayValve, PulseTrain):
     """A three-way switching valve and the pulses that move it."""
 
-    def check(self) -> None:
-        ThreeWayValve.check(self)
-        PulseTrain.check(self)
-
 
 class ModulatedThreeWayValve(ThreeWayValve, PulseClock):
     """A three-way switching valve and the frequency at which it is pulsed."""
-
-    def check(self) -> None:
-        ThreeWayValve.check(self)
-        PulseClock.check(self)
 
 
 class TwoWayValve(SwitchingValve, Orifice):
@@ -57,8 +45,6 @@ class TwoWayValve(SwitchingValve, Orifice):
     normally_open: Fraction = 0.0
 
     def check(self) -> None:
-        SwitchingValve.check(self)
-        Orifice.check(self)
         if self.normally_open not in (0.0, 1.0):
             refuse(self, "normally_open", "must be 0 or 1")
 
@@ -66,17 +52,9 @@ class TwoWayValve(SwitchingValve, Orifice):
 class PulsedTwoWayValve(TwoWayValve, PulseTrain):
     """A two-way switching valve and the pulses that move it."""
 
-    def check(self) -> None:
-        TwoWayValve.check(self)
-        PulseTrain.check(self)
-
 
 class ModulatedTwoWayValve(TwoWayValve, PulseClock):
     """A two-way switching valve and the frequency at which it is pulsed."""
-
-    def check(self) -> None:
-        TwoWayValve.check(self)
-        PulseClock.check(self)
 
 
 class ThreeWayFlows(NamedTuple):

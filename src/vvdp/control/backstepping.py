@@ -34,7 +34,6 @@ class BacksteppingGains(PositionGains):
     flow_gain: Conductance
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "pressure_weight", "flow_gain")
 
 

@@ -22,9 +22,9 @@ from vvdp.base.kinds import (
     Volume,
 )
 from vvdp.base.params import Params, field_values
-from vvdp.base.rules import POSITIVE, field_text, refuse, require_less, require_positive
+from vvdp.base.rules import POSITIVE, refuse, require_less, require_positive
 from vvdp.base.select import clip, maximum, select
-from vvdp.hydraulics.volume import GasExponent, GasPressure, Vessel, wall_capacity
+from vvdp.hydraulics.volume import GasExponent, GasPressure, VesselSize, wall_capacity
 
 HYDRAULIC_STIFFNESS = Kind("hydraulic stiffness", "N/m", 0.0, 1e15, "3e6 N/m")
 FORCE_PER_VOLUME = Kind("force per volume", "N/m^3", -1e15, 1e15, "1e9 N/m^3")
@@ -33,13 +33,8 @@ HydraulicStiffness = Annotated[float, HYDRAULIC_STIFFNESS]
 ForcePerVolume = Annotated[float, FORCE_PER_VOLUME]
 
 
-class SupplyLine(Vessel):
+class SupplyLine(VesselSize):
     """The line from pump to directional valve, with its accumulator; an `oil_volume` of 0 is without line."""
-
-    def check(self) -> None:
-        if self.gas_volume > 0.0 and self.precharge_pressure <= 0.0:
-            gas = field_text(self, "gas_volume")
-            refuse(self, "precharge_pressure", f"must be greater than 0 bara with a gas_volume of {gas}")
 
 
 class CylinderBelief(Params):

@@ -38,7 +38,6 @@ class PassivityGains(PositionGains):
     flow_hold: Time = 0.0
 
     def check(self) -> None:
-        super().check()
         if not self.flow_gain + self.pressure_rate > 0.0:
             refuse_together(self, "flow_gain or pressure_rate must be greater than 0, or the pressure would drift")
 

@@ -65,6 +65,15 @@ QUANTITIES: dict[str, tuple[Kind, str]] = {
 }
 
 
+class Margins(NamedTuple):
+    """The tables of the margin: over spool speed, beside it, unobservable speeds, and stretches below a limit."""
+
+    margin: Table
+    beside: Table
+    lost: Table
+    windows: Table
+
+
 class Window(NamedTuple):
     """A stretch of spool speeds [rad/s] in which the margin is below a limit."""
 
@@ -85,12 +94,12 @@ def observability(name: str, moved: AxialPlant, spool_speed: float, harmonics: i
     numbers = _numbers(moved, spool_speed, harmonics)
     gamma = TURN * numbers["natural_frequency_Hz"]
     speeds = _speeds(gamma, spool_speed, harmonics)
-    tables = {
-        "margin": _margins(moved, gamma, speeds, harmonics),
-        "beside": _margins_beside(moved, gamma, np.linspace(speeds[0], speeds[-1], DRAWN_BESIDE), harmonics),
-        "lost": _lost_table(gamma, harmonics),
-        "windows": _windows_table(_windows(moved, gamma, speeds, harmonics)),
-    }
+    tables = Margins(
+        margin=_margins(moved, gamma, speeds, harmonics),
+        beside=_margins_beside(moved, gamma, np.linspace(speeds[0], speeds[-1], DRAWN_BESIDE), harmonics),
+        lost=_lost_table(gamma, harmonics),
+        windows=_windows_table(_windows(moved, gamma, speeds, harmonics)),
+    )
     return Result(
         verb="observability",
         title="Observability of the position under a periodic noise",
@@ -99,7 +108,7 @@ def observability(name: str, moved: AxialPlant, spool_speed: float, harmonics: i
         references=("wang2017",),
         conditions=_conditions(moved, spool_speed, harmonics),
         left_out=LEFT_OUT,
-        tables=tables,
+        tables=tables._asdict(),
         charts={"margin-over-speed": _chart(tables, gamma, harmonics)},
         numbers=numbers_of(numbers, QUANTITIES),
         findings=tuple(_findings(moved, numbers, tables)),
@@ -240,8 +249,8 @@ def _margins_beside(moved: AxialPlant, gamma: float, speeds: Array, harmonics: i
     return Table(title="Margin with friction and with measured pressure", columns=columns, is_data=True)
 
 
-def _chart(tables: dict[str, Table], gamma: float, harmonics: int) -> Chart:
-    keys = [key for key in tables["margin"].columns if key != "speed_rad_s"]
+def _chart(tables: Margins, gamma: float, harmonics: int) -> Chart:
+    keys = [key for key in tables.margin.columns if key != "speed_rad_s"]
     chosen, x = f"with_{harmonics}_harmonics", "speed_rad_s"
     several = tuple(
         Line(x=x, y=key, label=key.split("_")[1], colour=colour, width=2.0 if key == chosen else 1.1)
@@ -255,7 +264,7 @@ def _chart(tables: dict[str, Table], gamma: float, harmonics: int) -> Chart:
     beside += [
         Line(x=x, y=key, label=label, colour=colour, table="beside")
         for key, (label, colour) in styles.items()
-        if key in tables["beside"].columns
+        if key in tables.beside.columns
     ]
     lost = tuple(
         Level(value=float(omega), upright=True, colour=Colour.FAINT, stroke=Stroke.DOTTED)
@@ -280,7 +289,7 @@ def _chart(tables: dict[str, Table], gamma: float, harmonics: int) -> Chart:
     )
 
 
-def _findings(moved: AxialPlant, numbers: dict[str, float], tables: dict[str, Table]) -> Iterator[Finding]:
+def _findings(moved: AxialPlant, numbers: dict[str, float], tables: Margins) -> Iterator[Finding]:
     margin, speed = numbers["observability_margin"], with_unit(numbers["spool_speed_rad_s"], SPOOL_SPEED)
     if margin < WARN_BELOW:
         fails = margin < FREEZE_BELOW
@@ -293,15 +302,15 @@ def _findings(moved: AxialPlant, numbers: dict[str, float], tables: dict[str, Ta
         )
     else:
         yield Finding(text=f"At {speed} the margin is {number(margin, 3)}.", grade=Grade.GOOD)
-    turns = tables["lost"]["speeds_rev_s"]
+    turns = tables.lost["speeds_rev_s"]
     if not turns.size:
         yield Finding(text="Nothing draws the position back, so that no spool speed loses it.")
         return
     yield Finding(text=f"Position and velocity are lost at {', '.join(plain(f, 4) for f in turns)} rev/s.")
     for limit, words in ((WARN_BELOW, "uncertain"), (FREEZE_BELOW, "the scheme fails")):
-        yield Finding(text=f"The margin is below {limit:g} ({words}) {_stretches(tables['windows'], limit)}.")
-    if "with_pressure" in tables["beside"].columns:
-        least = float(tables["beside"]["with_pressure"].min())
+        yield Finding(text=f"The margin is below {limit:g} ({words}) {_stretches(tables.windows, limit)}.")
+    if "with_pressure" in tables.beside.columns:
+        least = float(tables.beside["with_pressure"].min())
         yield Finding(text=f"With measured pressure it is at least {number(least, 2)} at all these speeds.")
 
 

@@ -56,7 +56,6 @@ class DissolvingAir(PolytropicAir):
 
     def check(self) -> None:
         """Refuse air that is dissolved before it is compressed."""
-        super().check()
         require_less(self, "reference_pressure", "critical_pressure")
 
 

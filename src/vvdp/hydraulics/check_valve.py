@@ -40,7 +40,6 @@ class CheckValve(CheckPoppet):
     closing_time: Time = 0.0
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "rated_flow")
         if self.opening_time <= 0.0 < self.closing_time:
             refuse(self, "closing_time", "must be 0 if opening_time is 0 (a valve that follows at once)")

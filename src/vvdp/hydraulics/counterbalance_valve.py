@@ -22,7 +22,6 @@ class SequenceValve(BalancedValve):
     reverse_override_pressure: PressureDifference
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "reverse_override_pressure")
 
 

@@ -20,7 +20,6 @@ class Cushion(Orifice):
     cushion_end: Position
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "port_area")
         if self.throttle_area > self.port_area:
             refuse(self, "throttle_area", "must be at most port_area")

@@ -35,7 +35,6 @@ class Cylinder(Plunger):
     leakage_conductance: Conductance
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "area_b", why="with one chamber it is a plunger")
         require_positive(self, "stroke")
 

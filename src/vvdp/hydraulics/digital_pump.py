@@ -31,7 +31,6 @@ class DigitalPump(Pump):
     valve_energy: Energy
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "displacement", "valve_conductance")
         if not 2.0 <= self.pistons <= MOST_PISTONS or self.pistons % 2.0 != 0.0:
             refuse(self, "pistons", f"must be an even number from 2 to {MOST_PISTONS:g}")

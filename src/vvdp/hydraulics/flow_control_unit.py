@@ -48,7 +48,6 @@ class UnitValve(OnOffValve):
     modulus: Count
 
     def check(self) -> None:
-        super().check()
         if not 1.0 <= self.weight < self.modulus:
             refuse(self, "weight", f"must be at least 1 and less than modulus, {self.modulus:g}")
 

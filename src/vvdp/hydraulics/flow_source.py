@@ -24,7 +24,6 @@ class LaggingSource(FlowSource):
     lag: Time
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "lag")
 
 

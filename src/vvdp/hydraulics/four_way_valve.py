@@ -31,7 +31,6 @@ class LappedValve(ProportionalSpool):
     bypass_travel: Fraction = 1.0
 
     def check(self) -> None:
-        super().check()
         for name in EDGES:
             if abs(getattr(self, name)) >= 1.0:
                 refuse(self, name, f"must lie between -1 and 1, not at {field_text(self, name)}")
@@ -50,7 +49,6 @@ class SixWayValve(LappedValve):
     bypass_conductance: FlowCoefficient
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "bypass_conductance")
 
 
@@ -64,7 +62,6 @@ class SensingValve(FourWayValve):
     sensing_conductance: FlowCoefficient
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "sensing_conductance")
 
 

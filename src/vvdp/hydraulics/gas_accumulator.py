@@ -71,7 +71,6 @@ class GasAccumulator(NitrogenCharge):
     transition_pressure: PressureDifference = 5e4
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "inlet_area", "transition_pressure")
         least = 2.0 * SEAT * self.gas_volume
         if self.oil_volume < least:
@@ -87,7 +86,6 @@ class PistonCharge(NitrogenCharge):
     moving_mass: Mass
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "piston_area")
 
 

@@ -73,7 +73,6 @@ class GerotorBelief(GerotorMap):
     straight_flow: Flow
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "straight_flow")
         most = self.largest_flow * min(1.0, self.backward_gain)
         if not self.straight_flow < most:

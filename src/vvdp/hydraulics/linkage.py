@@ -61,7 +61,6 @@ class Lever(Link):
     lever_ratio: Ratio
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "lever_ratio")
 
 
@@ -71,7 +70,6 @@ class Drum(Link):
     drum_radius: Length
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "drum_radius")
 
 
@@ -86,7 +84,6 @@ class Arm(Link):
     retracted_length: Length
 
     def check(self) -> None:
-        super().check()
         if not abs(self.base_arm - self.eye_arm) < self.retracted_length < self.base_arm + self.eye_arm:
             refuse(self, "retracted_length", "must lie between the difference and the sum of both arms")
 

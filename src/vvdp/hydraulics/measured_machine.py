@@ -38,7 +38,6 @@ class MeasuredMachine(SettingDrive):
     mechanical_efficiencies: Annotated[tuple[float, ...], FRACTION]
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "displacement", "coulomb_speed")
         count = len(self.speeds) * len(self.pressures) * len(self.settings)
         for name in ("speeds", "pressures", "settings"):

@@ -30,7 +30,6 @@ class Motor(ShaftFriction):
     inertia: Inertia
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "displacement")
 
 

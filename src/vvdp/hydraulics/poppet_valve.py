@@ -32,7 +32,6 @@ class PoppetValve(Orifice):
     closing_time: Time = 0.0
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "seat_diameter", "largest_lift", "stiffness", "cone_angle")
         require_less(self, "largest_lift", "seat_diameter")
         if self.preload < 0.0:

@@ -34,7 +34,6 @@ class GovernedMover(ShaftFriction):
     reset_time: Time = 0.0
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "speed_band")
 
 
@@ -49,7 +48,6 @@ class ElectricMotor(GovernedMover):
     copper_loss: Power = 0.0
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "largest_torque", "largest_power")
 
 
@@ -65,7 +63,6 @@ class DieselEngine(GovernedMover):
     rack_time: Time
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "rack_time")
         if len(self.speeds) < 2 or len(self.speeds) != len(self.full_torques):
             refuse_rows(

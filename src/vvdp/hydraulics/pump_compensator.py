@@ -19,7 +19,6 @@ class PumpCompensator(PumpControl):
     largest_torque: FrictionTorque = 1e6
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "displacement", "largest_torque")
 
 

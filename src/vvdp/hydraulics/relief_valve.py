@@ -47,7 +47,6 @@ class ShockValve(ReliefValve):
     closing_time: Time = 0.0
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "largest_opening")
         if self.override_pressure <= 0.0:
             refuse(self, "override_pressure", "must be greater than 0; an ideal one is of type relief-valve")

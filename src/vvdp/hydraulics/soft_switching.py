@@ -26,7 +26,6 @@ class SwitchChamber(Vessel):
     release_opening: Fraction = 0.01
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "release_opening")
         require_positive(self, "gas_volume", why="without gas nothing gives way to the oil")
 

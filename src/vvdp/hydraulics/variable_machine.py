@@ -50,10 +50,6 @@ class VariableMachine(Motor, SettingDrive):
     kinetic_drag: Ratio = 0.0
     setting_drag: Ratio = 0.0
 
-    def check(self) -> None:
-        Motor.check(self)
-        SettingDrive.check(self)
-
 
 class SettingState(NamedTuple):
     """Displacement over its largest value, negative overcentre."""

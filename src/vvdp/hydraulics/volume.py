@@ -26,8 +26,8 @@ GasPressure: TypeAlias = Annotated[Pressure, without_effect("gas_volume")]
 GasExponent: TypeAlias = Annotated[Polytropic, without_effect("gas_volume")]
 
 
-class Vessel(Params):
-    """Everything at one pressure: oil at the reference pressure, 1/B of its elastic walls, gas behind a bladder.
+class VesselSize(Params):
+    """Oil at the reference pressure, 1/B of its elastic walls, gas behind a bladder, each of which may be none.
 
     `hose_compliance` 0 is rigid; `gas_volume` 0 is without accumulator, whose other two values are then unused.
     `precharge_pressure` is absolute, and `gas_volume` is the volume at that pressure.
@@ -40,11 +40,17 @@ class Vessel(Params):
     gas_exponent: GasExponent
 
     def check(self) -> None:
-        if self.oil_volume <= 0.0:
-            refuse(self, "oil_volume", "must be greater than 0: below precharge nothing else would hold the pressure")
         if self.gas_volume > 0.0 and self.precharge_pressure <= 0.0:
             gas = field_text(self, "gas_volume")
             refuse(self, "precharge_pressure", f"must be greater than 0 bara with a gas_volume of {gas}")
+
+
+class Vessel(VesselSize):
+    """Everything at one pressure; there is oil."""
+
+    def check(self) -> None:
+        if self.oil_volume <= 0.0:
+            refuse(self, "oil_volume", "must be greater than 0: below precharge nothing else would hold the pressure")
 
 
 def pressure_rate(
@@ -135,7 +141,7 @@ def oil_beside(gas: float, pressure: float, vessel: Vessel, reference_pressure: 
     return hose + vessel.gas_volume - gas
 
 
-def wall_capacity(pressure: float, vessel: Vessel) -> float:
+def wall_capacity(pressure: float, vessel: VesselSize) -> float:
     """Room that a vessel's hose and gas give per pressure [m^3/Pa]: V0/B - dVg/dP.
 
     pressure  absolute [Pa]
@@ -143,7 +149,7 @@ def wall_capacity(pressure: float, vessel: Vessel) -> float:
     return capacity_beside(gas_volume(pressure, vessel), pressure, vessel)
 
 
-def capacity_beside(gas: float, pressure: float, vessel: Vessel) -> float:
+def capacity_beside(gas: float, pressure: float, vessel: VesselSize) -> float:
     """Room that a vessel whose gas takes a known volume gives per pressure [m^3/Pa]; see `wall_capacity`.
 
     gas       its volume now [m^3]
@@ -152,7 +158,7 @@ def capacity_beside(gas: float, pressure: float, vessel: Vessel) -> float:
     return vessel.oil_volume * vessel.hose_compliance + gas_yielding(gas, pressure, vessel)
 
 
-def capacity_beside_compiled(gas: float, pressure: float, vessel: Vessel) -> float:
+def capacity_beside_compiled(gas: float, pressure: float, vessel: VesselSize) -> float:
     """The same as `capacity_beside`, which it replaces in compiled code: no gas law for a vessel without gas.
 
     gas       its volume now [m^3]
@@ -162,7 +168,7 @@ def capacity_beside_compiled(gas: float, pressure: float, vessel: Vessel) -> flo
     return hose if gas == 0.0 else hose + gas_yielding(gas, pressure, vessel)
 
 
-def gas_yielding(gas: float, pressure: float, vessel: Vessel) -> float:
+def gas_yielding(gas: float, pressure: float, vessel: VesselSize) -> float:
     """Room that the gas of a vessel gives per pressure of the oil [m^3/Pa]: -dVg/dP.
 
     gas       its volume now [m^3]
@@ -176,7 +182,7 @@ def gas_yielding(gas: float, pressure: float, vessel: Vessel) -> float:
     return yielding
 
 
-def gas_excess(pressure: float, vessel: Vessel) -> float:
+def gas_excess(pressure: float, vessel: VesselSize) -> float:
     """Pressure of the gas above its precharge [Pa]: (d + sqrt(d^2 + s^2))/2, d the oil's above the precharge.
 
     Far above, the gas carries the oil's pressure; far below, the shell carries the gas. In between the bladder lifts
@@ -192,7 +198,7 @@ def gas_excess(pressure: float, vessel: Vessel) -> float:
     return excess
 
 
-def gas_volume(pressure: float, vessel: Vessel) -> float:
+def gas_volume(pressure: float, vessel: VesselSize) -> float:
     """Volume of the gas in a vessel [m^3]: Vg0 (p0/p)^(1/k), p the precharge p0 and `gas_excess`.
 
     pressure  of the oil, absolute [Pa]
@@ -211,7 +217,7 @@ def gas_volume(pressure: float, vessel: Vessel) -> float:
     return vessel.gas_volume * expansion
 
 
-def gas_volume_compiled(pressure: float, vessel: Vessel) -> float:
+def gas_volume_compiled(pressure: float, vessel: VesselSize) -> float:
     """The same as `gas_volume`, which it replaces in compiled code: no gas law for a vessel without gas.
 
     pressure  of the oil, absolute [Pa]

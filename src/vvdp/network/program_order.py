@@ -34,11 +34,6 @@ def _previous(program: ProgramPart) -> dict[str, Source]:
     return {field: source for field, source in program.reads.items() if field in program.previous}
 
 
-def read_programs(program: ProgramPart, programs: Mapping[str, ProgramPart]) -> list[str]:
-    """Names of the programs whose commands a program reads."""
-    return _origins(program.reads, programs)
-
-
 def _origins(reads: Mapping[str, Source], programs: Mapping[str, ProgramPart]) -> list[str]:
     return list(dict.fromkeys(name for name in map(_origin, reads.values()) if name in programs))
 

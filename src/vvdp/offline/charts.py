@@ -169,14 +169,11 @@ def speed_detail(file: Any, stretch: Stretch, sections: int) -> Figure:
     t, speed, deviation = (file[name][rows] for name in ("time", "speed", "speed_deviation"))
     sectors = _sector_speeds(file, range(edges.start, edges.stop))
     steps = clock.column(np.append(sectors.begins, sectors.ends[-1:]))
-    tables = {
-        "detail-course": _course("since_s", clock.column(t), speed, deviation),
-        "detail-sectors": _sector_table("since_s", steps, np.append(sectors.speeds, sectors.speeds[-1:])),
-    }
+    course = _course("since_s", clock.column(t), speed, deviation)
     lines, dashed = _speed_lines("since_s", "detail-sectors", Stroke.STEPS), ""
     if "smoothed_speed" in file:
         smoothed = {"smoothed_speed_rad_s": Column(file["smoothed_speed"][rows], SPEED, "smoothed speed")}
-        tables["detail-course"] = data_table("Estimated speed", {**tables["detail-course"].columns, **smoothed})
+        course = data_table("Estimated speed", {**course.columns, **smoothed})
         lines += (
             Line(x="since_s", y=next(iter(smoothed)), label="smoothed", colour=Colour.INLET, stroke=Stroke.DASHED),
         )
@@ -190,7 +187,8 @@ def speed_detail(file: Any, stretch: Stretch, sections: int) -> Figure:
     )
     panel = _speed_panel(lines, speed, deviation, sectors.speeds)
     chart = Chart(name="speed-detail", caption=caption, table="detail-course", panels=(panel,), height=2.7)
-    return Figure(chart, tables)
+    by_sector = _sector_table("since_s", steps, np.append(sectors.speeds, sectors.speeds[-1:]))
+    return Figure(chart, {"detail-course": course, "detail-sectors": by_sector})
 
 
 def _course(key: str, times: Column, speed: Array, deviation: Array) -> Table:

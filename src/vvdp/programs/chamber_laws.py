@@ -69,7 +69,6 @@ class PrintedPassivityTable(PassivityGains, KnownChamber):
     """Gains of a passivity law, and the drive as it believes it."""
 
     def check(self) -> None:
-        super().check()
         known_drive(self)
 
     @property
@@ -81,16 +80,11 @@ class PrintedPassivityTable(PassivityGains, KnownChamber):
 class PassivityTable(VolumeLearning, PrintedPassivityTable):
     """The same, and how the volume of the chamber is learned."""
 
-    def check(self) -> None:
-        VolumeLearning.check(self)
-        PrintedPassivityTable.check(self)
-
 
 class BacksteppingTable(BacksteppingGains, KnownChamber):
     """Gains of backstepping, and the drive as it believes it."""
 
     def check(self) -> None:
-        super().check()
         refuse_flow_gain(self, known_drive(self))
 
 

@@ -109,10 +109,6 @@ class ChamberObserverTable(SpringDrive, AxialObserverTable, AxialSequence):
     stop_position: Position
     helix_length: Length
 
-    def check(self) -> None:
-        SpringDrive.check(self)
-        AxialObserverTable.check(self)
-
 
 class ChamberObserverSettings(Params):
     """What the program of the observer works with."""

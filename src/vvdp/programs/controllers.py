@@ -35,7 +35,6 @@ class Pid(Pi):
     filter_ratio: Ratio = 10.0
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "derivative_time")
         if not self.filter_ratio >= 1.0:
             refuse(self, "filter_ratio", "must be at least 1; usual values are 2 to 20")

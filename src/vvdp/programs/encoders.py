@@ -103,7 +103,6 @@ class WheelFilter(EventFilterValues):
     index_shift: Fraction = 0.0
 
     def check(self) -> None:
-        super().check()
         if self.sectors % 1.0:
             refuse(self, "sectors", "must be a whole number")
 

@@ -55,16 +55,11 @@ class BelievedDrive(DriveBelief, AxialSequence):
     helix_length: Length
 
     def check(self) -> None:
-        DriveBelief.check(self)
         require_positive(self, "area", "helix_length")
 
 
 class GerotorObserverTable(BelievedDrive, AxialObserverTable):
     """The drive as it is believed, and what is noise."""
-
-    def check(self) -> None:
-        BelievedDrive.check(self)
-        AxialObserverTable.check(self)
 
 
 class DriveWatch(Params):
@@ -205,7 +200,6 @@ class FeedforwardTable(GerotorBelief):
     homing_command: Fraction = 0.0
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "sample_period")
         feedforward_of(self)
 

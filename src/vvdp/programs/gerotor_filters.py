@@ -88,7 +88,6 @@ class GeneratorTable(BelievedDrive):
     generator_drift: Length
 
     def check(self) -> None:
-        super().check()
         samples_in_period(self.noise_period, self.sample_period)  # here, where the line of the table is known
 
 

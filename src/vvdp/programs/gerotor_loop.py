@@ -65,7 +65,6 @@ class DriveBelief(GerotorBelief):
     lag: Time
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "lag", why="no motor follows at once")
 
 

@@ -88,9 +88,8 @@ def derived_capacity(
     own = stand.set_point.duty_ratio
     duty_ratios = tuple(sorted({*duty_ratios, own}))
     flows = _measure(stand, duty_ratios, cores=cores, say=say)
-    capacity = _capacity_table(stand, flows)
+    capacity, by_speed, by_flow = _capacity_table(stand, flows), _speed_table(stand, flows), _flow_table(stand, flows)
     numbers = {key: float(capacity[key][duty_ratios.index(own)]) for key in QUANTITIES}
-    tables = {"capacity": capacity, "speeds": _speed_table(stand, flows), "flows": _flow_table(stand, flows)}
     return Result(
         verb="rig derived-capacity",
         title="Derived capacity over the duty ratio",
@@ -103,8 +102,8 @@ def derived_capacity(
             "load pressure": axis_words(capacity_pressures(stand).tolist(), kinds.PRESSURE_LEVEL),
         },
         left_out=LEFT_OUT,
-        tables=tables,
-        charts={each.name: each for each in (_capacity_chart(tables["speeds"]), _flow_chart(tables["flows"]))},
+        tables={"capacity": capacity, "speeds": by_speed, "flows": by_flow},
+        charts={each.name: each for each in (_capacity_chart(by_speed), _flow_chart(by_flow))},
         numbers=numbers_of(numbers, QUANTITIES),
         findings=(
             *_findings(numbers),

@@ -104,11 +104,9 @@ def dynamics(
     asked = _checked_frequencies(chosen, pwm)
     delivered, load = frequency_response(middle, asked.tolist(), amplitude)
     static = (rising.after - rising.before) / (high - low)
-    tables = {
-        "step_up": _step_table(f"Step from duty ratio {low:g} to {high:g}", rising),
-        "step_down": _step_table(f"Step from duty ratio {high:g} to {low:g}", falling),
-        "frequency": Table(title="Frequency response", columns=_gains(asked, delivered, load, static)),
-    }
+    up_table = _step_table(f"Step from duty ratio {low:g} to {high:g}", rising)
+    down_table = _step_table(f"Step from duty ratio {high:g} to {low:g}", falling)
+    gains = Table(title="Frequency response", columns=_gains(asked, delivered, load, static))
     numbers = {"pwm_frequency_Hz": pwm, "static_gain_m3_s": static, "load_line_time_constant_s": line_time(middle)}
     numbers |= _step_numbers("up", rising) | _step_numbers("down", falling) | _bandwidths(asked, delivered / static)
     return Result(
@@ -119,8 +117,8 @@ def dynamics(
         references=("iso17559",),
         conditions=_conditions(stand, low, high, amplitude),
         left_out=LEFT_OUT,
-        tables=tables,
-        charts={each.name: each for each in (_step_chart(tables), _bode_chart(tables["frequency"], pwm))},
+        tables={"step_up": up_table, "step_down": down_table, "frequency": gains},
+        charts={each.name: each for each in (_step_chart(up_table), _bode_chart(gains, pwm))},
         numbers=numbers_of(numbers, QUANTITIES),
         findings=tuple(_findings(stand, numbers)),
         seconds=time.perf_counter() - began,
@@ -222,7 +220,7 @@ def _bandwidths(frequencies: Array, response: Array) -> dict[str, float]:
     }
 
 
-def _step_chart(tables: Mapping[str, Table]) -> Chart:
+def _step_chart(rising: Table) -> Chart:
     caption = (
         "Delivered flow after a step of the duty ratio, averaged over the last PWM period; band: all phases of the "
         "step within a PWM period."
@@ -236,7 +234,7 @@ def _step_chart(tables: Mapping[str, Table]) -> Chart:
             high="delivered_flow_highest_m3_s",
         )
     ]
-    if "load_flow_m3_s" in tables["step_up"].columns:
+    if "load_flow_m3_s" in rising.columns:
         lines.append(Line(x="time_s", y="load_flow_m3_s", colour=Colour.INLET, stroke=Stroke.DASHED))
         caption += (
             " Dashed: flow through the load, behind the load line, as it is at each instant; where the load pressure "

@@ -1,6 +1,6 @@
 """The result of a run: what its page, its screen and a comparison show."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 
 from vvdp.evaluation.bench import RotaryBench
 from vvdp.evaluation.overview import loss_lines, power_lines
@@ -46,7 +46,9 @@ def run_result(run: RecordedRun) -> Result:
     """Everything that is to be said and drawn of a run."""
     bench = _bench(run)
     shown, tables = course(run)
-    losses = _losses(run, tables) if bench is None else _bench_losses(run, tables)
+    drawn = list(_losses(run) if bench is None else _bench_losses(run))
+    tables |= {chart.table: table for chart, table in drawn}
+    losses = [chart for chart, _ in drawn]
     of_losses = loss_listings(run)
     harmonics = {"harmonics": harmonic_listing(tables[SPECTRUM])} if SPECTRUM in tables else {}
     result = Result(
@@ -134,28 +136,26 @@ def _bench_tables(
     return {name: each for name, each in ((CYCLE, cycle), (SPECTRUM, spectrum)) if each is not None}
 
 
-def _losses(run: RecordedRun, tables: dict[str, Table]) -> list[Chart]:
+def _losses(run: RecordedRun) -> Iterator[tuple[Chart, Table]]:
     parts = [line for line in loss_lines(run.system, run.summary) if line.loss > 0.0]
     if not parts:
-        return []
+        return
     put_in = sum(power for _, power in power_lines(run.system, run.summary) if power > 0.0)
     labels = tuple(line.component.replace("_", " ") for line in parts)
-    tables["powers-component"] = bar_table("component", {"mean": tuple(p.loss for p in parts)}, labels, put_in)
+    bars = bar_table("component", {"mean": tuple(p.loss for p in parts)}, labels, put_in)
     caption = "Mean power dissipated by each component over the averaging window; shares are of the input power."
-    return [loss_chart(tables["powers-component"], caption)]
+    yield loss_chart(bars, caption), bars
 
 
-def _bench_losses(run: RecordedRun, tables: dict[str, Table]) -> list[Chart]:
+def _bench_losses(run: RecordedRun) -> Iterator[tuple[Chart, Table]]:
     whole = run.number("input_power_W") + run.number("spool_motor_power_W")
-    charts = []
     for name, losses, caption in (
         ("component", components(run), "Where the simulated power is lost, mean over the averaging window."),
         ("cause", causes(run), "Mean losses by cause, simulated and, where there are formulas, analytic."),
     ):
         labels = tuple(loss.name for loss in losses)
-        tables[f"powers-{name}"] = bar_table(name, loss_table_columns(losses), labels, whole)
-        charts.append(loss_chart(tables[f"powers-{name}"], caption))
-    return charts
+        bars = bar_table(name, loss_table_columns(losses), labels, whole)
+        yield loss_chart(bars, caption), bars
 
 
 def _sections(run: RecordedRun, bench: RotaryBench | None, course: list[Chart], losses: list[Chart],

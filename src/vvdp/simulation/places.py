@@ -19,7 +19,6 @@ AUTOMATIC, ONLY_EXPLICIT, ONLY_STIFF = 0, 1, 2
 # `plan`: times are phase + n period; TRIGGER is the place among the events, 0 for a program that goes by the clock;
 # its command lies in FIRST to LAST; so do the modes, in the row of the conditions.
 PERIOD, PHASE, LATENCY, TRIGGER, FIRST, LAST = range(6)
-PLAN = 6
 
 # Columns of `agenda`: the n of the next sample, how often it was called, the floor of its trigger, whether it has had
 # its turn at this instant, and the ring of commands that wait for their time.

@@ -120,11 +120,3 @@ def begin(sample, events, t, y, u, m, p, plan, agenda, waiting, g):
             while plan[k, PHASE] + agenda[k, NUMBER] * plan[k, PERIOD] < t - HAIR * abs(t):
                 agenda[k, NUMBER] += 1.0
     return instant(sample, events, t, y, u, m, p, plan, agenda, waiting, g)
-
-
-def is_crossed(plan, agenda, g):
-    """Whether the floor of any trigger differs from the one that is remembered."""
-    for k in range(1, plan.shape[0]):
-        if plan[k, TRIGGER] > 0.0 and np.floor(g[int(plan[k, TRIGGER])]) != agenda[k, LEVEL]:
-            return True
-    return False
