@@ -99,7 +99,6 @@ class FlowControlUnit(OnOffValve):
     equal_sizes: Fraction = 0.0
 
     def check(self) -> None:
-        super().check()
         if self.valves < 1.0 or self.valves != round(self.valves):
             refuse(self, "valves", "must be a whole number of at least 1")
         if self.equal_sizes not in (0.0, 1.0):

@@ -73,7 +73,6 @@ class CodedTable(ValveLoop):
     pump_pressure: Pressure
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "rated_flow", "rated_drop")
 
 

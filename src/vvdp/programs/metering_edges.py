@@ -196,7 +196,6 @@ class EdgeTable(CylinderLoop):
     is_coded: Fraction = 0.0
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "supply_step", "return_step", "highest")
 
 

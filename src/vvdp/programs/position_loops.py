@@ -56,7 +56,6 @@ class ValveLoop(CylinderLoop):
     valve_conductance: Conductance
 
     def check(self) -> None:
-        super().check()
         require_positive(self, "valve_conductance")
 
 
