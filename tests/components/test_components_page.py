@@ -64,6 +64,7 @@ def row(name, component):
             f"`{a.name}` {a.kind.example}" + ("" if a.default is None else f" ({value_text(a.default, a.kind)})")
             for a in component.inputs
         ]
+        inputs += [f"`{a.name}` {a.kind.example} instead of `{name}`" for name, a in component.alternatives.items()]
         own = [line for cls in component.params for line in values(cls)]
         cells = [ports, inputs, own, state(component.state), component.outputs]
     return (

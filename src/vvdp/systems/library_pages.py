@@ -9,7 +9,7 @@ import inspect
 import re
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib import resources
 from typing import Any, get_origin
@@ -101,6 +101,10 @@ def _component_page(kind: str, component: Component) -> LibraryPage:
     ]
     given = example_values(kind)
     inputs = [_value(each.name, each.kind, given, each.default, kind) for each in component.inputs]
+    inputs += [
+        replace(_value(each.name, each.kind, given, None, kind), usual=f"instead of {name}")
+        for name, each in component.alternatives.items()
+    ]
     outputs = [_value(name, each, {}, None, kind) for name, each in component.outputs.items()]
     return LibraryPage(
         type=kind,
