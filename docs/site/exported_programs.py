@@ -16,8 +16,6 @@ from vvdp.systems.system import System, load_system, shipped_systems
 PAGE = Path(__file__).parents[1] / "c-export.md"
 EXAMPLE = "speed-from-edges"
 """The example of the event filter, which is no shipped system."""
-DOUBLE_ALONE = {("digital-pump-control", "pistons")}
-"""Programs whose decisions rounding to single precision turns: a piston is enabled a stroke later."""
 SAMPLES = 200
 """Samples of a run over which instructions are counted."""
 SIZES = ("<!-- sizes, made by docs/site/exported_programs.py -->\n", "<!-- end of the sizes -->\n")
@@ -56,7 +54,7 @@ def target_rows(name: str, program: str) -> str:
     made = c_part(system, program)
     rows = _target_row(system, made, core=1)
     assert made.program is not None
-    if (name, program) in DOUBLE_ALONE or next(growing(made.program, made.entries[0].blocks), ""):
+    if next(growing(made.program, made.entries[0].blocks), ""):
         return rows
     return _target_row(system, in_single(made), core=0) + rows
 

@@ -66,7 +66,6 @@ def refusal_of(name, part):
 
 def test_steps_that_work_with_numbers_that_grow_are_refused():
     assert "memory.time is a time, which grows" in refusal_of("prototype", "encoder")
-    assert "ripple_order must be 0" in refusal_of("prototype", "estimate")
     assert "only the step of a program" in refusal_of("prototype", "circuit")
     assert "only the step of a program" in refusal_of("prototype", "machine")
 
@@ -75,12 +74,6 @@ def test_settings_that_no_float_holds_are_refused():
     system = load_system(str(EXAMPLE), ["programs.speed.ripple_drift=1e-40 1/s"])
     with pytest.raises(ConfigError, match=r"settings\.ripple_drift, 1e-40, is no number of single precision"):
         in_single(c_part(system, "speed"))
-
-
-def test_the_filter_of_the_prototype_keeps_its_digits_without_ripples(tmp_path):
-    """With them, the estimate of 100 samples goes astray: a ripple of 6e-5 beside an angle of 1000 rad^2 at first."""
-    system = load_system("prototype", ["spool_filter.ripple_order=0"])
-    assert not list(growing(system.model.programs["estimate"], c_part(system, "estimate").entries[0].blocks))
 
 
 def test_a_folder_in_single_precision_compares_with_double(tmp_path):
@@ -100,6 +93,18 @@ def test_a_folder_in_single_precision_compares_with_double(tmp_path):
     (tmp_path / "vectors.h").write_text(text.replace("UINT64_C(0x4069", "UINT64_C(0x4059"), "utf-8")
     done = subprocess.run(["make", "-s", "test", compiler], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode != 0
+
+
+@pytest.mark.parametrize(("name", "part"), [("prototype", "estimate"), ("digital-pump-control", "pistons")])
+def test_steps_with_sines_compare_with_double(tmp_path, name, part):
+    """Ripples of three a turn, and pistons by the angle of the shaft: angles beyond an eighth of a turn."""
+    made = exported_folder(load_system(name), part, 300, Precision.SINGLE)
+    for file, text in made.files.items():
+        (tmp_path / file).write_text(text, "utf-8")
+    words = ["make", "-s", "test", f"CC={required_program('cc')}"]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert float(re.search(r"of \w+, (\S+) of its largest value", done.stdout)[1]) < 5e-4
 
 
 @pytest.fixture(scope="module")
@@ -187,5 +192,8 @@ def test_every_step_that_allows_it_is_close_in_single_precision(tmp_path):
             allowed.add(f"{name} {part}")
     assert allowed == {
         "accumulator-charging unloading", "axial-chamber drive_wanted", "axial-gerotor drive_wanted",
-        "axial-gerotor drive_law", "digital-pump-control pistons", "transmission-speed-control forward",
+        "axial-gerotor drive_law", "digital-pump-control pistons", "prototype estimate",
+        "transmission-speed-control forward", "vvdp-duty-control estimate", "vvdp-duty-control asked",
+        "vvdp-duty-control-gerotor estimate", "vvdp-duty-control-gerotor asked",
+        "vvdp-duty-control-gerotor position_control",
     }  # fmt: skip

@@ -9,6 +9,7 @@ from tests.compiled import compiled
 from tests.generator.ways import results
 
 from vvdp.generator import elementary
+from vvdp.generator.c_single import SHORTER
 from vvdp.simulation.lane_math import EIGHTH, HALF_PI, parts, shorten_series
 
 
@@ -82,6 +83,25 @@ def test_a_hand_calculation():
     assert elementary.cosine(third) == pytest.approx(0.5, rel=1e-15)
     assert elementary.arcsine(0.5) == pytest.approx(math.pi / 6.0, rel=1e-15)
     assert elementary.log_of_one_plus(math.e - 1.0) == pytest.approx(1.0, rel=1e-15)
+
+
+def test_numbers_of_single_precision_keep_its_digits(monkeypatch):
+    """The same text in floats, with what stands there for numbers that follow from the digits of a double."""
+    assert sum(SHORTER[each] for each in elementary.QUARTERS) == pytest.approx(np.pi / 2.0, abs=1e-15)
+    for name in ("ROUNDING", "PER_QUARTER", "HALF_PI", "HALF_PI_LOW", "SPLIT"):
+        value = getattr(elementary, name)
+        monkeypatch.setattr(elementary, name, np.float32(SHORTER.get(value, value)))
+    for name in ("QUARTERS", "SINE", "COSINE", "ARCSINE"):
+        values = getattr(elementary, name)
+        monkeypatch.setattr(elementary, name, tuple(np.float32(SHORTER.get(each, each)) for each in values))
+    angles = np.linspace(-200.0, 200.0, 4001).astype(np.float32)
+    for quarters, named in ((0.0, np.sin), (1.0, np.cos)):
+        found = np.array([elementary._shifted_sine(each, np.float32(quarters)) for each in angles])
+        assert found.dtype == np.float32
+        assert np.max(np.abs(found - named(angles.astype(float)))) < 6e-8
+    shares = np.linspace(-1.0, 1.0, 2001).astype(np.float32)
+    found = np.array([elementary.arcsine(each) for each in shares], np.float64)
+    assert np.max(np.abs(found - np.arcsin(shares.astype(float)))) < 1.2e-7
 
 
 def test_numbers_of_the_series_are_derived():

@@ -71,13 +71,6 @@ class EventFilter(EventFilterValues):
         if self.index_turns > 0.0 and not self.wheel.has_index:
             refuse(self, "index_turns", "must be 0: the wheel looks the same after less than a revolution")
 
-    @property
-    def needs_double(self) -> str:
-        """Why a step with these settings needs double precision, in words; empty where it does not."""
-        if self.ripple_order == 0.0:
-            return ""
-        return "ripple_order must be 0, for the covariances of a ripple are lost among those of the angle"
-
 
 def event_filter(wheel: CodeWheel) -> EventFilter:
     """The published settings, completed; change one with `dataclasses.replace`.

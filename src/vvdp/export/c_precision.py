@@ -38,9 +38,7 @@ def in_single(part: CPart) -> CPart:
 
 
 def growing(program: Program, blocks: tuple[Block, ...]) -> Iterator[str]:
-    """What makes the step of a program work with numbers that grow with the time for which it runs, or its settings
-    need double precision, in words."""
-    yield from (reason for block in blocks if (reason := getattr(block.value, "needs_double", "")))
+    """What makes the step of a program work with numbers that grow with the time for which it runs, in words."""
     if program.is_bounded:
         return
     if asks_for_time(program.step):

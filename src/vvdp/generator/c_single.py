@@ -1,7 +1,8 @@
 """A module of the tree as C99 in single precision: the text of `c_writer` with `float` for `double`.
 
-Every operation is done in single precision, literals and functions of the C library included. So that no number is
-lost without a message, literals that a float cannot hold are refused.
+Every operation is done in single precision, literals and functions of the C library included. Numbers that follow from
+the digits of a double, such as the parts of a quarter of a turn, are those of a float. So that no number is lost
+without a message, literals that a float cannot hold are refused.
 """
 
 import ast
@@ -11,6 +12,7 @@ import re
 
 import numpy as np
 
+from vvdp.generator import elementary
 from vvdp.generator.c_scopes import expressions_in
 from vvdp.generator.c_writer import CModule
 from vvdp.generator.kinds import FLOAT
@@ -23,6 +25,16 @@ from vvdp.generator.verify import statement_operands
 LEAST, MOST = (float(getattr(np.finfo(np.float32), name)) for name in ("tiny", "max"))
 """The smallest float with all of its digits, and the largest."""
 
+SHORTER = {
+    elementary.ROUNDING: 1.5 * 2.0**23,
+    **dict(zip(elementary.QUARTERS, (1.5703125, 4.837512969970703e-04, 7.549789948768648e-08, 0.0), strict=True)),
+    elementary.HALF_PI_LOW: -4.371139000186241e-08,
+    elementary.SPLIT: 2.0**12 + 1.0,
+}
+"""What stands in single precision for numbers that follow from the digits of a double.
+
+Source  Cody and Waite, Software Manual for the Elementary Functions (1980): a quarter of a turn in 8, 11 and 24 bits
+"""
 _FUNCTIONS = {*C_LIBRARY, *EXACT, "fma"}
 _TOKENS = re.compile(
     r"""(?P<apart>/\*.*?\*/|"[^"\n]*"|\#include[^\n]*)
@@ -40,7 +52,8 @@ def single_text(text: str) -> str:
         if found["apart"]:
             return whole
         if found["number"]:
-            return f"{whole}f"
+            shorter = SHORTER.get(float(whole))
+            return f"{whole if shorter is None else repr(shorter)}f"
         if whole == "double":
             return "float"
         return f"{whole}f" if whole in _FUNCTIONS and text[found.end() : found.end() + 1] == "(" else whole
