@@ -213,4 +213,4 @@ def test_all_arrays_of_a_machine_have_a_known_length():
     system = load_system("displacement-control")
     rooms = room_of(machine_module(system.model, system.case))
     assert rooms["run"] is not None
-    assert rooms["run"][0] > 1000
+    assert 0 < rooms["run"][0] < 1000  # arrays of a sample, given back by each call

@@ -52,7 +52,8 @@ def same(one, other, rows) -> bool:
 
 @pytest.fixture(scope="module")
 def prototype():
-    return load_system("prototype", until="0.03 s")
+    """The rig that the prototype is drawn like, whose tables are changed here."""
+    return load_system("prototype", until="0.03 s").counterpart
 
 
 @pytest.fixture(scope="module")
