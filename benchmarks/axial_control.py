@@ -16,8 +16,9 @@ from benchmarks.measure import (
     run_as_command,
     spread,
 )
-from vvdp.programs.axial_loop import PROGRAM, AxialCommand, AxialPlace
-from vvdp.programs.chamber_loop import WatchedLoop, WatchedMemory, watched_step
+from vvdp.machines.inner_loop import LedPlace, led_step
+from vvdp.programs.axial_loop import PROGRAM, AxialCommand
+from vvdp.programs.chamber_loop import WatchedLoop, WatchedMemory
 from vvdp.simulation.replay import Replay
 from vvdp.simulation.run import Run, simulate
 from vvdp.systems.system import System, load_system
@@ -39,15 +40,15 @@ def main(short: bool) -> None:
     """Samples, runs and compilations, each beside what it is compared with."""
     rounds = 2 if short else ROUNDS
     controlled = load_system("vvdp-duty-control", (), "0.05 s" if short else "1 s")
-    cost_per_sample(controlled, SAMPLES // (100 if short else 1), rounds)
+    cost_per_sample(load_system("displacement-control"), SAMPLES // (100 if short else 1), rounds)
     against_prototype(controlled, load_system("prototype", (), "0.05 s" if short else "1 s"), rounds)
     if not short:
         compiling(3)
 
 
-def sampled_step(memory: WatchedMemory, place: AxialPlace, settings: WatchedLoop) -> tuple[WatchedMemory, AxialCommand]:
+def sampled_step(memory: WatchedMemory, place: LedPlace, settings: WatchedLoop) -> tuple[WatchedMemory, AxialCommand]:
     """The step of the program, as a record is gone through."""
-    return watched_step(place.time, memory, place, settings)
+    return led_step(place.time, memory, place, settings)
 
 
 def cost_per_sample(system: System, samples: int, rounds: int) -> None:
@@ -57,8 +58,9 @@ def cost_per_sample(system: System, samples: int, rounds: int) -> None:
     memory = program.type.start(settings)
     time = 1e-3 * np.arange(samples)
     pressure = np.where(time < 0.4, 101325.0, 14.6e5)
-    place = np.column_stack([time, 157.0 * time, np.full(samples, 157.0), np.full(samples, 0.010), pressure])
-    replay = Replay(sampled_step, memory, AxialPlace(*place[0]), settings)
+    held = [np.full(samples, each) for each in (157.0, 0.010)]
+    place = np.column_stack([time, 157.0 * time, *held, pressure, held[1], np.ones(samples)])
+    replay = Replay(sampled_step, memory, LedPlace(*place[0]), settings)
     times = interleaved({"axial control": lambda: replay(memory, place, settings)}, rounds)
     taken = times["axial control"]
     met = median(taken) * 1e6 / samples < SAMPLE_TARGET

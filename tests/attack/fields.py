@@ -144,24 +144,24 @@ def _weighted(path: Path) -> Meaning:
     return Meaning(tomllib.loads(path.read_text("utf-8")), {"points": repr(points)}, {})
 
 
-DRAWN = tuple(text for text in shipped_systems().values() if "\n[nodes." in text)
-NAMED = tuple(text for text in shipped_systems().values() if "\n[nodes." not in text)
+DRAWN = tuple(text for text in shipped_systems().values() if "\n[nodes" in text)
+NAMED = tuple(text for text in shipped_systems().values() if "\n[nodes" not in text)
 FAULTS = """
 [faults.frozen]
-sensor = "axial.pressure"
+sensor = "axial_observer.pressure"
 frozen = true
 begin = "1.6 s"
 [faults.blind]
-sensor = "axial.loop.sensor"
+sensor = "axial_sensor.instrument"
 lost = true
 begin = "1.6 s"
 end = "1.8 s"
 [faults.dirty]
-sensor = "axial.watch"
+sensor = "encoder.encoder"
 missed = "20 %"
 begin = "1.1 s"
 [faults.stuck]
-actuator = "axial.drive"
+actuator = "passivity.command"
 stuck = true
 begin = "1.7 s"
 [faults.jam]

@@ -49,7 +49,7 @@ def build(tmp_path):
         ("linear-valves", "loop"),
         ("displacement-chapter6", "control"),
         pytest.param("axial-chamber", "drive_law", marks=pytest.mark.thorough),
-        pytest.param("vvdp-duty-control", "axial", marks=pytest.mark.thorough),
+        pytest.param("vvdp-duty-control", "axial_observer", marks=pytest.mark.thorough),
     ],
 )
 def test_no_number_of_the_closed_loop_differs(name, part, build, capfd):
