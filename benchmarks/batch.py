@@ -58,7 +58,7 @@ def in_lanes(batch: Callable[..., BatchRun], count: int, rounds: int) -> None:
 def main(short: bool) -> None:
     """Checks that the threads change nothing, then times; by the clock on the wall, which two threads share."""
     count = 20 if short else COUNT
-    system = load_system("prototype", until="5 ms" if short else "0.05 s")
+    system = rotary_bench(load_system("prototype", until="5 ms" if short else "0.05 s"), "batch").system
     chosen = list(cases(system, count))
     batch = partial(simulate_batch, system.model, chosen, system.stepping)
     in_lanes(batch, count, 2 if short else ROUNDS)

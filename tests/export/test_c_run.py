@@ -15,6 +15,11 @@ from vvdp.simulation.values import as_series, flat, leaves
 from vvdp.systems.system import load_system
 
 
+def _paths(system, program):
+    """What a program reads by paths."""
+    return [each for each in system.circuit.network.programs[program].reads.values() if isinstance(each, str)]
+
+
 @pytest.mark.thorough
 @pytest.mark.skipif(not compilers(), reason="no C compiler")
 @pytest.mark.skipif(not is_fused(), reason="a run has other bits on a processor without fused operations")
@@ -25,7 +30,8 @@ from vvdp.systems.system import load_system
 def test_samples_of_a_run_have_the_same_bits(name, program, until):
     """Rows are at the samples only, since other instants are the same but for rounding.
 
-    A row at the instant of a sample has the state that is measured; the next row has what has come of it.
+    A row at the instant of a sample has the state that is measured; the next row has what has come of it, the commands
+    included that other programs give at this instant.
     """
     system = load_system(name, (), until)
     period = system.model.programs[program].period or system.stepping.sample_period
@@ -33,7 +39,8 @@ def test_samples_of_a_run_have_the_same_bits(name, program, until):
     instants = np.arange(round(run.end / period)) * period
     rows = np.searchsorted(run.times, instants - 1e-9)
     assert run.times[rows].tolist() == instants.tolist()
-    given = run.states[rows], run.commands[rows]
+    reads_commands = any(source.partition(".")[0] in system.model.programs for source in _paths(system, program))
+    given = run.states[rows], run.commands[rows + 1 if reads_commands else rows]
     found = outputs(system.model, system.case, instants, *given)
     measure = system.model.programs[program].measure
     reading = measure(instants, as_series(system.case.state, given[0]), found, system.case.params)
