@@ -218,7 +218,8 @@ class Drawer(ProgramDrawer):
         for name, part in self._validly_named_parts(net, "components"):
             self._add_component(net, name, part)
         self._add_programs(net, dict(self._validly_named_parts(net, "programs")))
-        self.rows = [row for row in self.rows if (row.key, row.value) != ("rated_power", UNRATED)]  # no limit
+        nothing = (("rated_power", UNRATED), ("inertia", 0.0))
+        self.rows = [row for row in self.rows if row.note != "default" or (row.key, row.value) not in nothing]
         places = Places(net)
         for each in self.shares if not self.faults else ():
             self._try(each.path, partial(check_share, places, each))
