@@ -18,12 +18,12 @@ from vvdp.components.library import UsualOil
 from vvdp.hydraulics.heat import HeatBalance
 from vvdp.systems.bench_tables import Limits
 from vvdp.systems.drawing import TABLES, Temperature
+from vvdp.systems.drawn_parts import FAULTS
 from vvdp.systems.part_files import GROUPS, VALUES, targets_of
 from vvdp.systems.part_scopes import Entries, as_table
 
 OWN = {"oil": UsualOil, "operation": Temperature, "heat": HeatBalance, "limits": Limits}
 """Tables of any drawn circuit, whose keys mean something there as well."""
-FAULTS = "faults"
 
 
 @dataclass(frozen=True)
