@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from vvdp.evaluation.summary import summary
-from vvdp.machines.supervision import WATCHED
+from vvdp.programs.machine.supervision import WATCHED
 from vvdp.simulation.run import Run, simulate
 from vvdp.simulation.values import flat
 from vvdp.systems.system import System, load_system, shipped_systems

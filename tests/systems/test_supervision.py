@@ -9,7 +9,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.signal import constant
 from vvdp.control.capacities import CircuitPressures, CylinderModel, SupplyLine
 from vvdp.control.supervision import alarm_start, alarm_step, repeat_start, repeat_step
-from vvdp.machines.supervision import (
+from vvdp.programs.machine.supervision import (
     WATCHED,
     MachineSight,
     SpoolSpring,

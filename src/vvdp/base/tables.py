@@ -23,9 +23,10 @@ from vvdp.base import signal as signals
 from vvdp.base.display import value_text
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
 from vvdp.base.kinds import ANGLE, FREQUENCY, TIME, Kind
-from vvdp.base.params import Params, default_values, field_kinds, field_types, idle_fields
+from vvdp.base.params import Params, default_values, field_kinds, field_names, field_types, idle_fields
 from vvdp.base.rules import refused_field
 from vvdp.base.signal import Signal
+from vvdp.base.slots import TableSlot, inner_slots
 from vvdp.base.units import parse, parsed_difference
 
 STATUSES = ("measured", "published", "derived", "assumed", "given")
@@ -290,11 +291,34 @@ def build(
 ) -> tuple[T | None, list[Sourced]]:
     """The parameters of `cls` from one TOML table called `name`, and the origin of each value.
 
-    A field with a default need not be given. Faults are appended to `faults`; the parameters are None when there are
-    any.
+    A field with a default need not be given; one whose type is a parameter class is a table inside of this one. Faults
+    are appended to `faults`; the parameters are None when there are any.
     """
-    kinds, known, defaults = field_kinds(cls), field_types(cls), default_values(cls)
-    before = len(faults)
+    slots, before = inner_slots(cls), len(faults)
+    plain = {key: entry for key, entry in table.items() if key not in slots}
+    given, rows = _own_values(cls, plain, name, origin, faults)
+    values: dict[str, Any] = {key: row.value for key, row in given.items()}
+    for key, slot in slots.items():
+        if key in table or not slot.optional:
+            values[key], inner = build_inner(slot, table.get(key), f"{name}.{key}", origin, faults)
+            rows += inner
+    if len(faults) > before:
+        return None, rows
+    try:
+        return cls(**values), rows
+    except ParameterError as problem:
+        key, message = refused_field(problem, cls)
+        message = _as_written(table.get(key), message)
+        faults.append(fault_at(origin, f"{name}.{key}" if key else name, message))
+        return None, rows
+
+
+def _own_values(
+    cls: type[Params], table: Mapping[str, object], name: str, origin: Table, faults: list[Fault]
+) -> tuple[dict[str, Sourced], list[Sourced]]:
+    """The values of a table that are no tables themselves: those that it gives, and all of them with the usual ones."""
+    known, defaults, slots = field_types(cls), default_values(cls), inner_slots(cls)
+    kinds = {key: kind for key, kind in field_kinds(cls).items() if key not in slots}
     readers = {key: partial(read_sourced, name, key, kind, known[key]) for key, kind in kinds.items()}
     given = read_values(readers, table, name, origin, faults)
     rows: list[Sourced] = []
@@ -309,17 +333,35 @@ def build(
         elif kind is not None:
             rows.append(Sourced(name, key, defaults[key], kind, status="assumed", note="default"))
     idle = {key: tuple(_setting(name, each) for each in factors) for key, factors in idle_fields(cls).items()}
-    rows = [dataclasses.replace(row, idle_at=idle[row.key]) if row.key in idle else row for row in rows]
-    if len(faults) > before:
-        return None, rows
-    values: dict[str, Any] = {key: row.value for key, row in given.items()}
-    try:
-        return cls(**values), rows
-    except ParameterError as problem:
-        key, message = refused_field(problem, cls)
-        message = _as_written(table.get(key), message)
-        faults.append(fault_at(origin, f"{name}.{key}" if key else name, message))
-        return None, rows
+    return given, [dataclasses.replace(row, idle_at=idle[row.key]) if row.key in idle else row for row in rows]
+
+
+def build_inner(
+    slot: TableSlot, part: object, name: str, origin: Table, faults: list[Fault]
+) -> tuple[Params | None, list[Sourced]]:
+    """The parameters of the table called `name`, of the class that its keys show; None with a fault."""
+    if not isinstance(part, Mapping):
+        what = "missing table" if part is None else f"{part!r} is not a table"
+        faults.append(fault_at(origin, name, what))
+        return None, []
+    cls = chosen_class(slot, name, part, origin, faults)
+    others = {field for other in slot.classes if other is not cls for field in field_names(other)}
+    foreign = others - set(field_names(cls))
+    return build(cls, {key: entry for key, entry in part.items() if key not in foreign}, name, origin, faults)
+
+
+def chosen_class(
+    slot: TableSlot, name: str, part: Mapping[str, object], origin: Table, faults: list[Fault]
+) -> type[Params]:
+    """The class of the table called `name`; a fault is appended for each of its keys that belongs to another one."""
+    cls = slot.choice(part)
+    own = set(field_names(cls))
+    for other in slot.classes:
+        theirs = set(field_names(other))
+        for key in part.keys() & (theirs - own):
+            instead = ", ".join(sorted(own - theirs))
+            faults.append(fault_at(origin, f"{name}.{key}", f"contradicts {name}.{instead}; give one of the two"))
+    return cls
 
 
 def _as_written(entry: Any, message: str) -> str:

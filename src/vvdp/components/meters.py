@@ -47,6 +47,6 @@ def transition_meter(
     return MeteredPower(load + tank)
 
 
-SUPPLY_METER = Component(supply_meter, symbol="sensor", averages=("power",), offered=False)
-ACTUATOR_METER = Component(actuator_meter, symbol="sensor", averages=("power",), offered=False)
-TRANSITION_METER = Component(transition_meter, symbol="sensor", averages=("power",), offered=False)
+SUPPLY_METER = Component(supply_meter, symbol="sensor", averages=("power",))
+ACTUATOR_METER = Component(actuator_meter, symbol="sensor", averages=("power",))
+TRANSITION_METER = Component(transition_meter, symbol="sensor", averages=("power",))

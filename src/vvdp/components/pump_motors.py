@@ -20,4 +20,4 @@ def pump_motor(command: Fraction, rated_speed: Speed, state: PumpMotorState, val
     return PumpMotorMotion(PumpMotorState(rate), ramp_side(command, state.speed, rated_speed))
 
 
-PUMP_MOTOR = Component(pump_motor, symbol="electric_motor", offered=False)
+PUMP_MOTOR = Component(pump_motor, symbol="electric_motor")

@@ -19,7 +19,7 @@ from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.hydraulics.flow_source import LaggingSource
 from vvdp.hydraulics.friction import RodFriction, rod_friction_force
-from vvdp.machines.cycle import OwnCycle, Points, Triangle, points_of
+from vvdp.programs.machine.cycle import OwnCycle, Points, Triangle, points_of
 from vvdp.network.nodes import Chamber, Load
 
 

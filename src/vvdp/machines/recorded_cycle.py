@@ -9,7 +9,7 @@ from vvdp.base.kinds import POSITION
 from vvdp.base.tables import Table
 from vvdp.base.units import line_to_si
 from vvdp.logs.source import open_log
-from vvdp.machines.cycle import OwnCycle
+from vvdp.programs.machine.cycle import OwnCycle
 from vvdp.systems.system import System
 
 CHANNEL = "position"

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from vvdp.base.params import Params
+from vvdp.sensing.instrument import Instrument
 from vvdp.simulation.exchange import Partner
 from vvdp.simulation.model import no_memory
 
@@ -23,6 +24,7 @@ class ProgramType:
     ramps    fields NAME of its command that go on between samples, from its field `time` on at its field `NAME_rate`
     is_bounded  no number of it grows with the time for which it runs, so that single precision is enough
     report   report(network, name, sample period [s]) -> what it adds to the results, as `programs.report.ProgramReport`
+    instruments  instruments(values of the file) -> the sensors before fields of its reading, by their names
     refuse   refuse(network, name): raises ParameterError("TABLE.NAME.KEY: ...") if the drawn network cannot do what the
              program asks of it; TABLE is nodes, components or programs
     """
@@ -34,6 +36,7 @@ class ProgramType:
     start: Callable[..., Any] = no_memory
     level: Callable[..., Any] | None = None
     report: Callable[[Any, str, float], Any] | None = None
+    instruments: Callable[[Any], Mapping[str, Instrument]] | None = None
     refuse: Callable[[Any, str], None] | None = None
     partner: Partner | None = None
     ramps: frozenset[str] = frozenset()

@@ -283,6 +283,15 @@ def next_stage(stage: Stage, time: float, held: float, known: bool, period: floa
     return Stage(number, since, held)
 
 
+def energised_stage(stage: Stage, energised: float, time: float) -> Stage:
+    """The stage of a drive, which ends for good once it is not `energised` any more.
+
+    energised  1, or 0 without energy
+    time       of the sample [s]
+    """
+    return stage if energised > 0.0 or stage.number == STOP else Stage(STOP, time, stage.held)
+
+
 def show(
     drive_command: float,
     stage: Stage,

@@ -37,6 +37,7 @@ from vvdp.programs.axial_loop import (
     AxialObserverTable,
     AxialSequence,
     Stage,
+    energised_stage,
     is_known,
     known_phase,
     next_stage,
@@ -152,7 +153,7 @@ def observer_of(table: AxialObserverTable, drive: SpringDrive, stop: float, heli
 
 class WatchedSpool(NamedTuple):
     """What sensors show of a spool and its chamber. Deviations and `slip` are those of an event filter; 0: the angle is
-    known."""
+    known. Once `energised` is 0 the control has ended."""
 
     time: Time
     measured: Position
@@ -163,6 +164,7 @@ class WatchedSpool(NamedTuple):
     angle_deviation: Angle = 0.0
     speed_deviation: Speed = 0.0
     slip: AngularVariance = 0.0
+    energised: Fraction = 1.0
 
 
 class WatchedBelief(NamedTuple):
@@ -200,7 +202,9 @@ def chamber_observer_program_step(
     """Position of a spool that a chamber moves against a spring, by the periodic Kalman filter, and its stages."""
     phase = known_phase(reading, reading.slip, memory.slip)
     sight = ChamberSight(AxialReading(reading.time, reading.measured, reading.light), phase, reading.pressure)
-    found = look(memory.chamber, sight, settings.observer, settings.sequence)
+    before = memory.chamber
+    chamber = ChamberBelief(before.filter, energised_stage(before.stage, reading.energised, reading.time))
+    found = look(chamber, sight, settings.observer, settings.sequence)
     estimate, stage = found.estimate, found.belief.stage.number
     return WatchedBelief(found.belief, reading.slip), SeenSpool(
         position=estimate.position,

@@ -121,6 +121,13 @@ class Led(NamedTuple):
     rest: Input = 0.0
 
 
+class LedReference(ReferenceFilter):
+    """The filter; with `leads` 1 what is read counts from the sample before on, and the reference moves a sample
+    earlier than for an input that is held from now on."""
+
+    leads: Fraction = 0.0
+
+
 class Smooth(NamedTuple):
     """A smooth reference with its first three derivatives."""
 
@@ -139,16 +146,17 @@ class SmoothMemory(NamedTuple):
     begun: Fraction
 
 
-def smooth_start(settings: ReferenceFilter) -> SmoothMemory:
+def smooth_start(settings: LedReference) -> SmoothMemory:
     """Before the first sample."""
     return SmoothMemory(reference=reference_at_rest(0.0), reads=0.0, time=0.0, begun=0.0)
 
 
-def smooth_step(t: float, memory: SmoothMemory, reading: Led, settings: ReferenceFilter) -> tuple[SmoothMemory, Smooth]:
+def smooth_step(t: float, memory: SmoothMemory, reading: Led, settings: LedReference) -> tuple[SmoothMemory, Smooth]:
     """What is read, smoothed by four equal poles, with its derivatives; at time t [s], exact for a held input."""
     found = reference_at_rest(reading.reads if reading.released > 0.5 else reading.rest)
     if memory.begun > 0.5 and reading.released > 0.5:
-        found = reference_step(memory.reference, memory.reads, t - memory.time, settings)
+        held = reading.reads if settings.leads > 0.5 else memory.reads
+        found = reference_step(memory.reference, held, t - memory.time, settings)
     after = SmoothMemory(reference=found, reads=reading.reads, time=t, begun=1.0)
     return after, Smooth(found.position, found.velocity, found.acceleration, found.jerk)
 
@@ -157,4 +165,4 @@ DERIVATIVE = GenericProgram(ProgramType(slope_step, Read, Rate(0.0), LowPass, sl
 LOW_PASS = GenericProgram(ProgramType(low_pass_step, Read, Value(0.0), LowPass, last_value_start))
 RATE_LIMIT = GenericProgram(ProgramType(rate_limit_step, Read, Value(0.0), RateLimit, last_value_start))
 LIMIT = GenericProgram(ProgramType(limit_step, Read, Value(0.0), Limits))
-REFERENCE = GenericProgram(ProgramType(smooth_step, Led, Smooth(0.0, 0.0, 0.0, 0.0), ReferenceFilter, smooth_start))
+REFERENCE = GenericProgram(ProgramType(smooth_step, Led, Smooth(0.0, 0.0, 0.0, 0.0), LedReference, smooth_start))

@@ -34,6 +34,7 @@ from vvdp.programs.axial_loop import (
     AxialObserverTable,
     AxialSequence,
     Stage,
+    energised_stage,
     is_known,
     known_phase,
     pollution_model,
@@ -107,7 +108,7 @@ def gerotor_observer_of(table: AxialObserverTable, area: float, stop: float, hel
 
 class WatchedDrive(NamedTuple):
     """What sensors show of a spool, and the command of its pump, which has been in force until now. Deviations and
-    `slip` are those of an event filter; 0: the angle is known."""
+    `slip` are those of an event filter; 0: the angle is known. Once `energised` is 0 the control has ended."""
 
     time: Time
     measured: Position
@@ -118,6 +119,7 @@ class WatchedDrive(NamedTuple):
     angle_deviation: Angle = 0.0
     speed_deviation: Speed = 0.0
     slip: AngularVariance = 0.0
+    energised: Fraction = 1.0
 
 
 class DriveStage(NamedTuple):
@@ -158,7 +160,8 @@ def drive_sight(before: DriveStage, reading: WatchedDrive, watch: DriveWatch) ->
     if before.stage.number == RUN:
         settled = gerotor_flow(reading.command, watch.belief)
     flow = flow_after(settled, before.flow, watch.sample_period, watch.belief.lag)
-    stage = stage_at_stop(before.stage, reading.time, is_known(phase), watch.sample_period, watch.sequence)
+    last = energised_stage(before.stage, reading.energised, reading.time)
+    stage = stage_at_stop(last, reading.time, is_known(phase), watch.sample_period, watch.sequence)
     signal = AxialReading(reading.time, reading.measured, reading.light)
     return DriveSight(DriveStage(stage, flow, reading.slip), sight_of(signal, phase, stage, flow, 0.0, ALWAYS_SEEN))
 

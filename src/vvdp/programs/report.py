@@ -39,6 +39,8 @@ class ProgramReport:
 
     STEADY = True
     """Whether means of a steady state are expected of a run with it."""
+    LEADS = False
+    """Whether its keys stand without the name of its program although other types of program have some of them."""
 
     def __init__(self, network: Network, name: str, sample_period: float) -> None:
         self.program = network.programs[name]
@@ -59,6 +61,10 @@ class ProgramReport:
     def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:  # noqa: ARG002
         """Figures, each over the columns of a table."""
         return ()
+
+    def completed(self, chart: Chart, record: "Record") -> Chart:  # noqa: ARG002
+        """A figure of any program of the circuit with what this one adds to it."""
+        return chart
 
 
 def origin(network: Network, source: Source | None) -> tuple[ProgramPart | None, str]:

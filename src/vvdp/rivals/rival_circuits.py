@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from vvdp.base.errors import ConfigError, Fault
 from vvdp.control.reference import ReferenceFilter
-from vvdp.machines.machine_loop import PROGRAM
+from vvdp.programs.machine.loop import PROGRAM
 from vvdp.rivals.rival_machine import (
     MachineSize,
     control_begin,

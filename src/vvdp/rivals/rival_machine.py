@@ -10,10 +10,10 @@ from vvdp.base.errors import RunError
 from vvdp.base.signal import Signal, constant, table
 from vvdp.control.duty_cycle import cycle_period, resting_pressures
 from vvdp.hydraulics.relief_valve import LoadReliefValve
-from vvdp.machines.cycle import OwnCycle
+from vvdp.programs.machine.cycle import OwnCycle
 from vvdp.machines.duties import Duty
-from vvdp.machines.machine_loop import PROGRAM
-from vvdp.machines.stages import CONTROL
+from vvdp.programs.machine.loop import PROGRAM
+from vvdp.programs.machine.phases import CONTROL
 from vvdp.rivals.sizing import loop_settings
 from vvdp.simulation.run import Run
 from vvdp.systems.system import load_system

@@ -3,17 +3,17 @@
 import importlib
 import inspect
 import types
-import typing
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, is_dataclass
+from dataclasses import is_dataclass
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Any, get_type_hints
 
-from vvdp.base.errors import Fault, ParameterError
+from vvdp.base.errors import ParameterError
 from vvdp.base.params import Params
-from vvdp.base.tables import Table, nearest
+from vvdp.base.slots import TableSlot, slot_of
+from vvdp.base.tables import nearest
 from vvdp.network.network import Network
 from vvdp.systems.own_modules import local_file, module_name, run_local_module
 
@@ -21,43 +21,6 @@ GROUP = "vvdp.systems"
 """Group of the entry points under which packages offer circuits."""
 
 NetworkFunction = Callable[..., Network]
-
-
-@dataclass(frozen=True)
-class TableSlot:
-    """A table that a circuit takes: one of several classes, distinguished by their keys; or none, where it is
-    optional.
-    """
-
-    classes: tuple[type[Params], ...]
-    optional: bool
-
-    def choice(self, keys: Mapping[str, object]) -> type[Params]:
-        """The class that has most of the keys, the first one at a tie."""
-
-        def shared_base(cls: Any) -> int:
-            return len(keys.keys() & _keys(cls))
-
-        return max(self.classes, key=shared_base)
-
-
-def chosen_class(
-    slot: TableSlot, name: str, part: Mapping[str, object], table: Table, faults: list[Fault]
-) -> type[Params]:
-    """The class of the table called `name`; a fault is appended for each of its keys that belongs to another one."""
-    cls, classes = slot.choice(part), list[Any](slot.classes)
-    own = _keys(classes[slot.classes.index(cls)])
-    for other in classes:
-        for key in part.keys() & (_keys(other) - own):
-            instead = ", ".join(sorted(own - _keys(other)))
-            message = f"contradicts {name}.{instead}; give one of the two"
-            faults.append(Fault(table.place, table.lines.get(f"{name}.{key}", 0), f"{name}.{key}", message))
-    return cls
-
-
-@cache
-def _keys(cls: Any) -> frozenset[str]:
-    return frozenset(inspect.signature(cls).parameters)
 
 
 def circuit_names() -> list[str]:
@@ -145,11 +108,9 @@ def table_slots(function: NetworkFunction) -> dict[str, TableSlot]:
 
 
 def _slot(function: str, name: str, hint: Any) -> TableSlot:
-    union = get_origin(hint) in (types.UnionType, typing.Union)
-    members = get_args(hint) if union else (hint,)
-    classes = tuple(c for c in members if isinstance(c, type) and issubclass(c, Params))
-    if not classes or len(classes) + (type(None) in members) != len(members):
+    slot = slot_of(hint)
+    if slot is None:
         raise ParameterError(
             f"{function}: the table {name!r} is annotated as {hint!r}; expected a subclass of vvdp.base.params.Params"
         )
-    return TableSlot(classes, type(None) in members)
+    return slot

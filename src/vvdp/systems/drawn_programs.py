@@ -117,6 +117,8 @@ class ProgramDrawer(ABC):
         sensors = read_sensors(kind, f"{part.path}.sensors", measured, self.origin, self.faults)
         if self._has_faults(part.path):
             return
+        if kind.instruments is not None:
+            sensors = {**kind.instruments(settings), **sensors}
         sampled = getattr(settings, "sample_period", None)
         if sampled and called.period not in (0.0, sampled):
             self._fault(f"{part.path}.period", f"{called.period:g} s must be the sample_period, {sampled:g} s")

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 from vvdp.base.errors import Fault, NetworkError, ParameterError
 from vvdp.base.params import Params
 from vvdp.base.rules import without_class
-from vvdp.base.tables import Sourced, Table, build
+from vvdp.base.tables import Sourced, Table, build_inner
 from vvdp.network.network import Network
-from vvdp.systems.circuits import NetworkFunction, chosen_class, circuit_names, draw, network_function, table_slots
+from vvdp.systems.circuits import NetworkFunction, circuit_names, draw, network_function, table_slots
 from vvdp.systems.part_scopes import Entries
 
 DRAWN = ("nodes", "components", "parts")
@@ -62,17 +62,11 @@ def read_tables(
         part = content.get(key)
         if part is None and slot.optional:
             continue
-        if not isinstance(part, Mapping):
-            what = "missing table" if part is None else f"{part!r} is not a table"
-            faults.append(Fault(table.place, table.lines.get(key, 0), key, what))
-            continue
-        cls = chosen_class(slot, key, part, table, faults)
-        if before is not None and type(before.values.get(key)) is cls and repr(part) == repr(before.content.get(key)):
+        if before is not None and key in before.values and repr(part) == repr(before.content.get(key)):
             values[key] = before.values[key]
             rows += [row for row in before.rows if row.table == key]
             continue
-        others = {field for other in slot.classes if other is not cls for field in keys_of(other)} - keys_of(cls)
-        values[key], found = build(cls, {k: v for k, v in part.items() if k not in others}, key, table, faults)
+        values[key], found = build_inner(slot, part, key, table, faults)
         rows += found
     return values, rows
 

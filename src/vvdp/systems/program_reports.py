@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from vvdp.simulation.run import Run
 
 
+OF_THE_RUN = frozenset({"real_time_factor"})
+"""Keys that are the same whichever program reports them."""
+
+
 def reported_programs(system: LoadedSystem, sample_period: float) -> "ReportedPrograms | None":
     """What the programs of a system bring along; None where that is nothing. `sample_period` of the run [s]."""
     network = system.circuit.network
@@ -70,11 +74,17 @@ class ReportedPrograms(Extras):
         """The figures of all programs."""
         for prefix, report in self.reports.items():
             for chart, table in report.charts(record):
-                yield replace(chart, name=_words(prefix, "-") + chart.name, table=prefix + chart.table), table
+                found = replace(chart, name=_words(prefix, "-") + chart.name, table=prefix + chart.table)
+                for other in self.reports.values():
+                    found = other.completed(found, record)
+                yield found, table
 
 
 def _share_keys(one: ProgramReport, other: ProgramReport) -> bool:
-    return one is not other and not one.QUANTITIES.keys().isdisjoint(other.QUANTITIES)
+    """Whether the keys of `one` need the name of its program beside those of the `other`."""
+    if one is other or (one.LEADS and not other.LEADS):
+        return False
+    return not (one.QUANTITIES.keys() - OF_THE_RUN).isdisjoint(other.QUANTITIES)
 
 
 def _own(prefix: str, found: Mapping[str, float | bool]) -> Mapping[str, float | bool]:

@@ -32,18 +32,23 @@ class FullTable:
 
     short    the paths that the file has for values that stand elsewhere in it
     written  the file as it is
+    tables   the names that the file has for tables inside of its programs
     """
 
     table: Table
     short: Mapping[str, str]
     written: Table
+    tables: Mapping[str, str]
 
     def path_of(self, full: str) -> str:
         """The path of a value in the file; of one that it leaves out, that of the table in which it would stand."""
         group, _, rest = full.partition(".")
-        stands_there = full in self.written.lines or group not in GROUPS
-        usual = full if stands_there or rest.partition(".")[0] not in self.written.content else rest
-        return self.short.get(full, usual)
+        if full in self.short or full in self.written.lines or group not in GROUPS:
+            return self.short.get(full, full)
+        for table, outer in self.tables.items():
+            if full == table or full.startswith(f"{table}."):
+                return outer + full.removeprefix(table)
+        return rest if rest.partition(".")[0] in self.written.content else full
 
     def locate(self, fault: Fault) -> Fault:
         """A fault at the path that the file has."""
@@ -71,7 +76,7 @@ def with_full_paths(table: Table, faults: list[Fault]) -> FullTable:
     """
     names = _names(table.content)
     if not names:
-        return FullTable(table, {}, table)
+        return FullTable(table, {}, table, {})
     targets = dict(_targets(as_table(table.content.get(VALUES)), ()))
     _refuse_targets(targets, names, table, faults)
     content, lines, short = copy_tables(table.content), dict(table.lines), dict[str, str]()
@@ -94,7 +99,8 @@ def with_full_paths(table: Table, faults: list[Fault]) -> FullTable:
     content = {name: inner for name, inner in content.items() if inner != {} or name in OWN}
     if isinstance(content.get(FAULTS), Mapping):
         content[FAULTS] = {name: _fault_with_full_path(each, short) for name, each in content[FAULTS].items()}
-    return FullTable(Table(table.place, content, lines), short, table)
+    inner = {paths[0]: outer for outer, paths in targets.items() if paths and _leads_inside(outer, paths[0])}
+    return FullTable(Table(table.place, content, lines), short, table, inner)
 
 
 def path_in_file(table: Table, full: str) -> str:
@@ -151,7 +157,8 @@ def _refuse_targets(
         for path in paths:
             group, _, rest = path.partition(".")
             name, _, key = rest.partition(".")
-            if names.get(name) != group or bool(key) != ("." in outer):
+            is_table = not key or _leads_inside(outer, path)
+            if names.get(name) != group or is_table == ("." in outer):
                 known = [f"{of}.{each}" for each, of in names.items()]
                 meant = nearest(f"{group}.{name}", known)
                 faults.append(fault_at(table, f"{VALUES}.{outer}", f"{path!r} leads to nothing that is drawn{meant}"))
@@ -173,6 +180,11 @@ def _refuse_unknown_keys(
         refuse_unknown(content[name], known, name, table, faults)
         for key in [key for key in content[name] if key not in own]:
             del content[name][key]
+
+
+def _leads_inside(outer: str, path: str) -> bool:
+    """Whether a name of the file stands for a table inside of a program, `gains = "programs.displacement.gains"`."""
+    return "." not in outer and path.count(".") == 2
 
 
 def _has(content: Entries, path: str) -> bool:

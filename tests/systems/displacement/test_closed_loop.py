@@ -11,7 +11,7 @@ import pytest
 
 from vvdp.base.tables import parsed_table, with_settings
 from vvdp.evaluation.summary import run_summary
-from vvdp.machines.stages import (
+from vvdp.programs.machine.phases import (
     CONTROL,
     EMERGENCY,
     HOLD,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import ParameterError
-from vvdp.machines.cycle import (
+from vvdp.programs.machine.cycle import (
     OwnCycle,
     Triangle,
     cycle_position,

@@ -9,7 +9,7 @@ from tests.systems.displacement.machine_texts import SPRING, change, prescribed_
 from vvdp.control.flow_map import FlowMap, flow_for_duty
 from vvdp.evaluation.summary import run_summary
 from vvdp.fluid.oil import density
-from vvdp.machines.flow_table import duty_ratios, flow_map_of, valve_condition
+from vvdp.programs.machine.flow_table import duty_ratios, flow_map_of, valve_condition
 from vvdp.valve.flow_map import delivered_flows, quasi_steady_mean
 
 TANK, BAR, LPM = 101325.0, 1e5, 1.0 / 6e4

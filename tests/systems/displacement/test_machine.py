@@ -21,8 +21,8 @@ from vvdp.evaluation.summary import run_summary
 from vvdp.evaluation.validity import broken_bounds
 from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.hydraulics.friction import RodFriction
-from vvdp.machines.machine_checks import CylinderDuty, working_pressures
-from vvdp.machines.machine_power import PARTS, mean_powers, whole_periods
+from vvdp.programs.machine.checks import CylinderDuty, working_pressures
+from vvdp.programs.machine.power import PARTS, mean_powers, whole_periods
 from vvdp.simulation.balance import balance_between
 from vvdp.simulation.values import flat
 from vvdp.systems.system import built_system, shipped_systems

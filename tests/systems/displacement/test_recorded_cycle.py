@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import ConfigError
-from vvdp.machines.cycle import cycle_position
-from vvdp.machines.machine_loop import PROGRAM
+from vvdp.programs.machine.cycle import cycle_position
+from vvdp.programs.machine.loop import PROGRAM
 from vvdp.machines.recorded_cycle import recorded_cycle, with_cycle
 from vvdp.systems.system import load_system
 

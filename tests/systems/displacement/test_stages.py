@@ -3,7 +3,7 @@
 import pytest
 
 from vvdp.base.errors import ParameterError
-from vvdp.machines.stages import (
+from vvdp.programs.machine.phases import (
     CONTROL,
     EMERGENCY,
     HOLD,

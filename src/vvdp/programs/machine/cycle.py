@@ -75,7 +75,7 @@ def refuse_fast_points(cycle: Triangle | OwnCycle, fastest: float, longest_gap: 
     if np.any(speeds > fastest):
         row = int(np.argmax(speeds > fastest)) + 2
         raise ParameterError(
-            f"cycle: row {row}: {1e3 * speeds[row - 2]:.4g} mm/s are asked for; pump and cylinder reach "
+            f"MachineTable.cycle: row {row}: {1e3 * speeds[row - 2]:.4g} mm/s are asked for; pump and cylinder reach "
             f"{1e3 * fastest:.4g} mm/s"
         )
     usual = float(np.median(intervals))
@@ -83,7 +83,7 @@ def refuse_fast_points(cycle: Triangle | OwnCycle, fastest: float, longest_gap: 
     if np.any(gaps):
         row = int(np.argmax(gaps)) + 2
         raise ParameterError(
-            f"cycle: row {row}: {intervals[row - 2]:.4g} s after the row before, where {usual:.4g} s are usual; "
+            f"MachineTable.cycle: row {row}: {intervals[row - 2]:.4g} s after the row before, where {usual:.4g} s are usual; "
             "expected no gap"
         )
 
@@ -107,9 +107,8 @@ def points_of(cycle: Triangle | OwnCycle) -> Points:
     )
 
 
-def fastest(cycle: Triangle | OwnCycle) -> float:
+def fastest(points: Points) -> float:
     """The highest speed that a cycle asks for, before any filter [m/s]."""
-    points = points_of(cycle)
     return float(np.max(np.abs(np.diff(points.positions) / np.diff(points.times))))
 
 
@@ -139,8 +138,3 @@ def first_direction(cycle: Triangle | OwnCycle) -> float:
     """Which way a cycle moves first: 1 outward, which is also said of one that never moves, -1 inward."""
     moves = np.diff(points_of(cycle).positions)
     return -1.0 if np.any(moves) and moves[np.flatnonzero(moves)[0]] < 0.0 else 1.0
-
-
-def reference_period(cycle: Triangle | OwnCycle) -> float:
-    """After which time a cycle comes back [s]; its length where it does not."""
-    return points_of(cycle).times[-1]

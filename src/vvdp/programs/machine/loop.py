@@ -26,6 +26,7 @@ from vvdp.base.kinds import (
 )
 from vvdp.base.params import Params
 from vvdp.base.select import clip
+from vvdp.base.units import ATMOSPHERE
 from vvdp.control.capacities import CircuitPressures, capacities, oil_force
 from vvdp.control.cylinder_force import ForceRate
 from vvdp.control.direction import LONG, DirectionMemory
@@ -45,8 +46,8 @@ from vvdp.control.pressure_modes import PressureMode
 from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step
 from vvdp.estimation.load_observer import LoadMemory, LoadObserver, load_observer_start, load_observer_step
 from vvdp.estimation.period_average import AverageMemory, average_start, average_step, pwm_window
-from vvdp.machines.cycle import Points, cycle_position
-from vvdp.machines.stages import (
+from vvdp.programs.machine.cycle import Points, cycle_position
+from vvdp.programs.machine.phases import (
     CONTROL,
     EMERGENCY,
     PRECHARGE,
@@ -57,7 +58,7 @@ from vvdp.machines.stages import (
     next_phase,
     orders_of,
 )
-from vvdp.machines.supervision import (
+from vvdp.programs.machine.supervision import (
     MachineSight,
     Supervised,
     SupervisionMemory,
@@ -67,14 +68,11 @@ from vvdp.machines.supervision import (
 from vvdp.programs.axial_loop import HOME as AT_HOME
 from vvdp.programs.axial_loop import RUN as FOLLOWS
 
-PROGRAM = "displacement"
-"""Name of the program that controls the cylinder."""
-
 
 class MachinePlace(NamedTuple):
-    """What the sensors show, and what the axial control said at the last sample.
+    """What the sensors show, and what the control of the spool said at the last sample.
 
-    `chamber_pressure` is that at the spool; nan where no chamber moves it.
+    `chamber_pressure` is that at the spool, if a chamber moves it.
     """
 
     time: Time
@@ -82,7 +80,6 @@ class MachinePlace(NamedTuple):
     pressure_a: Pressure
     pressure_b: Pressure
     line_pressure: Pressure
-    chamber_pressure: Pressure
     pump_speed: Speed
     spool_stage: Count
     spool_known: Fraction
@@ -90,23 +87,7 @@ class MachinePlace(NamedTuple):
     spool_speed: Speed
     spool_measured: Position
     spool_reference: Position
-
-
-class GerotorMachinePlace(NamedTuple):
-    """What the sensors of a machine show whose spool a gerotor moves, without a chamber; else as `MachinePlace`."""
-
-    time: Time
-    position: Position
-    pressure_a: Pressure
-    pressure_b: Pressure
-    line_pressure: Pressure
-    pump_speed: Speed
-    spool_stage: Count
-    spool_known: Fraction
-    spool_position: Position
-    spool_speed: Speed
-    spool_measured: Position
-    spool_reference: Position
+    chamber_pressure: Pressure = ATMOSPHERE
 
 
 class SpoolRange(Params):
@@ -138,8 +119,10 @@ class MachineLoop(Params):
 
 
 class MachineMemory(NamedTuple):
-    """What is carried from sample to sample; `wanted` is the raw position, held once a stop is asked for."""
+    """What is carried from sample to sample; `wanted` is the raw position, held once a stop is asked for, `begin` when
+    control of the cylinder began, infinite before."""
 
+    begin: Time
     phase: Phase
     reference: Reference
     wanted: Position
@@ -156,7 +139,8 @@ class MachineCommand(NamedTuple):
     """What the drives are asked to do, and what is believed and wanted, to be shown.
 
     `direction` 1 extends the cylinder, `opening` is that of the return valve; `pump` and `energised` are 1 where motor
-    and axial drive are switched on, `dump` 1 holds the dump valve closed. Pressures are averages over a PWM period.
+    and axial drive are switched on, `dump` 1 holds the dump valve closed; `follows` is 1 while the cylinder follows its
+    cycle. Pressures are averages over a PWM period.
     """
 
     direction: SignedFraction
@@ -164,6 +148,7 @@ class MachineCommand(NamedTuple):
     pump: Fraction
     dump: Fraction
     energised: Fraction
+    follows: Fraction
     spool_position: Position
     phase: Count
     wanted: Position
@@ -192,6 +177,7 @@ IDLE = MachineCommand(
     pump=0.0,
     dump=1.0,
     energised=1.0,
+    follows=0.0,
     spool_position=0.0,
     phase=first_phase().number,
     wanted=0.0,
@@ -220,6 +206,7 @@ def machine_start(settings: MachineLoop) -> MachineMemory:
     """The memory before the first sample: homing, all valves closed."""
     lowest = settings.law.cylinder.lowest_position
     return MachineMemory(
+        begin=np.inf,
         phase=first_phase(),
         reference=reference_at_rest(lowest),
         wanted=lowest,
@@ -308,7 +295,7 @@ def machine_sight(
         spool_position=place.spool_position,
         spool_reference=place.spool_reference,
         spool_speed=place.spool_speed,
-        chamber_pressure=place.chamber_pressure,
+        chamber_pressure=place.chamber_pressure if settings.supervised.spring.stiffness > 0.0 else np.nan,
         pump_speed=place.pump_speed,
     )
 
@@ -425,6 +412,7 @@ def carried_out(
     gain = learned_gain(memory, view, demand.direction, settings)
     spool = spool_demand(demand.flow, view, gain.gain, settings)
     after = MachineMemory(
+        begin=min(memory.begin, view.phase.since) if view.phase.number == CONTROL else memory.begin,
         phase=view.phase,
         reference=view.reference,
         wanted=view.wanted,
@@ -439,31 +427,6 @@ def carried_out(
     return after, shown_command(view, demand, spool)
 
 
-def gerotor_machine_step(
-    t: float,
-    memory: MachineMemory,
-    place: GerotorMachinePlace,
-    settings: MachineLoop,
-) -> tuple[MachineMemory, MachineCommand]:
-    """Program: one sample of the outer loop of a machine that has no chamber to be watched."""
-    seen = MachinePlace(
-        time=place.time,
-        position=place.position,
-        pressure_a=place.pressure_a,
-        pressure_b=place.pressure_b,
-        line_pressure=place.line_pressure,
-        pump_speed=place.pump_speed,
-        spool_stage=place.spool_stage,
-        spool_known=place.spool_known,
-        spool_position=place.spool_position,
-        spool_speed=place.spool_speed,
-        spool_measured=place.spool_measured,
-        spool_reference=place.spool_reference,
-        chamber_pressure=np.nan,
-    )
-    return machine_step(t, memory, seen, settings)
-
-
 def shown_command(view: MachineView, demand: DisplacementDemand, spool: SpoolDemand) -> MachineCommand:
     """The command of a sample, with what is believed and wanted."""
     orders = orders_of(view.phase.number)
@@ -474,6 +437,7 @@ def shown_command(view: MachineView, demand: DisplacementDemand, spool: SpoolDem
         pump=orders.pump,
         dump=orders.energised,
         energised=orders.energised,
+        follows=1.0 if view.phase.number == CONTROL else 0.0,
         spool_position=spool.position,
         phase=view.phase.number,
         wanted=view.wanted,

@@ -6,8 +6,7 @@ Source  ours, docs/circuits-compared.md
 from vvdp.base.params import Params
 from vvdp.control.displacement import DisplacementDemand, idle_demand
 from vvdp.control.pressure_modes import Guards
-from vvdp.machines.machine_loop import (
-    IDLE,
+from vvdp.programs.machine.loop import (
     MachineCommand,
     MachineLoop,
     MachineMemory,
@@ -16,8 +15,7 @@ from vvdp.machines.machine_loop import (
     machine_start,
     machine_view,
 )
-from vvdp.machines.stages import orders_of
-from vvdp.network.program import ProgramType
+from vvdp.programs.machine.phases import orders_of
 from vvdp.programs.position_loop import (
     Joint,
     LoopMemory,
@@ -89,5 +87,3 @@ def asked_of(found: OneWay) -> DisplacementDemand:
         split_flow=found.flow,
     )
 
-
-COMMON_LOOP = ProgramType(common_step, MachinePlace, IDLE, CommonLoop, common_start)

@@ -10,10 +10,8 @@ from typing import Any
 import numpy as np
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import EFFICIENCY, MEAN_POWER, Kind
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import leaves
-from vvdp.systems.extras import Summary
 
 PARTS: Mapping[str, tuple[str, tuple[str, ...]]] = MappingProxyType(
     {
@@ -55,13 +53,6 @@ SHARES: Mapping[str, tuple[str, str]] = MappingProxyType(
 )
 """Label of each share of the pump power, and whose it is."""
 
-POWERS: Mapping[str, tuple[Kind, str]] = MappingProxyType(
-    {key: (MEAN_POWER, label) for key, (label, _) in PARTS.items()}
-    | {key: (EFFICIENCY, label) for key, (label, _) in SHARES.items()}
-)
-"""Kind and label of what `mean_powers` gives."""
-
-
 def whole_periods(run: Run, begin: float, period: float) -> tuple[float, float]:
     """The longest time from `begin` on [s] that a run has recorded and that is a whole number of periods [s].
 
@@ -73,7 +64,7 @@ def whole_periods(run: Run, begin: float, period: float) -> tuple[float, float]:
     return begin, begin + float(count) * period
 
 
-def mean_powers(run: Run, begin: float, end: float) -> Summary:
+def mean_powers(run: Run, begin: float, end: float) -> dict[str, float]:
     """Mean powers and their shares between the recorded rows next to two times [s].
 
     The powers of pump, losses and load are those of the books, so that they add up to what the oil has stored.
@@ -85,7 +76,7 @@ def mean_powers(run: Run, begin: float, end: float) -> Summary:
     def mean(paths: tuple[str, ...]) -> float:
         return sum(float(books[path][rows[1]] - books[path][rows[0]]) for path in paths if path in books) / duration
 
-    found: Summary = {key: mean(paths) for key, (_, paths) in PARTS.items() if books.keys() & {*paths}}
+    found: dict[str, float] = {key: mean(paths) for key, (_, paths) in PARTS.items() if books.keys() & {*paths}}
     found["full_open_loss_mean_W"] -= found["transition_loss_mean_W"]
     pump = found["pump_power_mean_W"]
     return found | {key: found[of] / pump if pump > 0.0 else np.nan for key, (_, of) in SHARES.items()}

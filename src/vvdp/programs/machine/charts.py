@@ -1,6 +1,6 @@
 """Pictures of the whole machine: course, pressures, what is asked of the drives, and under each the phase."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -10,10 +10,8 @@ from vvdp.base.arrays import Array
 from vvdp.base.kinds import DURATION, DUTY_RATIO, FLAG, FLOW, FRACTION, POSITION, PRESSURE_LEVEL, SIGNED_FRACTION, Kind
 from vvdp.control.pressure_modes import PressureBounds
 from vvdp.machines.chapter6_charts import DIRECTION, OPENING, bound_levels, motion_panels, sampled_error
-from vvdp.machines.machine_control import SAMPLE_PERIOD
-from vvdp.machines.machine_loop import PROGRAM
-from vvdp.machines.stages import CONTROL, PHASES
-from vvdp.machines.tracking import SETTLED
+from vvdp.network.network import ProgramPart
+from vvdp.programs.machine.phases import CONTROL, PHASES
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke, flag_panel
 from vvdp.results.result import Column, Table
 
@@ -22,51 +20,62 @@ if TYPE_CHECKING:
 
 TABLE = "machine"
 """Name of the table that holds what is drawn."""
+PRESSURES = ("chamber_a_Pa", "chamber_b_Pa", "line_Pa")
+"""Columns of the pressures."""
+SETTLED = 1.0
+"""From so long after the start of control on powers and errors count [s]."""
 Columns = dict[str, tuple[Array, Kind, str]]
 
 
-def machine_columns(record: "Record") -> Columns:
-    """What is drawn over time.
+def machine_columns(record: "Record", program: ProgramPart, period: float) -> Columns:
+    """What is drawn over time; the program is called every `period` [s].
 
     A row shows what was commanded at the last sample before it: errors are those against the position at that sample.
     """
-    shown = {key.partition(".")[2]: s.values for key, s in record.commands.items() if key.startswith(f"{PROGRAM}.")}
-    pressures = {f"{name}_Pa": record.states[name].values for name in ("chamber_a", "chamber_b", "line")}
+    commands = {key: record.commands[f"{program.name}.{key}"].values for key in program.type.command._fields}
+    nodes = (str(program.reads[key]).removesuffix(".pressure") for key in ("pressure_a", "pressure_b", "line_pressure"))
+    pressures = dict(zip(PRESSURES, (record.states[node].values for node in nodes), strict=True))
+    phases = phases_of(record, program.name)
     return {
         "time_s": (record.times, DURATION, "time"),
-        **{f"phase_{PHASES[n]}": ((shown["phase"] == n) * 1.0, FLAG, PHASES[n]) for n in phases_of(record)},
-        "position_m": (record.states["rod.position"].values, POSITION, "position"),
-        "wanted_m": (shown["wanted"], POSITION, "cycle"),
-        "reference_m": (shown["reference"], POSITION, "filtered reference"),
-        "tracking_error_m": sampled_error(record, shown["reference"], SAMPLE_PERIOD),
+        **{f"phase_{PHASES[n]}": ((commands["phase"] == n) * 1.0, FLAG, PHASES[n]) for n in phases},
+        "position_m": (record.states[str(program.reads["position"])].values, POSITION, "position"),
+        "wanted_m": (commands["wanted"], POSITION, "cycle"),
+        "reference_m": (commands["reference"], POSITION, "filtered reference"),
+        "tracking_error_m": sampled_error(record, commands["reference"], period),
         **{key: (values, PRESSURE_LEVEL, key[:-3].replace("_", " ")) for key, values in pressures.items()},
-        "flow_m3_s": (shown["flow"], FLOW, "flow asked for"),
-        "split_flow_m3_s": (shown["split_flow"], FLOW, "flow of the split"),
-        "duty_ratio": (shown["duty_ratio"], DUTY_RATIO, "duty ratio asked for"),
-        "opening": (shown["opening"], FRACTION, "opening of the return valve"),
-        "direction": (shown["direction"], SIGNED_FRACTION, "direction"),
+        "flow_m3_s": (commands["flow"], FLOW, "flow asked for"),
+        "split_flow_m3_s": (commands["split_flow"], FLOW, "flow of the split"),
+        "duty_ratio": (commands["duty_ratio"], DUTY_RATIO, "duty ratio asked for"),
+        "opening": (commands["opening"], FRACTION, "opening of the return valve"),
+        "direction": (commands["direction"], SIGNED_FRACTION, "direction"),
     }
 
 
-def machine_charts(record: "Record", bounds: PressureBounds) -> Iterator[tuple[Chart, Table]]:
-    """Course, pressures and actuation of a run."""
-    columns = machine_columns(record)
+def machine_charts(
+    record: "Record", program: ProgramPart, period: float, bounds: PressureBounds
+) -> Iterator[tuple[Chart, Table]]:
+    """Course, pressures and actuation of a run whose program is called every `period` [s]."""
+    columns = machine_columns(record, program, period)
     table = Table(title="Displacement control", columns={k: Column(*of) for k, of in columns.items()}, is_data=True)
-    times, is_controlled = record.times, record.commands[f"{PROGRAM}.phase"].values == CONTROL
+    times, is_controlled = record.times, record.commands[f"{program.name}.phase"].values == CONTROL
     begin = times[is_controlled][0] if np.any(is_controlled) else np.inf
     rows = tuple(np.flatnonzero(is_controlled & (times >= begin + SETTLED)).tolist())
     for chart in (motion_chart(rows), pressure_chart(bounds), actuation_chart()):
         yield chart, table
 
 
-def phases_of(record: "Record") -> list[int]:
-    """The numbers of the phases that a run goes through."""
-    return sorted({int(phase) for phase in record.commands[f"{PROGRAM}.phase"].values})
+def phases_of(record: "Record", name: str) -> list[int]:
+    """The numbers of the phases that a run goes through, by the program of this name."""
+    return sorted({int(phase) for phase in record.commands[f"{name}.phase"].values})
 
 
-def with_phases(chart: Chart, record: "Record") -> Chart:
-    """A chart over time with a panel of the phases of the machine."""
-    words = [PHASES[n] for n in phases_of(record)]
+def with_phases(chart: Chart, record: "Record", name: str) -> Chart:
+    """A chart over time with a panel of the phases of the machine that the program of this name leads; another one as
+    it is."""
+    if not all(isinstance(p, Lines) and all(line.x == "time_s" for line in p.lines) for p in chart.panels):
+        return chart
+    words = [PHASES[n] for n in phases_of(record, name)]
     panel = flag_panel("time_s", {f"phase_{word}": word for word in words}, "phase", TABLE)
     return replace(
         chart,
@@ -74,13 +83,6 @@ def with_phases(chart: Chart, record: "Record") -> Chart:
         panels=(*chart.panels, panel),
         height=chart.height + 1.0,
     )
-
-
-def charts_with_phases(charts: Iterable[tuple[Chart, Table]], record: "Record") -> Iterator[tuple[Chart, Table]]:
-    """Charts, those over time with the phases of the machine."""
-    for chart, table in charts:
-        is_course = all(isinstance(p, Lines) and all(line.x == "time_s" for line in p.lines) for p in chart.panels)
-        yield (with_phases(chart, record) if is_course else chart), table
 
 
 def motion_chart(rows: tuple[int, ...]) -> Chart:

@@ -1,0 +1,263 @@
+"""The control of a whole machine by name: its values as a file gives them, and its programs.
+
+Source  ours, docs/models/displacement-control.md
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import (
+    Count,
+    Force,
+    Length,
+    Position,
+    Pressure,
+    PressureDifference,
+    PressureSignal,
+    SpeedSignal,
+    TemperatureSignal,
+    Time,
+)
+from vvdp.base.params import Params
+from vvdp.control.adaptation import Adaptation
+from vvdp.control.capacities import CylinderBelief, CylinderEnds, CylinderModel, LineBelief, cylinder_model
+from vvdp.control.cylinder_force import ForceGains
+from vvdp.control.direction import DirectionSettings
+from vvdp.control.displacement import DisplacementSettings, SupplySupport
+from vvdp.control.flow_gain import FlowGain
+from vvdp.control.flow_map import FlowMap
+from vvdp.control.flow_split import FlowSplit
+from vvdp.control.pressure_modes import PressureBounds
+from vvdp.control.reference import Rate, ReferenceFilter
+from vvdp.estimation.load_observer import LoadObserver
+from vvdp.fluid.oil import Oil, density
+from vvdp.hydraulics.pump import Pump
+from vvdp.hydraulics.relief_valve import LoadReliefValve, ReliefValve
+from vvdp.network.program import ProgramType
+from vvdp.programs.generic import GenericProgram
+from vvdp.programs.machine.checks import refuse_machine
+from vvdp.programs.machine.common_loop import CommonLoop, common_law, common_start, common_step
+from vvdp.programs.machine.cycle import OwnCycle, Triangle, first_direction, points_of, refuse_fast_points
+from vvdp.programs.machine.flow_table import flow_map_of, valve_condition
+from vvdp.programs.machine.loop import IDLE, MachineLoop, MachinePlace, SpoolRange, machine_start, machine_step
+from vvdp.programs.machine.phases import MachineSequence
+from vvdp.programs.machine.report import MachineReport
+from vvdp.programs.machine.supervision import NO_SPRING, SpoolSpring, Supervised, Supervision
+from vvdp.programs.position_loop import LoopTable
+from vvdp.sensing.instrument import Instrument, ideal_instrument
+from vvdp.valve.rotary import RotaryValve
+
+HIGHEST_DUTY = 1.3
+"""Duty ratio at which the spool's stroke ends: all flow goes to the line, free of transitions."""
+
+
+class MachineBelief(CylinderBelief, LineBelief):
+    """What the control takes cylinder, line, load and relief valve to be, right or wrong.
+
+    Oil volumes are those of the chambers with their hoses at position 0; `return_conductance` is K_v of the return
+    valve, fully open; `relief_pressure` is where the flow map takes the relief valve to crack.
+    """
+
+    load_force: Force
+    relief_pressure: Pressure
+
+
+class LoadObserverTable(Params):
+    """How fast the three errors of the load observer fade, and the reported load follows."""
+
+    observer_rate: Rate
+    load_rate: Rate
+
+
+class CylinderSensors(Params):
+    """Noise of the sensors at the cylinder, as a deviation, and its first seed."""
+
+    position_noise: Length = 0.0
+    pressure_noise: PressureDifference = 0.0
+    seed: Count = 0.0
+
+
+class KnownSpring(SpoolSpring):
+    """The spring of the spool, its preload where the spool is at `rest_position`."""
+
+    rest_position: Position = 0.0
+
+
+class KnownUnit(Params):
+    """The pump unit from which the flow map follows, and between which positions its spool moves."""
+
+    valve: RotaryValve
+    pump: Pump
+    relief_valve: ReliefValve | LoadReliefValve
+    oil: Oil
+    oil_temperature: TemperatureSignal
+    rated_speed: SpeedSignal
+    tank_pressure: PressureSignal
+    lowest_spool_position: Position
+    highest_spool_position: Position
+
+
+class MachineTable(KnownUnit, CylinderEnds):
+    """The cycle, the laws, what they believe, the sensors and the stages; it is called every `sample_period`.
+
+    Without `supervision` nothing is watched, without a `spring` no chamber moves the spool.
+    """
+
+    cycle: Triangle | OwnCycle
+    reference: ReferenceFilter
+    gains: ForceGains
+    direction: DirectionSettings
+    flow_split: FlowSplit
+    pressure_bounds: PressureBounds
+    supply_support: SupplySupport = SupplySupport()
+    flow_gain: FlowGain
+    adaptation: Adaptation = Adaptation()
+    belief: MachineBelief
+    load_observer: LoadObserverTable
+    cylinder_sensors: CylinderSensors = CylinderSensors()
+    machine_sequence: MachineSequence
+    supervision: Supervision | None = None
+    spring: KnownSpring | None = None
+    sample_period: Time
+
+    def check(self) -> None:
+        machine_loop(self)
+
+
+class PositionMachineTable(MachineTable):
+    """The same with the position `loop` of the rival circuits in place of the laws."""
+
+    loop: LoopTable
+
+
+def machine_loop(table: MachineTable) -> MachineLoop:
+    """The values with which the program works. Raises ParameterError where the cycle leaves the cylinder or is too
+    fast."""
+    period, tank = table.sample_period, table.tank_pressure.extremes[1]
+    model = cylinder_model(table.belief, table, table.belief, tank)
+    refuse_cycle(table.cycle, table, table.flow_split.largest_flow)
+    return MachineLoop(
+        law=DisplacementSettings(
+            cylinder=model,
+            gains=table.gains,
+            direction=table.direction,
+            split=table.flow_split,
+            bounds=table.pressure_bounds,
+            support=table.supply_support,
+            adaptation=table.adaptation,
+            sample_period=period,
+        ),
+        observer=LoadObserver(
+            moving_mass=model.moving_mass,
+            viscous_friction=model.viscous_friction,
+            observer_rate=table.load_observer.observer_rate,
+            load_rate=table.load_observer.load_rate,
+            sample_period=period,
+        ),
+        reference=table.reference,
+        points=points_of(table.cycle),
+        sequence=table.machine_sequence,
+        flow_map=believed_map(table),
+        gain=table.flow_gain,
+        spool=spool_range(table),
+        load_force=table.belief.load_force,
+        first_direction=first_direction(table.cycle),
+        supervised=supervised(table, model),
+    )
+
+
+def supervised(table: MachineTable, model: CylinderModel) -> Supervised:
+    """What is watched."""
+    spring = NO_SPRING
+    if table.spring is not None:
+        at_rest = table.spring.preload - table.spring.stiffness * table.spring.rest_position
+        spring = SpoolSpring(
+            stiffness=table.spring.stiffness,
+            preload=at_rest,
+            area=table.spring.area,
+            reference_pressure=table.spring.reference_pressure,
+        )
+    return Supervised(
+        watches=0.0 if table.supervision is None else 1.0,
+        limits=table.supervision or Supervision(),
+        cylinder=model,
+        spring=spring,
+        pump_speed=table.rated_speed,
+        sample_period=table.sample_period,
+    )
+
+
+def spool_range(unit: KnownUnit) -> SpoolRange:
+    """Between which positions the spool moves, and how its position makes a duty ratio."""
+    length = unit.valve.helix_length
+    return SpoolRange(
+        helix_length=length,
+        rest_position=unit.lowest_spool_position,
+        highest_position=min(HIGHEST_DUTY * length, unit.highest_spool_position),
+        sections=unit.valve.sections,
+    )
+
+
+def believed_map(table: MachineTable) -> FlowMap:
+    """The flow map of the valve, with the relief valve as it is believed to be set."""
+    relief = replace(table.relief_valve, cracking_pressure=table.belief.relief_pressure)
+    at = valve_condition(
+        table.pump.displacement * table.rated_speed.base,
+        density(table.oil_temperature.base, table.oil),
+        table.tank_pressure.base,
+        table.pump,
+        relief,
+    )
+    return flow_map_of(table.valve, at)
+
+
+def refuse_cycle(cycle: Triangle | OwnCycle, cylinder: CylinderEnds, largest_flow: float) -> None:
+    """Raises ParameterError where a cycle leaves the cylinder's stroke or is faster than the pump, with its row.
+
+    largest_flow  of the pump [m^3/s]
+    """
+    positions = points_of(cycle).positions
+    low, high = min(positions), max(positions)
+    if low < cylinder.lowest_position or high > cylinder.highest_position:
+        raise ParameterError(
+            f"MachineTable.cycle: {1e3 * low:.4g} to {1e3 * high:.4g} mm are asked for; the cylinder goes from "
+            f"{1e3 * cylinder.lowest_position:.4g} to {1e3 * cylinder.highest_position:.4g} mm"
+        )
+    refuse_fast_points(cycle, largest_flow / max(cylinder.area_a, cylinder.area_b))
+
+
+def common_machine(table: PositionMachineTable) -> CommonLoop:
+    """The same for a machine that the position loop of the rival circuits leads."""
+    machine = machine_loop(table)
+    return CommonLoop(machine=machine, law=common_law(machine, table.loop))
+
+
+def cylinder_instruments(table: MachineTable) -> Mapping[str, Instrument]:
+    """What stands between the cylinder and the program, by the field of its reading."""
+    sensors = table.cylinder_sensors
+    position, pressure = ideal_instrument(-10.0, 10.0), ideal_instrument(0.0, 1e8)
+    found = {"position": replace(position, noise=sensors.position_noise, seed=sensors.seed)}
+    for number, name in enumerate(("pressure_a", "pressure_b", "line_pressure"), 1):
+        found[name] = replace(pressure, noise=sensors.pressure_noise, seed=sensors.seed + number)
+    return MappingProxyType(found)
+
+
+def _control(step: object, table: type[MachineTable], start: object) -> ProgramType:
+    return ProgramType(
+        step,
+        MachinePlace,
+        IDLE,
+        table,
+        start,
+        report=MachineReport,
+        instruments=cylinder_instruments,
+        refuse=refuse_machine,
+    )
+
+
+MACHINE_CONTROL = GenericProgram(_control(machine_step, MachineTable, machine_start), made=machine_loop)
+POSITION_MACHINE_CONTROL = GenericProgram(
+    _control(common_step, PositionMachineTable, common_start), made=common_machine
+)
