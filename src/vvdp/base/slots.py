@@ -40,6 +40,4 @@ def inner_slots(cls: type) -> dict[str, TableSlot]:
 def _inner_slots(cls: type) -> dict[str, TableSlot]:
     hints, usual = get_type_hints(cls), default_values(cls)
     open_fields = {name: slot_of(hints[name]) for name, kind in field_kinds(cls).items() if kind is None}
-    return {
-        name: TableSlot(slot.classes, slot.optional or name in usual) for name, slot in open_fields.items() if slot
-    }
+    return {name: TableSlot(slot.classes, slot.optional or name in usual) for name, slot in open_fields.items() if slot}

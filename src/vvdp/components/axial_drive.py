@@ -5,12 +5,10 @@ from dataclasses import dataclass
 from vvdp.base.errors import ParameterError
 from vvdp.base.signal import Signal
 from vvdp.components.directional_valves import THREE_WAY_PROPORTIONAL_VALVE, ThreeWayProportionalValve
-from vvdp.components.gerotor_drives import CALIBRATED_GEROTOR_DRIVE, GEROTOR_DRIVE
 from vvdp.components.rods import END_STOP, PLUNGER, ROD_FRICTION, SPRING
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.cylinder import Plunger
 from vvdp.hydraulics.friction import RodFriction
-from vvdp.hydraulics.gerotor_drive import GerotorCalibration, GerotorDrive, GerotorMap, GerotorState
 from vvdp.hydraulics.rod import EndStop, Spring
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber, Source, Start
@@ -80,23 +78,3 @@ def check_stroke(asked_by: str, wanted: float, stops: EndStop) -> None:
         raise ParameterError(
             f"{asked_by}: {1e3 * wanted:.4g} mm; the end stop ends the stroke at {1e3 * stops.upper_end:.4g} mm"
         )
-
-
-def add_gerotor_drive(
-    net: Network,
-    drive: GerotorDrive,
-    characteristic: GerotorMap | GerotorCalibration,
-    command: Source,
-    position: float,
-    prefix: str = "",
-) -> str:
-    """Add a gerotor drive, the component `gerotor`, to a network; the spool stands at `position` [m] at first."""
-    if not drive.lower_end <= position <= drive.upper_end:
-        raise ParameterError(
-            f"axial_position: {1e3 * position:g} mm must lie within the stroke, {1e3 * drive.lower_end:g} to "
-            f"{1e3 * drive.upper_end:g} mm"
-        )
-    component = GEROTOR_DRIVE if isinstance(characteristic, GerotorMap) else CALIBRATED_GEROTOR_DRIVE
-    name = prefix + "gerotor"
-    net.add(name, component, drive, characteristic, start=GerotorState(0.0, position), command=command)
-    return f"{name}.position"

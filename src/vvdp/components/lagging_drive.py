@@ -34,4 +34,4 @@ def lagging_drive(wanted: Position, state: LaggingState, values: LaggingDrive) -
     return LaggingMotion(LaggingState((wanted - state.position) / values.lag))
 
 
-LAGGING_DRIVE = Component(lagging_drive, symbol="electric_motor", offered=False)
+LAGGING_DRIVE = Component(lagging_drive, symbol="electric_motor")

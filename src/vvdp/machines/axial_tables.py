@@ -15,13 +15,8 @@ class PilotSupply(Params):
     tank_pressure: PressureSignal
 
 
-class InitialPosition(Params):
-    """Where a run starts."""
-
-    axial_position: Position
-
-
-class InitialChamber(InitialPosition):
+class InitialChamber(Params):
     """Where a run with a pressure chamber starts."""
 
+    axial_position: Position
     chamber_pressure: Pressure

@@ -26,9 +26,9 @@ from vvdp.machines.chapter6_loop import (
     chapter6_step,
 )
 from vvdp.machines.chapter6_reach import Chapter6Plant, refuse_impossible
-from vvdp.programs.machine.cycle import OwnCycle, Triangle, points_of
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
+from vvdp.programs.machine.cycle import OwnCycle, Triangle, points_of
 
 
 class CylinderOperation(Params):

@@ -18,8 +18,8 @@ from vvdp.control.displacement import (
 )
 from vvdp.control.pressure_modes import PressureMode
 from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step
-from vvdp.programs.machine.cycle import Points, cycle_position
 from vvdp.machines.tracking import Actuated, Followed, Tracking, tracking_start, tracking_step
+from vvdp.programs.machine.cycle import Points, cycle_position
 
 PROGRAM = "control"
 """Name of the program."""

@@ -19,8 +19,8 @@ from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.hydraulics.flow_source import LaggingSource
 from vvdp.hydraulics.friction import RodFriction, rod_friction_force
-from vvdp.programs.machine.cycle import OwnCycle, Points, Triangle, points_of
 from vvdp.network.nodes import Chamber, Load
+from vvdp.programs.machine.cycle import OwnCycle, Points, Triangle, points_of
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,12 +11,12 @@ from vvdp.base.conservation import NOTHING
 from vvdp.base.kinds import Angle, Count, Fraction, Position, Pressure, Ratio, SignedFraction, Time
 from vvdp.base.params import Params
 from vvdp.control.pressure_modes import PressureMode
-from vvdp.programs.machine.table import SAMPLE_PERIOD, MachinePaths
-from vvdp.programs.machine.loop import PROGRAM
-from vvdp.programs.machine.phases import CONTROL
 from vvdp.machines.tracking import Actuated, Followed, Tracking, tracking_start, tracking_step
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
+from vvdp.programs.machine.loop import PROGRAM
+from vvdp.programs.machine.phases import CONTROL
+from vvdp.programs.machine.table import SAMPLE_PERIOD, MachinePaths
 
 TALLY = "tally"
 """Name of the program that adds up."""

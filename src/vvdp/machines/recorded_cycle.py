@@ -6,10 +6,10 @@ import numpy as np
 
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
 from vvdp.base.kinds import POSITION
-from vvdp.base.tables import Table
 from vvdp.base.units import line_to_si
 from vvdp.logs.source import open_log
 from vvdp.programs.machine.cycle import OwnCycle
+from vvdp.systems.changed import with_tables
 from vvdp.systems.system import System
 
 CHANNEL = "position"
@@ -51,13 +51,13 @@ def with_cycle(system: System, path: Path, channel: str = CHANNEL) -> System:
 
     Raises ConfigError where the system follows no cycle, or cannot follow this one.
     """
-    content = dict(system.content)
+    content = system.table.content
     if "cycle" not in content or "cylinder_position" not in content.get("initial", {}):
         raise unusable(path, f"{system.name} has no cylinder that follows a cycle; displacement-control has one")
     cycle = recorded_cycle(path, channel)
-    content["cycle"] = {
+    own = {
         "times": [f"{time!r} s" for time in cycle.times],
         "positions": [f"{position!r} m" for position in cycle.positions],
     }
-    content["initial"] = {**content["initial"], "cylinder_position": f"{cycle.positions[0]!r} m"}
-    return system.read_from(Table(system.name, content, {}))
+    start = {**content["initial"], "cylinder_position": f"{cycle.positions[0]!r} m"}
+    return with_tables(system, {"cycle": own, "initial": start})

@@ -7,7 +7,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import ANGLE, DURATION, ENERGY, POSITION, PRESSURE_LEVEL, SIGNED_FRACTION, Kind
-from vvdp.programs.axial_loop import PROGRAM, RUN, SETTLED
+from vvdp.programs.axial_loop import RUN, SETTLED
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
 
@@ -44,11 +44,6 @@ class ChamberPaths(NamedTuple):
     storage: str
 
 
-def drive_paths(spool: str) -> DrivePaths:
-    """Those of a drive whose control is one program, `PROGRAM`; `spool` is the path of its true position."""
-    return DrivePaths(spool, **{word: f"{PROGRAM}.{word}" for word in DrivePaths._fields if word != "spool"})
-
-
 def values_over_time(record: "Record", path: str) -> Array:
     """A command or a state over time, by its path; the state of a volume, or of a driven shaft, is its node."""
     known = {**record.states, **record.commands}
@@ -79,12 +74,6 @@ def motion_columns(record: "Record", paths: DrivePaths, period: float) -> Column
     }
 
 
-def control_charts(record: "Record", period: float) -> Iterator[tuple[Chart, Table]]:
-    """The charts of a chamber drive whose control is one program; the observer samples every `period` [s]."""
-    chamber = ChamberPaths("pilot_chamber", f"{PROGRAM}.desired_pressure", f"{PROGRAM}.storage")
-    yield from chamber_charts(record, drive_paths("slide.position"), chamber, period)
-
-
 def chamber_charts(
     record: "Record", paths: DrivePaths, chamber: ChamberPaths, period: float
 ) -> Iterator[tuple[Chart, Table]]:
@@ -104,11 +93,6 @@ def chamber_charts(
     panels = (Lines(lines=pressure, label="pressure"), Lines(lines=(storage,), label="storage", y_log=True))
     told = "; the chamber's pressure and that which would move it as wanted; what the loop stores, which falls where "
     yield from drive_charts(record, paths, columns, panels, told + "nothing pushes")
-
-
-def gerotor_charts(record: "Record", period: float) -> Iterator[tuple[Chart, Table]]:
-    """The same of a gerotor drive."""
-    yield from command_charts(record, drive_paths("gerotor.position"), f"{PROGRAM}.drive", period)
 
 
 def command_charts(record: "Record", paths: DrivePaths, command: str, period: float) -> Iterator[tuple[Chart, Table]]:

@@ -33,7 +33,6 @@ from vvdp.programs.axial_loop import (
     turned_phase,
 )
 from vvdp.programs.chamber_observer import ChamberBelief, ChamberSight, first_belief, look
-from vvdp.programs.spool_encoder import WatchMemory, WatchSettings, watch_start
 from vvdp.sensing.axial_sensor import AxialSensor, SpoolPlace, axial_sensor_start, axial_sensor_step
 from vvdp.sensing.instrument import InstrumentMemory
 
@@ -65,13 +64,6 @@ class BacksteppingLoop(ChamberLoop):
     gains: BacksteppingGains
 
 
-class WatchedLoop(Params):
-    """A passive loop whose spool angle an encoder shows."""
-
-    watch: WatchSettings
-    loop: PassiveLoop
-
-
 class LoopMemory(NamedTuple):
     """What the loop carries from sample to sample; `reading` is what its law received last."""
 
@@ -80,13 +72,6 @@ class LoopMemory(NamedTuple):
     reference: Reference
     stage: Stage
     reading: ChamberReading
-
-
-class WatchedMemory(NamedTuple):
-    """The same with the encoder."""
-
-    watch: WatchMemory
-    loop: LoopMemory
 
 
 class ChamberView(NamedTuple):
@@ -187,13 +172,6 @@ def turned_view(t: float, memory: LoopMemory, place: AxialPlace, settings: Chamb
     return chamber_view(memory, place, turned_phase(place), signal_value(t, settings.wanted), settings)
 
 
-def passive_axial_step(
-    memory: LoopMemory, place: AxialPlace, phase: Phase, wanted: float, settings: PassiveLoop
-) -> tuple[LoopMemory, AxialCommand]:
-    """One sample of the loop with the passivity law."""
-    return passive_command(chamber_view(memory, place, phase, wanted, settings), settings)
-
-
 def passive_step(
     t: float, memory: LoopMemory, place: AxialPlace, settings: PassiveLoop
 ) -> tuple[LoopMemory, AxialCommand]:
@@ -213,8 +191,3 @@ def backstepping_step(
 ) -> tuple[LoopMemory, AxialCommand]:
     """Program: backstepping, the spool's angle known."""
     return backstepping_command(turned_view(t, memory, place, settings), settings)
-
-
-def watched_start(settings: WatchedLoop) -> WatchedMemory:
-    """The memory before the first sample."""
-    return WatchedMemory(watch_start(settings.watch), chamber_loop_start(settings.loop))

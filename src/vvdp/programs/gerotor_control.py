@@ -6,6 +6,8 @@ Source  ours, docs/models/gerotor-control.md, where a function names no other.
 from dataclasses import fields
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from vvdp.base.kinds import (
     Angle,
     AngularVariance,
@@ -30,6 +32,7 @@ from vvdp.hydraulics.gerotor_drive import GerotorBelief, gerotor_command, geroto
 from vvdp.network.program import ProgramType
 from vvdp.programs.axial_loop import (
     HOME,
+    LEARN,
     RUN,
     AxialObserverTable,
     AxialSequence,
@@ -37,14 +40,28 @@ from vvdp.programs.axial_loop import (
     energised_stage,
     is_known,
     known_phase,
+    next_stage,
     pollution_model,
     sight_of,
 )
 from vvdp.programs.chamber_observer import NOTHING_SEEN, SeenSpool
 from vvdp.programs.generic import GenericProgram
-from vvdp.programs.gerotor_loop import ALWAYS_SEEN, DriveBelief, flow_after, stage_at_stop
 from vvdp.programs.spool_report import SpoolReport
 from vvdp.sensing.axial_sensor import AxialReading
+
+ALWAYS_SEEN = 2.0
+"""Observability margin of a position that a known flow moves: no periodic sensor error of mean zero looks like it
+[1].
+"""
+
+
+class DriveBelief(GerotorBelief):
+    """The drive's map, and the `lag` with which its flow follows a command, as believed."""
+
+    lag: Time
+
+    def check(self) -> None:
+        require_positive(self, "lag", why="no motor follows at once")
 
 
 class BelievedDrive(DriveBelief, AxialSequence):
@@ -151,6 +168,18 @@ HOMING = DriveStage(Stage(HOME, 0.0, 1.0), 0.0, 0.0)
 def gerotor_observer_program_start(settings: GerotorObserverSettings) -> DriveBeliefMemory:
     """Before the first sample: homing."""
     return DriveBeliefMemory(gerotor_observer_start(settings.observer, settings.observer.stop_position), HOMING)
+
+
+def stage_at_stop(stage: Stage, time: float, known: bool, period: float, sequence: AxialSequence) -> Stage:
+    """The stage at a sample [s] of a drive that is taken to be at its stop until it is controlled; `period` [s]."""
+    after = next_stage(stage, time, 1.0, known, period, sequence)
+    return Stage(after.number, after.since, 1.0 if after.number == HOME or after.number == LEARN else 0.0)
+
+
+def flow_after(settled: float, flow: float, period: float, lag: float) -> float:
+    """What a flow [m^3/s] has come to a `period` [s] later on its way to a settled one."""
+    after: float = settled + (flow - settled) * np.exp(-period / lag)
+    return after
 
 
 def drive_sight(before: DriveStage, reading: WatchedDrive, watch: DriveWatch) -> DriveSight:

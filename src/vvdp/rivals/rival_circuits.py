@@ -6,16 +6,14 @@ from functools import partial
 from typing import NamedTuple
 
 from vvdp.base.errors import ConfigError, Fault
-from vvdp.control.reference import ReferenceFilter
-from vvdp.programs.machine.loop import PROGRAM
 from vvdp.rivals.rival_machine import (
-    MachineSize,
+    PROGRAM,
     control_begin,
-    size_following_machine,
-    size_machine,
-    size_other_valve,
-    size_published_machine,
-    size_slow_machine,
+    following_machine,
+    machine,
+    other_valve_machine,
+    published_machine,
+    slow_machine,
 )
 from vvdp.rivals.sizing import (
     LOOP,
@@ -38,6 +36,7 @@ from vvdp.rivals.sizing import (
 from vvdp.simulation.run import Run
 from vvdp.systems.changed import with_numbers
 from vvdp.systems.system import System, load_system
+from vvdp.valve.rotary import RotaryValve
 
 
 class Sink(NamedTuple):
@@ -88,16 +87,6 @@ class RivalCircuit:
 def _from_file(sizes: Sizes, shared: tuple[str, ...] = ()) -> Callable[[System, Task], System]:
     """How a drawn circuit is sized, whose control begins at time 0."""
     return partial(size_drawn, sizes, shared)
-
-
-def _machine(size: MachineSize) -> Callable[[System, Task], System]:
-    """How the whole machine is sized, by its tables."""
-    return partial(_sized_machine, size)
-
-
-def _sized_machine(size: MachineSize, system: System, task: Task) -> System:
-    own = {**system.tables, "reference": ReferenceFilter(filter_rate=task.rate)}
-    return system.with_tables({**own, **size(own, task.duty, task.begin, task.rounds)})
 
 
 PUMP_LEAKAGE = ("pump.leakage", "pump.compression", "cylinder")
@@ -158,22 +147,22 @@ CIRCUITS = (
     WHOLE_MACHINE(
         name="vvdp",
         title="the whole machine: fixed pump of 40 lpm, rotary valve, directional valve, meter-out throttle",
-        size=_machine(size_machine),
+        size=machine,
     ),
     WHOLE_MACHINE(
         name="vvdp-slow",
         title="the same with its pump at 1200 rpm, 26.7 lpm",
-        size=_machine(size_slow_machine),
+        size=slow_machine,
     ),
     WHOLE_MACHINE(
         name="vvdp-following",
         title="the whole machine with a relief valve 20 bar above the line's pressure, at 30 bar at least",
-        size=_machine(size_following_machine),
+        size=following_machine,
     ),
     WHOLE_MACHINE(
         name="vvdp-chapter-6",
         title="the whole machine as published: flow and meter-out throttle by the laws of chapter 6",
-        size=_machine(size_published_machine),
+        size=published_machine,
     ),
     RivalCircuit(
         name="throttle",
@@ -322,13 +311,15 @@ def machine_with_valve(name: str) -> RivalCircuit:
 
     name  of a shipped system, or the path of a file
 
-    Raises ConfigError where there is none, or where it has no table [valve].
+    Raises ConfigError where there is none, or where it has not one rotary valve.
     """
     found = load_system(name)
-    if "valve" not in found.tables:
-        raise ConfigError([Fault(name, 0, "valve", "has no such table; expected that of a rotary valve")])
+    parts = found.circuit.network.parts.values()
+    valves = {value for part in parts for value in part.values if isinstance(value, RotaryValve)}
+    if len(valves) != 1:
+        raise ConfigError([Fault(name, 0, "valve", f"has {len(valves)} rotary valves; expected one")])
     return WHOLE_MACHINE(
         name="vvdp-valve",
         title=f"the whole machine with the rotary valve of {found.name}",
-        size=_machine(partial(size_other_valve, found.tables["valve"])),
+        size=partial(other_valve_machine, valves.pop()),
     )

@@ -1,24 +1,24 @@
 """The whole machine among the rival circuits: how it follows a duty cycle, at its own pump speed or a slower one."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import fields, replace
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from vvdp.base.errors import RunError
-from vvdp.base.signal import Signal, constant, table
+from vvdp.base.params import field_kinds, field_values
 from vvdp.control.duty_cycle import cycle_period, resting_pressures
-from vvdp.hydraulics.relief_valve import LoadReliefValve
-from vvdp.programs.machine.cycle import OwnCycle
 from vvdp.machines.duties import Duty
-from vvdp.programs.machine.loop import PROGRAM
 from vvdp.programs.machine.phases import CONTROL
-from vvdp.rivals.sizing import loop_settings
+from vvdp.programs.position_loop import LoopTable
+from vvdp.rivals.sizing import Numbers, Task, known_cylinder_of, loop_settings
 from vvdp.simulation.run import Run
-from vvdp.systems.system import load_system
+from vvdp.systems.changed import setting_text, with_numbers, with_tables
+from vvdp.systems.system import System, load_system
 from vvdp.valve.rotary import RotaryValve
 
+PROGRAM = "displacement"
+"""Name of the program that leads the machine."""
 LOW_SIDE = 3e5
 """At which the side that carries nothing starts, gauge [Pa]."""
 LEAST_BOUND, BELOW_RELIEF = 50e5, 10e5
@@ -29,12 +29,10 @@ SLOW_SPEED, SLOW_FLOW = 1200.0 * np.pi / 30.0, 40.0 / 60e3 * 1200.0 / 1800.0
 RIVAL = "ideal-pump-control"
 """The system whose position loop leads the machine."""
 
-MARGIN, LEAST_SETTING = 20e5, 30e5
-"""Of a relief valve that follows the line: above its pressure, and gauge at least [Pa]."""
+FOLLOWING = {"margin": "20 bar", "least_pressure": "30 bar"}
+"""Of a relief valve that follows the line: above its pressure, and at least."""
 
-Tables = Mapping[str, Any]
-MachineSize = Callable[[Tables, Duty, float, int], Tables]
-"""The tables of the whole machine that follow a duty that begins with control at a time [s], for some rounds."""
+Size = Callable[[System, Task], System]
 
 
 def control_begin(run: Run) -> float:
@@ -46,69 +44,68 @@ def control_begin(run: Run) -> float:
     return float(run.times[controlled[0]])
 
 
-def size_machine(tables: Tables, duty: Duty, begin: float, rounds: int) -> Tables:
-    """The tables of the whole machine, led by the position loop of its rivals; else as `size_published_machine`."""
-    return {**size_published_machine(tables, duty, begin, rounds), "loop": loop_settings(load_system(RIVAL)).table}
+def machine(system: System, task: Task) -> System:
+    """The whole machine, led by the position loop of its rivals; else as `published_machine`."""
+    table, kinds = loop_settings(load_system(RIVAL)).table, field_kinds(LoopTable)
+    values = field_values(LoopTable, table)
+    loop = {key: setting_text(value, kinds[key]).strip('"') for key, value in values.items()}
+    led = {f"programs.{PROGRAM}.type": "machine-position-control", f"programs.{PROGRAM}.loop": loop}
+    return with_numbers(published_machine(system, task), led)
 
 
-def size_published_machine(tables: Tables, duty: Duty, begin: float, rounds: int) -> Tables:
-    """The tables of the whole machine with its own laws for a duty that begins with control at `begin` [s].
+def published_machine(system: System, task: Task) -> System:
+    """The whole machine with its own laws, sized for a duty.
 
     It is not supervised: the limits of its supervision are those of the shipped cycle.
     """
-    reference, cycle = tables["oil"].reference_pressure, duty.cycle
-    relief = reference + duty.relief_pressure
-    highest = max(LEAST_BOUND, duty.relief_pressure - BELOW_RELIEF)
-    a, b = resting_pressures(cycle.forces[0], LOW_SIDE, tables["cylinder"])
+    duty, reference = task.duty, system.circuit.network.oil.reference_pressure
+    cycle, relief = duty.cycle, reference + duty.relief_pressure
+    a, b = resting_pressures(cycle.forces[0], LOW_SIDE, known_cylinder_of(system))
     positions = (*cycle.positions[:-1], cycle.positions[0])
-    belief = replace(
-        tables["belief"],
-        relief_pressure=relief,
-        return_conductance=duty.return_conductance,
-        load_force=cycle.forces[0],
-    )
-    return {
-        "relief_valve": replace(tables["relief_valve"], cracking_pressure=relief),
-        "directional_valve": replace(tables["directional_valve"], return_conductance=duty.return_conductance),
-        "pressure_bounds": replace(tables["pressure_bounds"], highest_pressure=highest + reference),
-        "belief": belief,
-        "supervision": None,
-        "cycle": OwnCycle(times=cycle.times, positions=positions, repeats=1.0),
-        "operation": replace(tables["operation"], load_force=load_signal(duty, begin, rounds)),
-        "initial": replace(
-            tables["initial"], pressure_a=reference + a, pressure_b=reference + b, cylinder_position=positions[0]
-        ),
+    numbers: Numbers = {
+        "reference.filter_rate": task.rate,
+        "relief_valve.cracking_pressure": relief,
+        "directional_valve.return_conductance": duty.return_conductance,
+        "pressure_bounds.highest_pressure": reference + max(LEAST_BOUND, duty.relief_pressure - BELOW_RELIEF),
+        "belief.relief_pressure": relief,
+        "belief.return_conductance": duty.return_conductance,
+        "belief.load_force": cycle.forces[0],
+        "operation.load_force": load_force(duty, task),
+        "initial.pressure_a": reference + a,
+        "initial.pressure_b": reference + b,
+        "initial.cylinder_position": positions[0],
     }
+    own = {
+        "times": [f"{time!r} s" for time in cycle.times],
+        "positions": [f"{position!r} m" for position in positions],
+        "repeats": "1",
+    }
+    return with_tables(with_numbers(system, numbers), {"cycle": own, "supervision": None})
 
 
-def size_slow_machine(tables: Tables, duty: Duty, begin: float, rounds: int) -> Tables:
+def slow_machine(system: System, task: Task) -> System:
     """The same with a pump that turns more slowly, as little flow as the valve still spins itself with."""
-    found = size_machine(tables, duty, begin, rounds)
-    return {
-        **found,
-        "operation": replace(found["operation"], pump_speed=constant(SLOW_SPEED)),
-        "flow_split": replace(tables["flow_split"], largest_flow=SLOW_FLOW),
-    }
+    slow = {"operation.pump_speed": SLOW_SPEED, "flow_split.largest_flow": SLOW_FLOW}
+    return with_numbers(machine(system, task), slow)
 
 
-def size_following_machine(tables: Tables, duty: Duty, begin: float, rounds: int) -> Tables:
+def following_machine(system: System, task: Task) -> System:
     """The same as the whole machine with a relief valve that follows the line's pressure."""
-    found = size_machine(tables, duty, begin, rounds)
-    relief, reference = found["relief_valve"], tables["oil"].reference_pressure
-    known = {each.name: getattr(relief, each.name) for each in fields(relief)}
-    following = LoadReliefValve(**known, margin=MARGIN, least_pressure=reference + LEAST_SETTING)
-    return {**found, "relief_valve": following}
+    path = "components.relief_valve"
+    following: dict[str, Any] = {f"{path}.type": "load-relief-valve", f"{path}.pilot": "line"}
+    return with_numbers(machine(system, task), following | {f"relief_valve.{k}": v for k, v in FOLLOWING.items()})
 
 
-def size_other_valve(valve: RotaryValve, tables: Tables, duty: Duty, begin: float, rounds: int) -> Tables:
+def other_valve_machine(valve: RotaryValve, system: System, task: Task) -> System:
     """The same as the whole machine with another rotary valve."""
-    return {**size_machine(tables, duty, begin, rounds), "valve": valve}
+    values = {f"valve.{key}": value for key, value in field_values(RotaryValve, valve).items()}
+    return with_numbers(machine(system, task), values)
 
 
-def load_signal(duty: Duty, begin: float, rounds: int) -> Signal:
-    """The force of a duty on the rod over the time of a run, its first value held until `begin` [s]."""
+def load_force(duty: Duty, task: Task) -> float | dict[str, Any]:
+    """The force of a duty on the rod over the time of a run, its first value held until control begins [N]."""
     cycle, period = duty.cycle, cycle_period(duty.cycle)
     if len(set(cycle.forces)) == 1:
-        return constant(cycle.forces[0])
-    times = [begin + k * period + t for k in range(rounds) for t in cycle.times]
-    return table(times, cycle.forces * rounds)
+        return cycle.forces[0]
+    times = [task.begin + k * period + t for k in range(task.rounds) for t in cycle.times]
+    return {"table": [[f"{t!r} s", f"{f!r} N"] for t, f in zip(times, cycle.forces * task.rounds, strict=True)]}

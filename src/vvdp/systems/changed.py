@@ -24,6 +24,16 @@ def with_numbers(system: System, numbers: Mapping[str, Number | Mapping[str, Any
     return system.read_from(with_settings(system.table, settings))
 
 
+def with_tables(system: System, tables: Mapping[str, Mapping[str, Any] | None]) -> System:
+    """The system with other tables of its file, or without those that are None.
+
+    Raises ConfigError with all faults.
+    """
+    content = {key: entry for key, entry in system.table.content.items() if key not in tables}
+    given = {key: entry for key, entry in tables.items() if entry is not None}
+    return system.read_from(Table(system.table.place, content | given, system.table.lines))
+
+
 def with_copies(system: System, names: Collection[str], suffixes: Sequence[str]) -> System:
     """The system with some nodes, components and programs of its file once more for each suffix, behind their names.
 

@@ -88,7 +88,9 @@ def refuse_machine(network: Network, name: str) -> None:
     cylinder: Cylinder = cylinders[0].values
     for stops in joined(network, rod, EndStop):
         refuse_stops(cylinder, stops)
-    forces = [p for p in network.parts.values() if rod in p.nodes.values() and isinstance(p.inputs.get("force"), Signal)]
+    forces = [
+        p for p in network.parts.values() if rod in p.nodes.values() and isinstance(p.inputs.get("force"), Signal)
+    ]
     pull = sum(weight_force(each.values) for each in joined(network, rod, Weight))
     ends: list[Any] = [part.inputs["force"] for part in forces]
     least, greatest = (pull + sum(force.extremes[n] for force in ends) for n in (0, 1))

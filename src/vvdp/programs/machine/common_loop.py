@@ -86,4 +86,3 @@ def asked_of(found: OneWay) -> DisplacementDemand:
         saturated=0.0,
         split_flow=found.flow,
     )
-

@@ -83,8 +83,8 @@ def refuse_fast_points(cycle: Triangle | OwnCycle, fastest: float, longest_gap: 
     if np.any(gaps):
         row = int(np.argmax(gaps)) + 2
         raise ParameterError(
-            f"MachineTable.cycle: row {row}: {intervals[row - 2]:.4g} s after the row before, where {usual:.4g} s are usual; "
-            "expected no gap"
+            f"MachineTable.cycle: row {row}: {intervals[row - 2]:.4g} s after the row before, where {usual:.4g} s are "
+            "usual; expected no gap"
         )
 
 

@@ -53,6 +53,7 @@ SHARES: Mapping[str, tuple[str, str]] = MappingProxyType(
 )
 """Label of each share of the pump power, and whose it is."""
 
+
 def whole_periods(run: Run, begin: float, period: float) -> tuple[float, float]:
     """The longest time from `begin` on [s] that a run has recorded and that is a whole number of periods [s].
 
