@@ -4,6 +4,7 @@ import json
 import re
 import sys
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,7 @@ from vvdp.components.library import COMPONENTS
 from vvdp.evaluation.summary import summary
 from vvdp.programs.library import PROGRAMS
 from vvdp.simulation.run import simulate
-from vvdp.systems.library_examples import FOLDER, example_text
+from vvdp.systems.library_examples import FOLDER, example_text, example_values
 from vvdp.systems.library_pages import library_page
 from vvdp.systems.system import built_system
 
@@ -53,8 +54,15 @@ def test_every_listed_example_of_a_component_is_accepted(kind, pages):
 def test_every_listed_example_of_a_program_is_in_its_file(pages):
     """A value that must be given has an example from a file that loads; the others have a default."""
     for kind in PROGRAMS:
-        used = next(each for each in tomllib.loads(pages[kind].example)["programs"].values() if each["type"] == kind)
-        assert {each.name for each in pages[kind].values if not each.usual} <= used.keys(), kind
+        used = {*dotted(example_values(kind))}
+        assert {each.name for each in pages[kind].values if not each.usual} <= used, kind
+
+
+def dotted(given, above=""):
+    """The keys of a table and of those inside of it."""
+    for key, each in given.items():
+        yield above + key
+        yield from dotted(each, f"{above}{key}.") if isinstance(each, Mapping) else ()
 
 
 def test_every_listed_input_of_a_program_is_that_of_its_file(pages):
@@ -96,7 +104,9 @@ def test_every_word_has_a_meaning(pages):
 
 def test_no_word_is_without_use(pages):
     words = tomllib.loads((FOLDER / "words.toml").read_text("utf-8"))
-    named = {kind: {each.name for each in (*p.inputs, *p.values, *p.outputs)} for kind, p in pages.items()}
+    named = {
+        kind: {each.name.rpartition(".")[2] for each in (*p.inputs, *p.values, *p.outputs)} for kind, p in pages.items()
+    }
     assert words["words"].keys() <= set().union(*named.values())
     assert all(own.keys() - {"as"} <= named[kind] for kind, own in words["types"].items())
 

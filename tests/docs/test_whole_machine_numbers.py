@@ -11,8 +11,8 @@ from tests.systems.displacement.test_flow_table import delivered, the_map
 from tests.systems.displacement.test_machine import idle
 
 from vvdp.control.flow_map import flow_for_duty
-from vvdp.programs.machine.power import mean_powers, whole_periods
 from vvdp.programs.machine.phases import CONTROL
+from vvdp.programs.machine.power import mean_powers, whole_periods
 from vvdp.simulation.run import simulate
 from vvdp.systems.system import shipped_systems
 

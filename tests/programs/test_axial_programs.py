@@ -6,7 +6,6 @@ from dataclasses import replace
 import pytest
 
 from vvdp.base.errors import ParameterError
-from vvdp.control.reference import ReferenceFilter
 from vvdp.estimation.estimator import Estimate
 from vvdp.programs.axial_loop import HOME, RUN, AxialSequence, Stage, is_known, known_phase, next_stage
 from vvdp.programs.axial_sensor import AXIAL_SENSOR, AxialSensorTable, sensor_step
@@ -28,7 +27,7 @@ from vvdp.programs.chamber_observer import (
     chamber_observer_program_step,
     chamber_observer_settings,
 )
-from vvdp.programs.filters import Led, smooth_start, smooth_step
+from vvdp.programs.filters import Led, LedReference, smooth_start, smooth_step
 from vvdp.sensing.axial_sensor import SpoolPlace, axial_sensor_start
 
 AREA, MASS, STIFFNESS, PRELOAD = 174e-6, 0.5, 2594.0, 211.5
@@ -198,7 +197,8 @@ def test_the_observer_refuses_a_spool_that_creeps():
 
 def test_the_reference_rests_until_it_is_released():
     """One sample of 10 ms at four poles of 100 1/s then covers 1 - e^-1 (1 + 1 + 1/2 + 1/6), 1.9 %, of the way."""
-    settings, memory = ReferenceFilter(filter_rate=100.0), smooth_start(ReferenceFilter(filter_rate=100.0))
+    settings = LedReference(filter_rate=100.0)
+    memory = smooth_start(settings)
     for k in range(3):
         memory, found = smooth_step(0.01 * k, memory, Led(1.0, 0.0, -2.0), settings)
         assert found == (-2.0, 0.0, 0.0, 0.0)

@@ -1,14 +1,18 @@
 """Estimators by name: against the laws that they call, closed forms, and the program that joins encoder and filter."""
 
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 
 from vvdp.base.errors import ConfigError
-from vvdp.base.params import field_kinds
+from vvdp.base.params import Params, field_kinds
 from vvdp.base.tables import parsed_table
 from vvdp.control.flow_map import FlowMap, flow_for_duty
 from vvdp.estimation.estimator import to_estimate
-from vvdp.estimation.event_settings import EventFilterValues, event_filter
+from vvdp.estimation.event_filter import event_filter_step
+from vvdp.estimation.event_memory import EventFilterMemory, event_filter_start
+from vvdp.estimation.event_settings import EventFilter, EventFilterValues, event_filter
 from vvdp.evaluation.quantities import quantities
 from vvdp.evaluation.summary import summary
 from vvdp.network.build import build
@@ -26,8 +30,8 @@ from vvdp.programs.estimators import (
     period_start,
     period_step,
 )
-from vvdp.programs.spool_encoder import WatchSettings, watch_settings, watch_start, watch_step
-from vvdp.sensing.encoder import Shaft
+from vvdp.programs.spool_encoder import encoder_of, filter_of
+from vvdp.sensing.encoder import Encoder, EncoderMemory, Shaft, encoder_start, encoder_step
 from vvdp.sensing.wheel import equal_wheel
 from vvdp.simulation.run import simulate
 from vvdp.systems.system import built_system
@@ -93,6 +97,29 @@ def system():
     return built_system(parsed_table(SYSTEM.replace("FILTER", filter_lines()), "mine.toml"), "mine")
 
 
+class JoinedMemory(NamedTuple):
+    encoder: EncoderMemory
+    filter: EventFilterMemory
+
+
+class JoinedSettings(Params):
+    encoder: Encoder
+    filter: EventFilter
+
+
+def joined_start(settings):
+    return JoinedMemory(
+        encoder=encoder_start(settings.encoder, 0.0, 0.0, 3.0),
+        filter=event_filter_start(settings.filter, 0.0, 0.0, 0.0),
+    )
+
+
+def joined_step(t, memory, reading, settings):
+    encoder, seen = encoder_step(memory.encoder, reading, settings.encoder)
+    remembered, estimate = event_filter_step(memory.filter, seen, settings.filter)
+    return JoinedMemory(encoder, remembered), estimate
+
+
 def test_two_programs_are_the_one_that_joins_them(system):
     """But for the order of additions: the filter runs behind the encoder, wherever it stands in the file.
 
@@ -105,11 +132,12 @@ def test_two_programs_are_the_one_that_joins_them(system):
         threshold=network.programs["edges"].settings.encoder.threshold, hysteresis=0.02, noise=0.01,
         counter_bits=16.0, missed_edges=0.0, seed=3.0,
     )  # fmt: skip
-    watch = watch_settings(table, own, 0.0)
-    unknown = to_estimate(watch_start(watch).filter.belief, 0.0, 0.0, 0.0, 0.0)
-    joined = ProgramType(watch_step, Shaft, unknown, WatchSettings, watch_start)
+    encoder = encoder_of(table)
+    both = JoinedSettings(encoder=encoder, filter=filter_of(own, encoder.wheel))
+    unknown = to_estimate(joined_start(both).filter.belief, 0.0, 0.0, 0.0, 0.0)
+    joined = ProgramType(joined_step, Shaft, unknown, JoinedSettings, joined_start)
     reads = {"time": "t", "angle": "wheel.angle", "speed": "wheel.speed"}
-    network.program("encoder", joined, watch, reads=reads)
+    network.program("encoder", joined, both, reads=reads)
     circuit = build(network)
     command = simulate(circuit.model, circuit.case, system.stepping).command
     del network.programs["encoder"]

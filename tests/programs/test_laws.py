@@ -6,10 +6,11 @@ import pytest
 
 from vvdp.base.kinds import FLOW, PRESSURE_LEVEL, SPEED
 from vvdp.control.pid import PidGains, Sample, pid_start, pid_step
-from vvdp.control.reference import Reference, ReferenceFilter, reference_step
+from vvdp.control.reference import Reference, reference_step
 from vvdp.programs.arithmetic import Factors, Grid, Looked, Summands, Weights, product_step, sum_step, table_step
 from vvdp.programs.filters import (
     Led,
+    LedReference,
     Limits,
     LowPass,
     RateLimit,
@@ -116,13 +117,21 @@ def test_limit():
 
 def test_reference_is_the_filter_of_the_control():
     """Of the input that was held until now."""
-    law = ReferenceFilter(filter_rate=30.0)
+    law = LedReference(filter_rate=30.0)
     memory, first = smooth_step(0.0, smooth_start(law), Led(1.0), law)
     assert first == (1.0, 0.0, 0.0, 0.0)
     memory, still = smooth_step(0.1, memory, Led(3.0), law)
     memory, found = smooth_step(0.15, memory, Led(3.0), law)
     assert still == (1.0, 0.0, 0.0, 0.0)
     assert tuple(found) == tuple(reference_step(Reference(1.0, 0.0, 0.0, 0.0), 3.0, 0.15 - 0.1, law))
+
+
+def test_a_leading_reference_is_a_sample_earlier():
+    """It moves over the interval before a sample by what is read there."""
+    law = LedReference(filter_rate=30.0, leads=1.0)
+    memory, _ = smooth_step(0.0, smooth_start(law), Led(1.0), law)
+    _, found = smooth_step(0.05, memory, Led(3.0), law)
+    assert tuple(found) == tuple(reference_step(Reference(1.0, 0.0, 0.0, 0.0), 3.0, 0.05, law))
 
 
 def test_sum_and_product():

@@ -1,4 +1,7 @@
-"""An ideal axial drive: the spool follows the position that is asked for with a lag, whatever that takes."""
+"""An ideal axial drive: the spool follows the position that is asked for with a lag, whatever that takes.
+
+Source  ours, docs/models/whole-machine.md, where a function names no other.
+"""
 
 from typing import NamedTuple
 

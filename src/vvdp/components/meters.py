@@ -1,4 +1,7 @@
-"""Meters: powers that no part of a circuit has by itself, added up with its books, without effect on the circuit."""
+"""Meters: powers that no part of a circuit has by itself, added up with its books, without effect on the circuit.
+
+Source  ours, docs/models/whole-machine.md, where a function names no other.
+"""
 
 from typing import NamedTuple
 

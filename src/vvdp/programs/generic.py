@@ -26,12 +26,14 @@ class GenericProgram:
     output  output(what each input reads, values as a file gives them) -> quantity of the command
     first   first(settings, first reading) -> command before it is called
     made    made(values of the file) -> settings of the step, where these are of another class
+    suited  suited(settings) -> the program that works with them, where it depends on them
     """
 
     type: ProgramType
     output: Callable[[Sequence[Kind], Written], Kind] = as_read
     first: Callable[[Any, Any], Any] | None = None
     made: Callable[[Any], Params] | None = None
+    suited: Callable[[Any], ProgramType] | None = None
 
     def for_quantities(self, read: Sequence[Kind], output: Kind | None = None) -> ProgramType:
         """The program for one circuit, where its first inputs read these quantities and its command is `output`."""

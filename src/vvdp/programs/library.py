@@ -16,7 +16,7 @@ from vvdp.programs.filters import DERIVATIVE, LIMIT, LOW_PASS, RATE_LIMIT, REFER
 from vvdp.programs.generic import GenericProgram
 from vvdp.programs.gerotor_control import FEEDFORWARD_PI, GEROTOR_OBSERVER
 from vvdp.programs.gerotor_filters import GENERATOR_OBSERVER, LUMPED_OBSERVER
-from vvdp.programs.machine.table import MACHINE_CONTROL, POSITION_MACHINE_CONTROL
+from vvdp.programs.machine.table import MACHINE_CONTROL
 from vvdp.programs.metering_edges import EDGE_POSITION_LOOP
 from vvdp.programs.piston_law import PISTON_LAW
 from vvdp.programs.position_loops import ONE_WAY_POSITION_LOOP, OVERCENTRE_POSITION_LOOP, THROTTLE_POSITION_LOOP
@@ -45,7 +45,6 @@ PROGRAMS: Mapping[str, ProgramType | GenericProgram] = {
     "low-pass": LOW_PASS,
     "lumped-observer": LUMPED_OBSERVER,
     "machine-control": MACHINE_CONTROL,
-    "machine-position-control": POSITION_MACHINE_CONTROL,
     "one-way-position-loop": ONE_WAY_POSITION_LOOP,
     "overcentre-position-loop": OVERCENTRE_POSITION_LOOP,
     "passivity": PASSIVITY,

@@ -1,5 +1,6 @@
 """The whole machine among the rival circuits: how it follows a duty cycle, at its own pump speed or a slower one."""
 
+import json
 from collections.abc import Callable
 from typing import Any
 
@@ -46,11 +47,10 @@ def control_begin(run: Run) -> float:
 
 def machine(system: System, task: Task) -> System:
     """The whole machine, led by the position loop of its rivals; else as `published_machine`."""
-    table, kinds = loop_settings(load_system(RIVAL)).table, field_kinds(LoopTable)
-    values = field_values(LoopTable, table)
-    loop = {key: setting_text(value, kinds[key]).strip('"') for key, value in values.items()}
-    led = {f"programs.{PROGRAM}.type": "machine-position-control", f"programs.{PROGRAM}.loop": loop}
-    return with_numbers(published_machine(system, task), led)
+    values = field_values(LoopTable, loop_settings(load_system(RIVAL)).table)
+    kinds = field_kinds(LoopTable)
+    loop = {key: json.loads(setting_text(value, kinds[key])) for key, value in values.items()}
+    return with_tables(published_machine(system, task), {"loop": loop})
 
 
 def published_machine(system: System, task: Task) -> System:

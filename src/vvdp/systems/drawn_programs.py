@@ -276,6 +276,7 @@ def _type_and_settings(
         return own, settings
     if kind.made is not None:
         settings = kind.made(settings)
+        own = kind.suited(settings) if kind.suited else own
         own = dataclasses.replace(own, settings=type(settings))
     if kind.first is not None:
         own = dataclasses.replace(own, command=kind.first(settings, first()))

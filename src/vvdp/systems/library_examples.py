@@ -11,6 +11,7 @@ from vvdp.base.tables import parsed_table
 from vvdp.components.library import COMPONENTS
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Component, Role
+from vvdp.systems.short_paths import with_full_paths
 
 FOLDER = resources.files("vvdp.systems") / "examples"
 TANK = "tank"
@@ -72,12 +73,13 @@ def _component_tables() -> Mapping[str, Mapping[str, Any]]:
 
 @cache
 def _program_files() -> Mapping[str, str]:
-    """The text of the first file in which each program is used, by its type."""
+    """The text of the first file in which each program is used, by its type: an example, else a shipped system."""
     found: dict[str, str] = {}
-    for file in sorted((FOLDER / "programs").iterdir(), key=lambda file: file.name):
-        text = file.read_text("utf-8")
-        for program in parsed_table(text, file.name).content["programs"].values():
-            found.setdefault(program["type"], text)
+    for folder in (FOLDER / "programs", FOLDER.parent / "data"):
+        for file in sorted(folder.iterdir(), key=lambda file: file.name):
+            text = file.read_text("utf-8")
+            for program in parsed_table(text, file.name).content.get("programs", {}).values():
+                found.setdefault(program["type"], text)
     return found
 
 
@@ -91,8 +93,16 @@ def example_values(kind: str) -> Mapping[str, object]:
         }
     if kind not in _program_files():
         return {}
-    programs = parsed_table(_program_files()[kind], kind).content["programs"].values()
-    return next(each for each in programs if each["type"] == kind)
+    full = with_full_paths(parsed_table(_program_files()[kind], kind), []).table
+    return _plain(next(each for each in full.content["programs"].values() if each["type"] == kind))
+
+
+def _plain(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Values without their origin, in all tables."""
+    return {
+        key: each.get("value", _plain(each)) if isinstance(each, Mapping) else each
+        for key, each in given.items()
+    }
 
 
 def example_text(kind: str, more: Mapping[str, object] | None = None) -> str | None:

@@ -16,7 +16,8 @@ from typing import Any, get_origin
 
 from vvdp.base.display import value_text
 from vvdp.base.kinds import PRESSURE_DIFFERENCE, PRESSURE_LEVEL, Kind
-from vvdp.base.params import Params, default_values, field_kinds, field_types
+from vvdp.base.params import Params, default_values, field_kinds, field_names, field_types
+from vvdp.base.slots import TableSlot, inner_slots
 from vvdp.base.tables import parsed_table
 from vvdp.components.library import COMPONENTS
 from vvdp.hydraulics.relief_valve import ReliefValve
@@ -29,6 +30,7 @@ from vvdp.programs.generic import GenericProgram
 from vvdp.programs.library import PROGRAMS
 from vvdp.programs.quantities import OF_ANY_QUANTITY
 from vvdp.systems.library_examples import FOLDER, example_text, example_values, toml_text
+from vvdp.systems.part_scopes import as_table
 from vvdp.systems.plausibility import LARGEST_TRANSITION
 
 UNLIMITED = 1e300
@@ -169,11 +171,23 @@ def description_of(function: Callable[..., Any]) -> str:
 
 def _values(classes: Sequence[type[Params]], given: Mapping[str, object], of: str) -> Iterator[Described]:
     for cls in classes:
-        usual, types = default_values(cls), field_types(cls)
+        usual, types, slots = default_values(cls), field_types(cls), inner_slots(cls)
         for name, kind in field_kinds(cls).items():
+            if name in slots:
+                yield from _inner_values(slots[name], name, as_table(given.get(name)), of)
+                continue
             found = _value(name, kind, given, usual.get(name), of)
             is_list = get_origin(types[name]) is tuple and kind is not None and name not in given
             yield dataclasses.replace(found, example=f"[{found.example}, ...]") if is_list else found
+
+
+def _inner_values(slot: TableSlot, name: str, given: Mapping[str, object], of: str) -> Iterator[Described]:
+    """The values of a table inside of the settings of a program, `gains.error_rate`, each once."""
+    found = {each.name: each for each in _values(slot.classes, given, of)}
+    needed = () if slot.optional else field_names(slot.classes[0])
+    for key, each in found.items():
+        usual = each.usual or ("" if key in needed else "none")
+        yield dataclasses.replace(each, name=f"{name}.{key}", usual=usual)
 
 
 def value_lines(cls: type[Params]) -> list[str]:

@@ -1,12 +1,13 @@
 """What a part offers to the file that uses it: what each port carries, and quantity and default of each value."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from vvdp.base.display import value_text
 from vvdp.base.kinds import Kind
 from vvdp.base.params import default_values, field_kinds
+from vvdp.base.slots import inner_slots
 from vvdp.components.library import COMPONENTS
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Component
@@ -67,10 +68,13 @@ def _value_at(file: PartFile, path: str) -> OfferedValue:
     if group == "components" and keys[0] == "start" and len(keys) == 2:
         start = _state_kinds(str(entry.get("type"))).get(keys[1])
         return OfferedValue(start, _text(as_table(entry.get("start")).get(keys[1]), start))
-    kind, usual = _kind(group, str(entry.get("type")), keys[0])
+    kind, usual = _kind(group, str(entry.get("type")), keys)
+    for key in keys[:-1]:
+        entry = as_table(entry.get(key))
+    given = entry.get(keys[-1])
     if group == "programs" and kind in GENERIC:
-        kind = written_quantity(entry.get(keys[0]))
-    text = _text(entry.get(keys[0]), kind)
+        kind = written_quantity(given)
+    text = _text(given, kind)
     return OfferedValue(kind, text or (value_text(usual, kind) if kind and isinstance(usual, float) else ""))
 
 
@@ -80,13 +84,19 @@ def _state_kinds(word: str) -> Mapping[str, Kind | None]:
     return field_kinds(component.state) if isinstance(component, Component) and component.state else {}
 
 
-def _kind(group: str, word: str, key: str) -> tuple[Kind | None, Any]:
-    """Quantity and default of a key of a node, component or program of a type."""
+def _kind(group: str, word: str, keys: Sequence[str]) -> tuple[Kind | None, Any]:
+    """Quantity and default of a value of a node, component or program of a type; of a program, also in its tables."""
     classes: tuple[Any, ...] = ()
+    key = keys[-1]
     if group == "programs" and (found := PROGRAMS.get(word)):
         own = found.type if isinstance(found, GenericProgram) else found
-        kinds = field_kinds(own.reading) | (field_kinds(own.settings) if own.settings else {})
-        return kinds.get(key), own.defaults.get(key, default_values(own.settings).get(key) if own.settings else None)
+        if len(keys) == 1 and key in (kinds := field_kinds(own.reading)):
+            return kinds[key], own.defaults.get(key)
+        classes = (own.settings,) if own.settings else ()
+        for name in keys[:-1]:
+            classes = tuple(
+                each for cls in classes if name in inner_slots(cls) for each in inner_slots(cls)[name].classes
+            )
     if group == "nodes" and word in NODES:
         classes = (NODES[word].table,)
     elif group == "components" and (component := COMPONENTS.get(word)):

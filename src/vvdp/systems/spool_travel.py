@@ -118,7 +118,7 @@ def stop_travel(network: Network) -> Travel | None:
 def spool_source(network: Network) -> Source | None:
     """Where a rotary valve's axial position comes from; None where there is no valve."""
     for part in network.parts.values():
-        if any(isinstance(value, RotaryValve) for value in part.values):
+        if "axial_position" in part.inputs and any(isinstance(value, RotaryValve) for value in part.values):
             return part.inputs["axial_position"]
     return None
 

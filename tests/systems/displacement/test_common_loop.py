@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from vvdp.control.reference import Reference, ReferenceFilter
-from vvdp.programs.machine.common_loop import CommonLoop, asked_of
 from vvdp.machines.duties import shipped_duties
+from vvdp.programs.machine.common_loop import CommonLoop, asked_of
 from vvdp.programs.machine.loop import MachineLoop
 from vvdp.programs.position_loop import Joint, LoopMemory, OneWay, PositionLaw, Pressures, one_way_actuation
 from vvdp.rivals.rival_account import COMMON_RATE, SAMPLE, common_reference, system_for

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import ConfigError
+from vvdp.machines.recorded_cycle import recorded_cycle, with_cycle
 from vvdp.programs.machine.cycle import cycle_position
 from vvdp.programs.machine.loop import PROGRAM
-from vvdp.machines.recorded_cycle import recorded_cycle, with_cycle
 from vvdp.systems.system import load_system
 
 TIMES = np.arange(0.0, 8.0, 2e-3)

@@ -395,7 +395,8 @@ def machine_step(
     place: MachinePlace,
     settings: MachineLoop,
 ) -> tuple[MachineMemory, MachineCommand]:
-    """Program: one sample of the whole machine's outer loop."""
+    """Control of a whole machine: its stages and alarms, displacement control of its cylinder, and the position of the
+    spool that gives the flow which this takes."""
     view = machine_view(memory, place, settings)
     law, demand = controlled_demand(memory, view, settings)
     return carried_out(memory, view, law, demand, settings)

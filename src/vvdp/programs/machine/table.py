@@ -102,7 +102,8 @@ class KnownUnit(Params):
 class MachineTable(KnownUnit, CylinderEnds):
     """The cycle, the laws, what they believe, the sensors and the stages; it is called every `sample_period`.
 
-    Without `supervision` nothing is watched, without a `spring` no chamber moves the spool.
+    Without `supervision` nothing is watched, without a `spring` no chamber moves the spool. With a `loop` the position
+    loop of the rival circuits leads the cylinder in place of the laws.
     """
 
     cycle: Triangle | OwnCycle
@@ -120,16 +121,11 @@ class MachineTable(KnownUnit, CylinderEnds):
     machine_sequence: MachineSequence
     supervision: Supervision | None = None
     spring: KnownSpring | None = None
+    loop: LoopTable | None = None
     sample_period: Time
 
     def check(self) -> None:
         machine_loop(self)
-
-
-class PositionMachineTable(MachineTable):
-    """The same with the position `loop` of the rival circuits in place of the laws."""
-
-    loop: LoopTable
 
 
 def machine_loop(table: MachineTable) -> MachineLoop:
@@ -228,10 +224,17 @@ def refuse_cycle(cycle: Triangle | OwnCycle, cylinder: CylinderEnds, largest_flo
     refuse_fast_points(cycle, largest_flow / max(cylinder.area_a, cylinder.area_b))
 
 
-def common_machine(table: PositionMachineTable) -> CommonLoop:
-    """The same for a machine that the position loop of the rival circuits leads."""
+def machine_settings(table: MachineTable) -> MachineLoop | CommonLoop:
+    """The values with which the program works, by its laws or by the position loop of the rival circuits."""
     machine = machine_loop(table)
-    return CommonLoop(machine=machine, law=common_law(machine, table.loop))
+    return machine if table.loop is None else CommonLoop(machine=machine, law=common_law(machine, table.loop))
+
+
+def program_of(settings: MachineLoop | CommonLoop) -> ProgramType:
+    """The program that works with these values."""
+    if isinstance(settings, MachineLoop):
+        return CONTROL
+    return replace(CONTROL, step=common_step, settings=CommonLoop, start=common_start)
 
 
 def cylinder_instruments(table: MachineTable) -> Mapping[str, Instrument]:
@@ -244,20 +247,14 @@ def cylinder_instruments(table: MachineTable) -> Mapping[str, Instrument]:
     return MappingProxyType(found)
 
 
-def _control(step: object, table: type[MachineTable], start: object) -> ProgramType:
-    return ProgramType(
-        step,
-        MachinePlace,
-        IDLE,
-        table,
-        start,
-        report=MachineReport,
-        instruments=cylinder_instruments,
-        refuse=refuse_machine,
-    )
-
-
-MACHINE_CONTROL = GenericProgram(_control(machine_step, MachineTable, machine_start), made=machine_loop)
-POSITION_MACHINE_CONTROL = GenericProgram(
-    _control(common_step, PositionMachineTable, common_start), made=common_machine
+CONTROL = ProgramType(
+    machine_step,
+    MachinePlace,
+    IDLE,
+    MachineTable,
+    machine_start,
+    report=MachineReport,
+    instruments=cylinder_instruments,
+    refuse=refuse_machine,
 )
+MACHINE_CONTROL = GenericProgram(CONTROL, made=machine_settings, suited=program_of)
