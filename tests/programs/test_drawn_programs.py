@@ -472,3 +472,31 @@ def test_own_programs_are_of_one_module(own):
     further = NAMED.split("[programs.smooth]")[0].replace("my_control", "second").replace("sensing", "further")
     with pytest.raises(ConfigError, match="programs of your own are in one module"):
         system(NAMED + further, own)
+
+
+LIMITED = """
+from vvdp.base.errors import ParameterError
+
+
+def refuse_flow(network, name):
+    node = network.programs[name].reads["load"].partition(".")[0]
+    (pump,) = (part for part in network.parts.values() if part.nodes.get("b") == node)
+    if pump.inputs["flow"].extremes[1] > 2e-4:
+        raise ParameterError(f"components.{pump.name}.flow: more than {name} can hold")
+
+
+HOLD = ProgramType(hold, Seen, Asked(1e5), Margin, refuse=refuse_flow)
+"""
+
+
+def test_a_program_refuses_what_the_circuit_cannot_do(own):
+    """At the path and line that the file has for it."""
+    (own / "my_control.py").write_text(OWN + LIMITED)
+    short = '\n[values]\nsupply.flow = "components.pump.flow"\n\n[supply]\nflow = "20 lpm"\n'
+    text = HEAD.replace(', flow = "20 lpm"', "") + NAMED + short
+    with pytest.raises(ConfigError) as refused:
+        built_system(parsed_table(text, "mine.toml"), "mine", own)
+    assert [(fault.line, fault.key, fault.message) for fault in refused.value.faults] == [
+        (text[: text.index('flow = "20 lpm')].count("\n") + 1, "supply.flow", "more than sensing can hold")
+    ]
+    assert built_system(parsed_table(text.replace('"20 lpm"', '"10 lpm"'), "mine.toml"), "mine", own)

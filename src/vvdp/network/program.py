@@ -23,6 +23,8 @@ class ProgramType:
     ramps    fields NAME of its command that go on between samples, from its field `time` on at its field `NAME_rate`
     is_bounded  no number of it grows with the time for which it runs, so that single precision is enough
     report   report(network, name, sample period [s]) -> what it adds to the results, as `programs.report.ProgramReport`
+    refuse   refuse(network, name): raises ParameterError("TABLE.NAME.KEY: ...") if the drawn network cannot do what the
+             program asks of it; TABLE is nodes, components or programs
     """
 
     step: Callable[..., Any]
@@ -32,6 +34,7 @@ class ProgramType:
     start: Callable[..., Any] = no_memory
     level: Callable[..., Any] | None = None
     report: Callable[[Any, str, float], Any] | None = None
+    refuse: Callable[[Any, str], None] | None = None
     partner: Partner | None = None
     ramps: frozenset[str] = frozenset()
     is_bounded: bool = False

@@ -223,7 +223,18 @@ class Drawer(ProgramDrawer):
         places = Places(net)
         for each in self.shares if not self.faults else ():
             self._try(each.path, partial(check_share, places, each))
+        for name in net.programs if not self.faults else ():
+            self._refuse_impossible(net, name)
         return None if self.faults else net
+
+    def _refuse_impossible(self, net: Network, name: str) -> None:
+        """A fault, at the path that it names, if the circuit cannot do what a program asks of it."""
+        if refuse := net.programs[name].type.refuse:
+            try:
+                refuse(net, name)
+            except ParameterError as problem:
+                path, _, words = str(problem).partition(": ")
+                self._fault(path, words)
 
     def _add_circuit(self, net: Network, name: str, drawn: Entries) -> None:
         net.circuits[name] = InnerCircuit(drawn["source"], drawn["ports"], frozenset(drawn["names"]))
