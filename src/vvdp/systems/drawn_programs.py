@@ -121,7 +121,7 @@ class ProgramDrawer(ABC):
         if sampled and called.period not in (0.0, sampled):
             self._fault(f"{part.path}.period", f"{called.period:g} s must be the sample_period, {sampled:g} s")
             return
-        calls = {"period": called.period or sampled, "phase": called.phase, "latency": called.latency}
+        calls = {"period": called.period or sampled or None, "phase": called.phase, "latency": called.latency}
 
         def add() -> None:
             first = partial(kinds.first_reading, kind, reads)
