@@ -9,11 +9,11 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import DURATION, DUTY_RATIO, FLAG, FLOW, FRACTION, POSITION, PRESSURE_LEVEL, SIGNED_FRACTION, Kind
 from vvdp.control.pressure_modes import PressureBounds
-from vvdp.machines.chapter6_charts import DIRECTION, OPENING, bound_levels, motion_panels, sampled_error
 from vvdp.machines.machine_control import SAMPLE_PERIOD
 from vvdp.machines.machine_loop import PROGRAM
 from vvdp.machines.stages import CONTROL, PHASES
-from vvdp.machines.tracking import SETTLED
+from vvdp.programs.displacement_charts import DIRECTION, OPENING, bound_levels, motion_panels
+from vvdp.programs.tracking import SETTLED
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke, flag_panel
 from vvdp.results.result import Column, Table
 
@@ -38,7 +38,9 @@ def machine_columns(record: "Record") -> Columns:
         "position_m": (record.states["rod.position"].values, POSITION, "position"),
         "wanted_m": (shown["wanted"], POSITION, "cycle"),
         "reference_m": (shown["reference"], POSITION, "filtered reference"),
-        "tracking_error_m": sampled_error(record, shown["reference"], SAMPLE_PERIOD),
+        "tracking_error_m": sampled_error(
+            record.times, record.states["rod.position"].values, shown["reference"], SAMPLE_PERIOD
+        ),
         **{key: (values, PRESSURE_LEVEL, key[:-3].replace("_", " ")) for key, values in pressures.items()},
         "flow_m3_s": (shown["flow"], FLOW, "flow asked for"),
         "split_flow_m3_s": (shown["split_flow"], FLOW, "flow of the split"),
@@ -46,6 +48,12 @@ def machine_columns(record: "Record") -> Columns:
         "opening": (shown["opening"], FRACTION, "opening of the return valve"),
         "direction": (shown["direction"], SIGNED_FRACTION, "direction"),
     }
+
+
+def sampled_error(times: Array, position: Array, reference: Array, period: float) -> tuple[Array, Kind, str]:
+    """Column of the error [m] against a `reference`, of the position at the last sample, one each `period` [s]."""
+    sampled = period * (np.ceil(times / period - 1e-6) - 1.0)
+    return np.interp(sampled, times, position) - reference, POSITION, "error against the reference"
 
 
 def machine_charts(record: "Record", bounds: PressureBounds) -> Iterator[tuple[Chart, Table]]:

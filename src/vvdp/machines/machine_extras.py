@@ -13,8 +13,8 @@ from vvdp.machines.machine_loop import PROGRAM
 from vvdp.machines.machine_power import POWERS, mean_powers, whole_periods
 from vvdp.machines.machine_tally import TALLY, MachineTally
 from vvdp.machines.supervision import WATCHED
-from vvdp.machines.tracking import SETTLED, TRACKING, tracking_numbers
 from vvdp.programs.axial_loop import PROGRAM as AXIAL
+from vvdp.programs.tracking import SETTLED, TRACKING, tracking_numbers
 from vvdp.results.chart import Chart
 from vvdp.results.result import Table
 from vvdp.simulation.values import leaves

@@ -14,9 +14,9 @@ from vvdp.control.pressure_modes import PressureMode
 from vvdp.machines.machine_control import SAMPLE_PERIOD, MachinePaths
 from vvdp.machines.machine_loop import PROGRAM
 from vvdp.machines.stages import CONTROL
-from vvdp.machines.tracking import Actuated, Followed, Tracking, tracking_start, tracking_step
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
+from vvdp.programs.tracking import Actuated, Followed, Tracking, tracking_start, tracking_step
 
 TALLY = "tally"
 """Name of the program that adds up."""

@@ -79,6 +79,14 @@ def cycle_value(time: float, cycle: Cycle) -> float:
     return upper + (within - way) / way * (lower - upper)
 
 
+def cycle_points(cycle: Cycle) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Times [s] and values of the points of a cycle; those of a triangle are its ends."""
+    if cycle.values:
+        return cycle.times, cycle.values
+    upper = cycle.lower_end + cycle.stroke
+    return (0.0, cycle.stroke_time, 2.0 * cycle.stroke_time), (cycle.lower_end, upper, cycle.lower_end)
+
+
 def cycle_step(t: float, memory: NamedTuple, reading: Now, settings: Cycle) -> tuple[NamedTuple, Course]:
     """Points over time, joined by straight lines, or a triangle, repeated or followed once."""
     value = cycle_value(reading.time + 0.5 * settings.sample_period, settings)

@@ -77,7 +77,7 @@ class ProgramDrawer(ABC):
         self.rows[:] = [
             row
             for row in self.rows
-            if row.value not in (-LARGEST, LARGEST)  # no limit is no value
+            if row.value not in (-LARGEST, LARGEST, ())  # no limit, no list: no value
             and not (row.note == "default" and row.key in times and row.table.startswith("programs."))
         ]
 

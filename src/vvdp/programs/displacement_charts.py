@@ -1,6 +1,6 @@
 """Pictures of a cylinder under displacement control: its motion, its pressures, what is asked of the drives."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -8,8 +8,8 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import DURATION, FLOW, FRACTION, POSITION, PRESSURE_LEVEL, SIGNED_FRACTION, Kind
 from vvdp.control.pressure_modes import PRESSURE_MODE, PressureBounds
-from vvdp.machines.chapter6_loop import PROGRAM
-from vvdp.machines.tracking import SETTLED
+from vvdp.network.nodes import Source
+from vvdp.programs.tracking import SETTLED
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from vvdp.simulation.record import Record
 
 TABLE = "displacement"
-"""Name of the table that holds what is drawn."""
+"""Name of the table that holds what a law reads and commands."""
 OPENING = Lines(lines=(Line(x="time_s", y="opening", colour=Colour.GREEN),), low=0.0, high=1.05)
 """Panel of the return valve."""
 DIRECTION = Lines(
@@ -26,43 +26,58 @@ DIRECTION = Lines(
 """Panel of the directional valve."""
 
 
-def sampled_error(record: "Record", reference: Array, period: float) -> tuple[Array, Kind, str]:
-    """Column of the error [m] against a `reference`, of the position at the last sample, one each `period` [s]."""
-    sampled = period * (np.ceil(record.times / period - 1e-6) - 1.0)
-    position = np.interp(sampled, record.times, record.states["rod.position"].values)
-    return position - reference, POSITION, "error against the reference"
+def columns_over_time(record: "Record", sources: Mapping[str, Source]) -> dict[str, Array]:
+    """What a record has of these sources, states and commands, by their names."""
+    known = {**record.states, **record.commands}
+    paths = {name: str(source) for name, source in sources.items()}
+    nodes = {name: path if path in known else path.removesuffix(".pressure") for name, path in paths.items()}
+    return {name: known[path].values for name, path in nodes.items() if path in known}
 
 
-def displacement_columns(record: "Record", period: float) -> dict[str, tuple[Array, Kind, str]]:
-    """What is drawn over time; the control acts every `period` [s].
+def table_over_time(record: "Record", columns: Mapping[str, tuple[Array, Kind, str]]) -> Table:
+    """The table of what is drawn over time."""
+    every = {"time_s": (record.times, DURATION, "time"), **columns}
+    shown = {key: Column(*column) for key, column in every.items()}
+    return Table(title="Displacement control", columns=shown, is_data=True)
+
+
+def motion_charts(record: "Record", sources: Mapping[str, Source]) -> Iterator[tuple[Chart, Table]]:
+    """Course of a run with its error; nothing without the `position`, `reference` and `error` among the sources.
 
     A row shows what was commanded at the last sample before it: errors are those against the position at that sample.
     """
-    shown = {key: record.commands[f"{PROGRAM}.{key}"].values for key in ("reference", "opening", "flow", "mode")}
-    return {
-        "time_s": (record.times, DURATION, "time"),
-        "position_m": (record.states["rod.position"].values, POSITION, "position"),
-        "reference_m": (shown["reference"], POSITION, "filtered reference"),
-        "tracking_error_m": sampled_error(record, shown["reference"], period),
-        "pressure_a_Pa": (record.states["chamber_a"].values, PRESSURE_LEVEL, "chamber a"),
-        "pressure_b_Pa": (record.states["chamber_b"].values, PRESSURE_LEVEL, "chamber b"),
-        "pump_flow_m3_s": (record.states["pump.flow"].values, FLOW, "flow of the pump"),
-        "asked_flow_m3_s": (shown["flow"], FLOW, "flow asked of the pump"),
-        "opening": (shown["opening"], FRACTION, "opening of the return valve"),
-        "direction": (record.commands[f"{PROGRAM}.direction"].values, SIGNED_FRACTION, "direction"),
-        "mode": (shown["mode"], PRESSURE_MODE, "pressure mode"),
+    words = {"position": "position", "reference": "filtered reference", "error": "error against the reference"}
+    keys = {"position": "position_m", "reference": "reference_m", "error": "tracking_error_m"}
+    shown = columns_over_time(record, {name: sources[name] for name in words})
+    if shown.keys() == words.keys():
+        begin = float(record.times[0])
+        settled = begin + SETTLED if record.times[-1] > begin + SETTLED else begin
+        rows = tuple(np.flatnonzero(record.times > settled).tolist())
+        columns = {keys[name]: (values, POSITION, words[name]) for name, values in shown.items()}
+        yield motion_chart(rows), table_over_time(record, columns)
+
+
+def law_charts(
+    record: "Record", sources: Mapping[str, Source], bounds: PressureBounds
+) -> Iterator[tuple[Chart, Table]]:
+    """The pressures that a law reads within their bounds, with the mode, and what it asks of the drives.
+
+    sources  of pressures, commands and, where it is known, the delivered flow
+    """
+    kinds = {
+        "pressure_a": ("pressure_a_Pa", PRESSURE_LEVEL, "chamber a"),
+        "pressure_b": ("pressure_b_Pa", PRESSURE_LEVEL, "chamber b"),
+        "delivered_flow": ("pump_flow_m3_s", FLOW, "flow of the pump"),
+        "flow": ("asked_flow_m3_s", FLOW, "flow asked of the pump"),
+        "opening": ("opening", FRACTION, "opening of the return valve"),
+        "direction": ("direction", SIGNED_FRACTION, "direction"),
+        "mode": ("mode", PRESSURE_MODE, "pressure mode"),
     }
-
-
-def displacement_charts(record: "Record", bounds: PressureBounds, period: float) -> Iterator[tuple[Chart, Table]]:
-    """Course and actuation of a run with its error, the pressures within their bounds, and the modes."""
-    columns = {key: Column(*of) for key, of in displacement_columns(record, period).items()}
-    table = Table(title="Displacement control", columns=columns, is_data=True)
-    begin = float(record.times[0])
-    settled = begin + SETTLED if record.times[-1] > begin + SETTLED else begin
-    yield motion_chart(tuple(np.flatnonzero(record.times > settled).tolist())), table
-    yield pressure_chart(bounds), table
-    yield actuation_chart(), table
+    shown = columns_over_time(record, {key: source for key, source in sources.items() if key in kinds})
+    table = table_over_time(record, {kinds[key][0]: (of, *kinds[key][1:]) for key, of in shown.items()})
+    if {"pressure_a", "pressure_b"} <= shown.keys():
+        yield pressure_chart(bounds), table
+    yield actuation_chart(is_flow_known="delivered_flow" in shown), table
 
 
 def motion_panels(position: tuple[Line, ...], rows: tuple[int, ...]) -> tuple[Lines, Lines]:
@@ -81,7 +96,7 @@ def motion_chart(rows: tuple[int, ...]) -> Chart:
         name="displacement-motion",
         caption="The rod and its filtered reference, and the error between them once control has settled: it lies "
         "where the cylinder turns round and its pressures change places.",
-        table=TABLE,
+        table="tracking",
         panels=motion_panels(position, rows),
         height=4.5,
     )
@@ -114,12 +129,12 @@ def pressure_chart(bounds: PressureBounds) -> Chart:
     )
 
 
-def actuation_chart() -> Chart:
-    """What is asked of pump, return valve and directional valve."""
+def actuation_chart(*, is_flow_known: bool) -> Chart:
+    """What is asked of pump, return valve and directional valve, and what the pump gives where it is known."""
     flows = (
         Line(x="time_s", y="asked_flow_m3_s", label="asked", colour=Colour.FAINT),
         Line(x="time_s", y="pump_flow_m3_s", label="given"),
-    )
+    )[: 2 if is_flow_known else 1]
     return Chart(
         name="displacement-actuation",
         caption="The flow of the pump, slow; the opening of the return valve, fast; and the direction.",
