@@ -79,7 +79,7 @@ def test_what_is_learned(name):
     gains, known = LEARNED[name]
     rms, peak, run = learned(tuple(gains.items()), known)
     believed = run.command.control
-    modulus = 1e-6 / run.final_memory["control"].control.adaptation.compliance
+    modulus = 1e-6 / run.final_memory["control"].adaptation.compliance
     assert here(name) == [
         f"{rms:.3f}",
         f"{peak:.3f}",

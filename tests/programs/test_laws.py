@@ -23,7 +23,7 @@ from vvdp.programs.filters import (
     smooth_step,
 )
 from vvdp.programs.library import PROGRAMS
-from vvdp.programs.pulses import Duty, Now, Points, Pulses, cycle_step, pulse_command, pulse_count
+from vvdp.programs.pulses import Cycle, Duty, Now, Pulses, cycle_step, pulse_command, pulse_count
 
 GAINS = PidGains(
     gain=2.0, reset_time=1.0, derivative_time=0.0, filter_time=0.0, setpoint_weight=1.0, tracking_time=0.0,
@@ -149,7 +149,7 @@ def test_table_of_one_and_of_two_inputs():
 
 
 def test_cycle_repeats_its_points():
-    triangle = Points(times=(0.0, 1.0, 2.0), values=(0.0, 10.0, 0.0))
+    triangle = Cycle(times=(0.0, 1.0, 2.0), values=(0.0, 10.0, 0.0))
     found = [cycle_step(t, None, Now(t), triangle)[1].value for t in (0.0, 0.25, 1.5, 2.0, 7.25)]
     assert found == pytest.approx([0.0, 2.5, 5.0, 0.0, 7.5])
 

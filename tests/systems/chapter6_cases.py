@@ -125,5 +125,5 @@ def learned(gains: tuple[tuple[str, str], ...] = (), known: bool = False) -> tup
         _, run = found_in(load_system(str(path)))
     rows = sample_rows(run)
     rows = rows[run.times[rows] > 16.0]
-    error = 100.0 * (run.state.rod.position[rows[:-1]] - run.command.control.reference[rows[1:]])
+    error = 100.0 * (run.state.rod.position[rows[:-1]] - run.command.reference.value[rows[1:]])
     return float(np.sqrt(np.mean(error**2))), float(np.max(np.abs(error))), run

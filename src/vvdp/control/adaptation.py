@@ -9,7 +9,7 @@ Source  ours, docs/models/displacement-control.md, where a function names no oth
 from typing import Annotated, NamedTuple
 
 from vvdp.base.kinds import Compliance, Force, Kind, Length, Mass, Time, Velocity
-from vvdp.base.params import Params
+from vvdp.base.params import Params, without_effect
 from vvdp.base.rules import require_less
 from vvdp.base.select import clip
 from vvdp.control.cylinder_force import ForceRate
@@ -33,13 +33,13 @@ class Adaptation(Params):
     load_gain: LoadGain = 0.0
     mass_gain: MassGain = 0.0
     compliance_gain: ComplianceGain = 0.0
-    lowest_load: Force = -5e3
-    highest_load: Force = 5e3
-    lowest_mass: Mass = 20.0
-    highest_mass: Mass = 600.0
-    lowest_compliance: Compliance = 3e-10
-    highest_compliance: Compliance = 5e-9
-    pause: Time = 0.3
+    lowest_load: Annotated[Force, without_effect("load_gain")] = -5e3
+    highest_load: Annotated[Force, without_effect("load_gain")] = 5e3
+    lowest_mass: Annotated[Mass, without_effect("mass_gain")] = 20.0
+    highest_mass: Annotated[Mass, without_effect("mass_gain")] = 600.0
+    lowest_compliance: Annotated[Compliance, without_effect("compliance_gain")] = 3e-10
+    highest_compliance: Annotated[Compliance, without_effect("compliance_gain")] = 5e-9
+    pause: Annotated[Time, without_effect("load_gain", "mass_gain", "compliance_gain")] = 0.3
 
     def check(self) -> None:
         for name in ("load", "mass", "compliance"):

@@ -3,10 +3,10 @@
 Source  ours, docs/models/displacement-control.md, where a function names no other.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from vvdp.base.kinds import Conductance, Flow, Force, Fraction, Position, Pressure, SignedFraction, Time, Velocity
-from vvdp.base.params import Params
+from vvdp.base.params import Params, without_effect
 from vvdp.base.rules import require_positive
 from vvdp.base.select import maximum
 from vvdp.control.adaptation import Adaptation, AdaptationMemory, Excitation, adaptation_start, adaptation_step
@@ -43,7 +43,7 @@ class SupplySupport(Params):
     """The pump gives `support_conductance` times what the line lacks to `support_pressure`, absolute; 0 is without."""
 
     support_conductance: Conductance = 0.0
-    support_pressure: Pressure = 0.0
+    support_pressure: Annotated[Pressure, without_effect("support_conductance")] = 0.0
 
 
 class DisplacementSettings(Params):

@@ -14,6 +14,7 @@ from vvdp.base.params import Params
 from vvdp.base.rules import refuse_rows, require_rising
 from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.hydraulics.friction import RodFriction
+from vvdp.numerics.piecewise import line_through
 
 SAME_PLACE = 1e-6
 """A cycle ends where it began when it does so within this [m]."""
@@ -64,19 +65,8 @@ def cycle_point(time: float, cycle: DutyCycle) -> CyclePoint:
 
     Source  ours, docs/circuits-compared.md
     """
-    last = len(cycle.times) - 1
-    within = time % cycle.times[last]
-    low, high = 0, last
-    while high - low > 1:
-        middle = (low + high) // 2
-        if cycle.times[middle] <= within:
-            low = middle
-        else:
-            high = middle
-    share = (within - cycle.times[low]) / (cycle.times[high] - cycle.times[low])
     return CyclePoint(
-        cycle.positions[low] + share * (cycle.positions[high] - cycle.positions[low]),
-        cycle.forces[low] + share * (cycle.forces[high] - cycle.forces[low]),
+        line_through(time, cycle.times, cycle.positions, 1.0), line_through(time, cycle.times, cycle.forces, 1.0)
     )
 
 

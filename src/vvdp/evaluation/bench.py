@@ -286,10 +286,9 @@ class RotaryBench(Extras):
         shaft, motor = supplied.pump_shaft, supplied.spool_motor
         load_power = mean.spent.load if self.makes_pressure else -supplied.load_line - supplied.tank
         drops = valve.nozzle + valve.centre_section + valve.outlet_turbine + _beside(mean.spent)
-        turns = float(found["speed_mean_spool_rad_s"])
         place = [path for path, _, _ in leaves(run.case.state)].index("spool.angle")
         return {
-            "pwm_frequency_Hz": turns * self.valve.sections / (2.0 * np.pi),
+            "pwm_frequency_Hz": float(found["speed_mean_spool_rad_s"]) * self.valve.sections / (2.0 * np.pi),
             "mean_pump_flow_m3_s": pump_flow,
             "mean_load_flow_m3_s": _load_flow(totals),
             "mean_tank_flow_m3_s": totals.valve_tank_flow - totals.valve_leakage,
@@ -313,6 +312,7 @@ class RotaryBench(Extras):
             "loss_transition_W": transition_loss(drops + mean.spent.relief_valve - open_loss, shaft + motor),
             "loss_total_W": shaft + motor - load_power,
             "steady": self.is_steady,
+            **self.programs.simulation_numbers(run, found),
         }
 
     def record_numbers(self, run: Run) -> Summary:

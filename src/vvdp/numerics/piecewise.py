@@ -17,3 +17,26 @@ def piecewise_linear(place: float, places: Sequence[float], values: Sequence[flo
         share = clip((place - places[i]) / (places[i + 1] - places[i]), 0.0, 1.0)
         value = value + (values[i + 1] - values[i]) * share
     return value
+
+
+def line_through(place: float, places: Sequence[float], values: Sequence[float], repeats: float) -> float:
+    """Value on straight lines through points that begin at place 0, found by bisection, in the unit of `values`.
+
+    place    0 or greater, in the unit of `places`
+    places   of the points, strictly increasing from 0 on
+    values   at them
+    repeats  above 0: the points come again after the last one; 0: the last value is held
+    """
+    last = len(places) - 1
+    within = place % places[last] if repeats > 0.0 else place
+    if within >= places[last]:
+        return values[last]
+    low, high = 0, last
+    while high - low > 1:
+        middle = (low + high) // 2
+        if places[middle] <= within:
+            low = middle
+        else:
+            high = middle
+    share = (within - places[low]) / (places[high] - places[low])
+    return values[low] + share * (values[high] - values[low])

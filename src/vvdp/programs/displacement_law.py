@@ -10,6 +10,7 @@ from vvdp.base.kinds import (
     Flow,
     Force,
     Fraction,
+    Mass,
     Position,
     Pressure,
     SignedFraction,
@@ -27,7 +28,7 @@ from vvdp.control.capacities import (
     LineBelief,
     cylinder_model,
 )
-from vvdp.control.cylinder_force import ForceGains
+from vvdp.control.cylinder_force import ForceGains, ForceRate
 from vvdp.control.direction import DirectionSettings
 from vvdp.control.displacement import (
     CylinderSeen,
@@ -43,6 +44,8 @@ from vvdp.control.pressure_modes import PressureBounds, PressureMode
 from vvdp.control.reference import Jerk, Reference, SignedAcceleration
 from vvdp.hydraulics.volume import GasExponent, GasPressure
 from vvdp.network.program import ProgramType
+from vvdp.programs.displacement_reach import refuse_out_of_reach
+from vvdp.programs.displacement_report import DisplacementReport
 from vvdp.programs.generic import GenericProgram
 
 
@@ -119,15 +122,22 @@ class CylinderTask(NamedTuple):
 
 
 class CylinderCommand(NamedTuple):
-    """Command of the directional valve (1 extends), opening of the return valve, flow of the pump; the force that is
-    missing, the number of the pressure mode, and 1 while the opening is at an end."""
+    """Command of the directional valve (1 extends), opening of the return valve, flow of the pump.
+
+    The rest shows how they came about: U* as `effort`, F_H - F_v, the number of the pressure mode, 1 while the opening
+    is at an end, the flow of the split before any limit, load and mass as believed, with what was learned.
+    """
 
     direction: SignedFraction
     opening: Fraction
     flow: Flow
+    effort: ForceRate
     force_error: Force
     mode: PressureMode
     saturated: Fraction
+    split_flow: Flow
+    load_force: Force
+    moving_mass: Mass
 
 
 def displacement_program_step(
@@ -144,9 +154,13 @@ def displacement_program_step(
         direction=demand.direction,
         opening=demand.opening,
         flow=demand.flow,
+        effort=demand.effort,
         force_error=demand.force_error,
         mode=demand.mode,
         saturated=demand.saturated,
+        split_flow=demand.split_flow,
+        load_force=reading.load_force + memory.adaptation.load_correction,
+        moving_mass=memory.adaptation.moving_mass,
     )
 
 
@@ -176,7 +190,18 @@ def read_task(reading: CylinderTask) -> tuple[CylinderSeen, Reference]:
     return seen, reference
 
 
-IDLE = CylinderCommand(direction=0.0, opening=0.0, flow=0.0, force_error=0.0, mode=0.0, saturated=0.0)
+IDLE = CylinderCommand(
+    direction=0.0,
+    opening=0.0,
+    flow=0.0,
+    effort=0.0,
+    force_error=0.0,
+    mode=0.0,
+    saturated=0.0,
+    split_flow=0.0,
+    load_force=0.0,
+    moving_mass=0.0,
+)
 
 
 DISPLACEMENT_CONTROL = GenericProgram(
@@ -186,6 +211,8 @@ DISPLACEMENT_CONTROL = GenericProgram(
         IDLE,
         DisplacementTable,
         displacement_start,
+        report=DisplacementReport,
+        refuse=refuse_out_of_reach,
     ),
     made=displacement_settings,
 )

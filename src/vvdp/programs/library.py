@@ -22,6 +22,7 @@ from vvdp.programs.piston_law import PISTON_LAW
 from vvdp.programs.position_loops import ONE_WAY_POSITION_LOOP, OVERCENTRE_POSITION_LOOP, THROTTLE_POSITION_LOOP
 from vvdp.programs.pulses import CYCLE, PWM
 from vvdp.programs.stages import COMPARATOR, SEQUENCE, SUPERVISION
+from vvdp.programs.tally import TALLY
 from vvdp.programs.unloading import UNLOADING
 
 PROGRAMS: Mapping[str, ProgramType | GenericProgram] = {
@@ -61,6 +62,7 @@ PROGRAMS: Mapping[str, ProgramType | GenericProgram] = {
     "sum": SUM,
     "supervision": SUPERVISION,
     "table": TABLE,
+    "tally": TALLY,
     "threshold": THRESHOLD,
     "throttle-position-loop": THROTTLE_POSITION_LOOP,
     "unloading": UNLOADING,

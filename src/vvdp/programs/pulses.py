@@ -7,13 +7,12 @@ import numpy as np
 
 from vvdp.base.kinds import TIME, DutyRatio, Fraction, Frequency, Kind, Time
 from vvdp.base.params import Params
-from vvdp.base.rules import refuse_rows, require_positive, require_rising
+from vvdp.base.rules import refuse, refuse_rows, refuse_together, require_positive, require_rising
 from vvdp.base.select import clip, maximum, minimum, select
 from vvdp.network.program import ProgramType
-from vvdp.numerics.piecewise import piecewise_linear
-from vvdp.programs.controllers import Value
+from vvdp.numerics.piecewise import line_through
 from vvdp.programs.generic import GenericProgram, Written
-from vvdp.programs.quantities import OUTPUT, written_quantity
+from vvdp.programs.quantities import OUTPUT, Output, OutputChange, written_quantity
 
 SHORTEST = 1e-9
 """Share of a period below which pulses have no width."""
@@ -21,13 +20,31 @@ NEXT = 0.999
 """How near to the next whole number a count comes before its edge: rounding is not to carry it over."""
 
 
-class Points(Params):
-    """Points that straight lines join; after the last one, which is the first again, they repeat."""
+class Cycle(Params):
+    """Points that straight lines join, or a triangle: from `lower_end` over a `stroke` and back, each way in
+    `stroke_time`.
 
-    times: Annotated[tuple[float, ...], TIME]
-    values: Annotated[tuple[float, ...], OUTPUT]
+    After the last point, which is the first again, they repeat; if `repeats` is 0, the last value is held. They are
+    read `preview` ahead, and with a `sample_period`, for which a value holds, in the middle of that time.
+    """
+
+    times: Annotated[tuple[float, ...], TIME] = ()
+    values: Annotated[tuple[float, ...], OUTPUT] = ()
+    lower_end: Output = 0.0
+    stroke: OutputChange = 0.0
+    stroke_time: Time = 0.0
+    repeats: Fraction = 1.0
+    preview: Time = 0.0
+    sample_period: Time = 0.0
 
     def check(self) -> None:
+        if self.repeats not in (0.0, 1.0):
+            refuse(self, "repeats", "must be 0 or 1")
+        if not self.times and not self.values:
+            require_positive(self, "stroke", "stroke_time", why="give a triangle, or times and values of points")
+            return
+        if self.stroke or self.stroke_time:
+            refuse_together(self, "stroke and stroke_time are those of a triangle; give them, or times and values")
         require_rising(self, "times")
         if len(self.times) < 2 or len(self.times) != len(self.values):
             refuse_rows(
@@ -43,15 +60,41 @@ class Now(NamedTuple):
     time: Time
 
 
-def cycle_step(t: float, memory: NamedTuple, reading: Now, settings: Points) -> tuple[NamedTuple, Value]:
-    """Points over time, joined by straight lines and repeated."""
-    period = settings.times[len(settings.times) - 1]
-    within = reading.time - period * np.floor(reading.time / period)
-    return memory, Value(piecewise_linear(within, settings.times, settings.values))
+class Course(NamedTuple):
+    """What a cycle asks for, and what it asks for at time 0."""
+
+    value: Output
+    start: Output
+
+
+def cycle_value(time: float, cycle: Cycle) -> float:
+    """What a cycle asks for at a time [s], in the unit of its values."""
+    ahead = time + cycle.preview
+    if cycle.stroke_time <= 0.0:
+        return line_through(ahead, cycle.times, cycle.values, cycle.repeats)
+    way, lower, upper = cycle.stroke_time, cycle.lower_end, cycle.lower_end + cycle.stroke
+    within = ahead % (2.0 * way) if cycle.repeats > 0.0 else minimum(ahead, 2.0 * way)
+    if within < way:
+        return lower + within / way * (upper - lower)
+    return upper + (within - way) / way * (lower - upper)
+
+
+def cycle_points(cycle: Cycle) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Times [s] and values of the points of a cycle; those of a triangle are its ends."""
+    if cycle.values:
+        return cycle.times, cycle.values
+    upper = cycle.lower_end + cycle.stroke
+    return (0.0, cycle.stroke_time, 2.0 * cycle.stroke_time), (cycle.lower_end, upper, cycle.lower_end)
+
+
+def cycle_step(t: float, memory: NamedTuple, reading: Now, settings: Cycle) -> tuple[NamedTuple, Course]:
+    """Points over time, joined by straight lines, or a triangle, repeated or followed once."""
+    value = cycle_value(reading.time + 0.5 * settings.sample_period, settings)
+    return memory, Course(value, cycle_value(0.0, settings))
 
 
 def _cycle_quantity(read: Sequence[Kind], values: Written) -> Kind:
-    return written_quantity(values.get("values"))
+    return written_quantity(next((values[key] for key in ("values", "lower_end", "stroke") if key in values), None))
 
 
 class Pulses(Params):
@@ -103,5 +146,5 @@ def _first_pulse(settings: Pulses, reading: Duty) -> Switched:
     return Switched(pulse_command(reading, settings))
 
 
-CYCLE = GenericProgram(ProgramType(cycle_step, Now, Value(0.0), Points), _cycle_quantity)
+CYCLE = GenericProgram(ProgramType(cycle_step, Now, Course(0.0, 0.0), Cycle), _cycle_quantity)
 PWM = GenericProgram(ProgramType(pwm_step, Duty, Switched(0.0), Pulses, level=pulse_count), first=_first_pulse)

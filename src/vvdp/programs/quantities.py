@@ -50,6 +50,7 @@ SECOND = Kind("value of what is read second", "K", -LARGEST, LARGEST, "5 K")
 THIRD = Kind("value of what is read third", "m", -LARGEST, LARGEST, "20 mm")
 FOURTH = Kind("value of what is read fourth", "N", -LARGEST, LARGEST, "2 kN")
 OUTPUT = Kind("value of the command", "1", -LARGEST, LARGEST, "0.8")
+OUTPUT_CHANGE = Kind("change of the command", "1", -LARGEST, LARGEST, "0.8")
 GAIN = Kind("gain", "1/Pa", -LARGEST, LARGEST, "0.02 1/bar")
 OUTPUT_RATE = Kind("rate of the command", "1/s", -LARGEST, LARGEST, "0.5 1/s")
 SECOND_RATE = Kind("second derivative of the command", "1/s^2", -LARGEST, LARGEST, "0.5 1/s^2")
@@ -57,7 +58,7 @@ THIRD_RATE = Kind("third derivative of the command", "1/s^3", -LARGEST, LARGEST,
 """Kinds that stand for those of a circuit; their units are those of a fraction that follows a pressure."""
 INPUTS = (INPUT, SECOND, THIRD, FOURTH)
 """Kinds of what is read; a program that reads several quantities gives each input its own."""
-OF_ANY_QUANTITY = frozenset({*INPUTS, OUTPUT, GAIN, OUTPUT_RATE, SECOND_RATE, THIRD_RATE})
+OF_ANY_QUANTITY = frozenset({*INPUTS, OUTPUT, OUTPUT_CHANGE, GAIN, OUTPUT_RATE, SECOND_RATE, THIRD_RATE})
 """All that stand for others."""
 
 Plain = Annotated[float, PLAIN]
@@ -66,6 +67,7 @@ Second = Annotated[float, SECOND]
 Third = Annotated[float, THIRD]
 Fourth = Annotated[float, FOURTH]
 Output = Annotated[float, OUTPUT]
+OutputChange = Annotated[float, OUTPUT_CHANGE]
 Gain = Annotated[float, GAIN]
 OutputRate = Annotated[float, OUTPUT_RATE]
 SecondRate = Annotated[float, SECOND_RATE]
@@ -172,6 +174,7 @@ def replacements(read: Sequence[Kind], command: Kind) -> dict[Kind, Kind]:
     return {
         **reads,
         OUTPUT: command,
+        OUTPUT_CHANGE: DIFFERENCES.get(command, command),
         GAIN: ratio("gain", command, first.unit, first.display_unit or "1"),
         OUTPUT_RATE: ratio("rate", command, "s", "s"),
         SECOND_RATE: ratio("second derivative", command, "s^2", "s^2"),

@@ -15,6 +15,7 @@ from vvdp.results.chart import Chart
 from vvdp.results.result import Table
 
 if TYPE_CHECKING:
+    from vvdp.simulation.outcome import Outcome
     from vvdp.simulation.record import Record
     from vvdp.simulation.run import Run
 
@@ -34,6 +35,8 @@ class ProgramReport:
     """Kind and label of its numbers, by key."""
     UNSHOWN: frozenset[str] = frozenset()
     """Keys of those that no overview shows."""
+    TOGETHER: Mapping[str, tuple[str, ...]] = MappingProxyType({})
+    """Keys of numbers of one kind that an overview adds up, by the label of their line."""
     HEADLINE: tuple[str, ...] = ()
     """Keys of the numbers whose ranges are reported where values have one."""
 
@@ -46,8 +49,12 @@ class ProgramReport:
         self.program = network.programs[name]
         self.period = self.program.period or sample_period
 
+    def outcome_numbers(self, run: "Outcome", found: Mapping[str, float | bool]) -> dict[str, float]:  # noqa: ARG002
+        """Its numbers of any run, recorded or not, beside those in `found`."""
+        return {}
+
     def numbers(self, run: "Run") -> dict[str, float]:  # noqa: ARG002
-        """Its numbers of a recorded run; those that a run does not show are left out."""
+        """Further numbers, of a recorded run; those that it does not show are left out."""
         return {}
 
     def warnings(self, found: Mapping[str, float | bool]) -> Iterator[str]:  # noqa: ARG002

@@ -77,7 +77,7 @@ class ProgramDrawer(ABC):
         self.rows[:] = [
             row
             for row in self.rows
-            if row.value not in (-LARGEST, LARGEST)  # no limit is no value
+            if row.value not in (-LARGEST, LARGEST, ())  # no limit, no list: no value
             and not (row.note == "default" and row.key in times and row.table.startswith("programs."))
         ]
 
@@ -123,7 +123,7 @@ class ProgramDrawer(ABC):
         if sampled and called.period not in (0.0, sampled):
             self._fault(f"{part.path}.period", f"{called.period:g} s must be the sample_period, {sampled:g} s")
             return
-        calls = {"period": called.period or sampled, "phase": called.phase, "latency": called.latency}
+        calls = {"period": called.period or sampled or None, "phase": called.phase, "latency": called.latency}
 
         def add() -> None:
             first = partial(kinds.first_reading, kind, reads)

@@ -99,10 +99,7 @@ def example_values(kind: str) -> Mapping[str, object]:
 
 def _plain(given: Mapping[str, Any]) -> dict[str, Any]:
     """Values without their origin, in all tables."""
-    return {
-        key: each.get("value", _plain(each)) if isinstance(each, Mapping) else each
-        for key, each in given.items()
-    }
+    return {key: each.get("value", _plain(each)) if isinstance(each, Mapping) else each for key, each in given.items()}
 
 
 def example_text(kind: str, more: Mapping[str, object] | None = None) -> str | None:

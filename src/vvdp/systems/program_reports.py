@@ -10,6 +10,7 @@ from vvdp.results.result import Table
 from vvdp.systems.extras import Extras, Line, LoadedSystem, Summary
 
 if TYPE_CHECKING:
+    from vvdp.simulation.outcome import Outcome
     from vvdp.simulation.record import Record
     from vvdp.simulation.run import Run
 
@@ -30,54 +31,71 @@ def reported_programs(system: LoadedSystem, sample_period: float) -> "ReportedPr
 
 
 class ReportedPrograms(Extras):
-    """The reports of programs, by the name of each."""
+    """The reports of programs, each with what its keys begin with."""
 
     IS_ALL = False
 
     def __init__(self, system: LoadedSystem, reports: Mapping[str, ProgramReport]) -> None:
         super().__init__(system)
-        self.reports = {
-            f"{name}_" if any(_share_keys(report, other) for other in reports.values()) else "": report
+        self.reports = [
+            (f"{name}_" if any(_share_keys(report, other) for other in reports.values()) else "", report)
             for name, report in reports.items()
-        }
+        ]
         self.STEADY = all(report.STEADY for report in reports.values())
         self.QUANTITIES = {
             prefix + key: (kind, _words(prefix) + label)
-            for prefix, report in self.reports.items()
+            for prefix, report in self.reports
             for key, (kind, label) in report.QUANTITIES.items()
         }
         self.OVERVIEW = tuple(
-            Line(label, (prefix + key,), kind, (), f"{report.GROUP}{_of(prefix)}")
-            for prefix, report in self.reports.items()
-            for key, (kind, label) in report.QUANTITIES.items()
-            if key not in report.UNSHOWN
+            Line(
+                label,
+                tuple(prefix + key for key in keys),
+                report.QUANTITIES[keys[0]][0],
+                (),
+                report.GROUP + _of(prefix),
+            )
+            for prefix, report in self.reports
+            for label, keys in _lines(report)
         )
-        self.HEADLINE = tuple(prefix + key for prefix, report in self.reports.items() for key in report.HEADLINE)
+        self.HEADLINE = tuple(prefix + key for prefix, report in self.reports for key in report.HEADLINE)
+
+    def simulation_numbers(self, run: "Outcome", found: Summary) -> Summary:
+        """The numbers of all programs that any run has."""
+        return {
+            prefix + key: value
+            for prefix, report in self.reports
+            for key, value in report.outcome_numbers(run, found).items()
+        }
 
     def record_numbers(self, run: "Run") -> Summary:
-        """The numbers of all programs."""
-        return {
-            prefix + key: value for prefix, report in self.reports.items() for key, value in report.numbers(run).items()
-        }
+        """The numbers of all programs that need a record."""
+        return {prefix + key: value for prefix, report in self.reports for key, value in report.numbers(run).items()}
 
     def warnings(self, found: Mapping[str, float | bool]) -> Iterator[str]:
         """What the programs have to say of a run."""
-        for prefix, report in self.reports.items():
+        for prefix, report in self.reports:
             yield from (_words(prefix) + words for words in report.warnings(_own(prefix, found)))
 
     def merits(self, found: Mapping[str, float | bool]) -> Iterator[str]:
         """What the numbers of the programs show to be right."""
-        for prefix, report in self.reports.items():
+        for prefix, report in self.reports:
             yield from (_words(prefix) + words for words in report.merits(_own(prefix, found)))
 
     def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:
         """The figures of all programs."""
-        for prefix, report in self.reports.items():
+        for prefix, report in self.reports:
             for chart, table in report.charts(record):
                 found = replace(chart, name=_words(prefix, "-") + chart.name, table=prefix + chart.table)
                 for other in self.reports.values():
                     found = other.completed(found, record)
                 yield found, table
+
+
+def _lines(report: ProgramReport) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """The lines of an overview: label, and the keys that are added up."""
+    yield from ((label, (key,)) for key, (_, label) in report.QUANTITIES.items() if key not in report.UNSHOWN)
+    yield from report.TOGETHER.items()
 
 
 def _share_keys(one: ProgramReport, other: ProgramReport) -> bool:

@@ -1,12 +1,12 @@
 """Systems of the whole machine on prescribed commands, made of the shipped ones."""
 
+import json
 import re
+import tomllib
 from functools import cache
 
 from vvdp.base.tables import parsed_table
-from vvdp.machines import machine
 from vvdp.simulation.run import Run, simulate
-from vvdp.systems.circuits import table_slots
 from vvdp.systems.system import System, built_system, shipped_systems
 
 OFF = {
@@ -18,21 +18,64 @@ OFF = {
     "spool_position": "0 mm",
 }
 """The cylinder held, the pump on, and the spool of a chamber drive on its way to its stop."""
-SPRING, GEROTOR, IDEAL = "displacement_control", "displacement_control_gerotor", "displacement_control_ideal"
+SPRING, GEROTOR, IDEAL = "displacement-control", "displacement-control-gerotor", "ideal"
+COMMANDS = {
+    "displacement.direction": "direction",
+    "displacement.opening": "opening",
+    "displacement.pump": "pump",
+    "displacement.dump": "dump",
+    "passivity.command": "drive",
+    "position_control.command": "drive",
+}
+"""The command that stands in place of that of a program."""
+LAG = '{ type = "lagging-drive", wanted = WANTED, lag = "10 ms" }'
 
 
 def prescribed_text(circuit: str, **commands: str) -> str:
     """A machine whose drives are told what to do; a command is a value in quotes, or a table in braces."""
-    source = "displacement-control" if circuit == SPRING else "displacement-control-gerotor"
-    wanted = table_slots(getattr(machine, circuit))
-    parts = re.split(r"(?m)^(?=\[)", shipped_systems()[source])
-    kept = [part for part in parts[1:] if part[1 : part.index("]")] in (*wanted, "run", "geometry")]
-    if circuit == IDEAL:
-        kept.append('[axial_drive]\nlag = "10 ms"\n')
     rows = {name: value if value.startswith("{") else f'"{value}"' for name, value in (OFF | commands).items()}
-    table = "\n".join(f"{name} = {value}" for name, value in rows.items())
-    head = f'title = "prescribed"\ncircuit = "vvdp.machines.machine:{circuit}"\n\n'
-    return head + "".join(kept) + f"\n[prescribed]\n{table}\n"
+    text = without_programs(shipped_systems()[SPRING if circuit == SPRING else GEROTOR])
+    for source, name in COMMANDS.items():
+        text = text.replace(f'{{ from = "{source}" }}', rows[name])
+    if circuit == IDEAL:
+        text = re.sub(r"(?m)^gerotor = .*$", "slide = " + LAG.replace("WANTED", rows["spool_position"]), text)
+        text = text.replace('"gerotor.position"', '"slide.position"').replace("components.gerotor.", "components.slide.")
+        text = re.sub(r"(?ms)^\[(gerotor|characteristic)\]\n.*?(?=^\[)", "", text)
+        text = re.sub(r'(?m)^("?gerotor\.|characteristic).*\n', "", text)
+    return text
+
+
+def without_programs(text: str) -> str:
+    """A drawn system without its programs, and without the values that lead to nothing else."""
+    values = tomllib.loads(text)["values"]
+    kept, gone = {}, set()
+    for outer, paths in _paths(values):
+        left = [path for path in paths if not path.startswith("programs.")]
+        stays_there = outer == "oil" or outer == "operation.oil_temperature"
+        if left:
+            kept[outer] = left
+        elif not stays_there:
+            gone.add(outer)
+    parts = re.split(r"(?m)^(?=\[)", text)
+    names = {part: part[1 : part.index("]")] for part in parts[1:]}
+    programs = {name.partition(".")[2] for name in names.values() if name.startswith("programs.")}
+    found = [parts[0]]
+    for part in parts[1:]:
+        name = names[part]
+        if name == "values":
+            lines = [f"{json.dumps(outer) if '.' in outer else outer} = {json.dumps(paths)}" for outer, paths in kept.items()]
+            found.append("\n".join(["[values]", *lines]) + "\n\n")
+        elif not name.startswith("programs.") and name not in gone | programs | {"calibration", "axial_sequence"}:
+            found.append("".join(line for line in part.splitlines(True) if f"{name}.{line.partition(' ')[0]}" not in gone))
+    return "".join(found)
+
+
+def _paths(values, above=""):
+    for key, entry in values.items():
+        if isinstance(entry, dict):
+            yield from _paths(entry, f"{above}{key}.")
+        else:
+            yield above + key, [entry] if isinstance(entry, str) else entry
 
 
 def change(text: str, **values: str) -> str:

@@ -1,67 +1,51 @@
-"""Pictures of the whole machine: course, pressures, what is asked of the drives, and under each the phase."""
+"""Pictures of the whole machine: pressures, what is asked of the drives, and the phase under each."""
 
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from vvdp.base.arrays import Array
-from vvdp.base.kinds import DURATION, DUTY_RATIO, FLAG, FLOW, FRACTION, POSITION, PRESSURE_LEVEL, SIGNED_FRACTION, Kind
+from vvdp.base.kinds import DUTY_RATIO, FLAG, FLOW, FRACTION, POSITION, PRESSURE_LEVEL, SIGNED_FRACTION
 from vvdp.control.pressure_modes import PressureBounds
-from vvdp.machines.chapter6_charts import DIRECTION, OPENING, bound_levels, motion_panels, sampled_error
 from vvdp.network.network import ProgramPart
-from vvdp.programs.machine.phases import CONTROL, PHASES
+from vvdp.programs.displacement_charts import (
+    DIRECTION,
+    OPENING,
+    bound_levels,
+    columns_over_time,
+    table_over_time,
+)
+from vvdp.programs.machine.phases import PHASES
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke, flag_panel
-from vvdp.results.result import Column, Table
+from vvdp.results.result import Table
 
 if TYPE_CHECKING:
     from vvdp.simulation.record import Record
 
 TABLE = "machine"
 """Name of the table that holds what is drawn."""
-PRESSURES = ("chamber_a_Pa", "chamber_b_Pa", "line_Pa")
-"""Columns of the pressures."""
-SETTLED = 1.0
-"""From so long after the start of control on powers and errors count [s]."""
-Columns = dict[str, tuple[Array, Kind, str]]
+PRESSURES = {"pressure_a": "chamber a", "pressure_b": "chamber b", "line_pressure": "line"}
+COMMANDS = {
+    "wanted": ("wanted_m", POSITION, "cycle"),
+    "flow": ("flow_m3_s", FLOW, "flow asked for"),
+    "split_flow": ("split_flow_m3_s", FLOW, "flow of the split"),
+    "duty_ratio": ("duty_ratio", DUTY_RATIO, "duty ratio asked for"),
+    "opening": ("opening", FRACTION, "opening of the return valve"),
+    "direction": ("direction", SIGNED_FRACTION, "direction"),
+}
 
 
-def machine_columns(record: "Record", program: ProgramPart, period: float) -> Columns:
-    """What is drawn over time; the program is called every `period` [s].
-
-    A row shows what was commanded at the last sample before it: errors are those against the position at that sample.
-    """
-    commands = {key: record.commands[f"{program.name}.{key}"].values for key in program.type.command._fields}
-    nodes = (str(program.reads[key]).removesuffix(".pressure") for key in ("pressure_a", "pressure_b", "line_pressure"))
-    pressures = dict(zip(PRESSURES, (record.states[node].values for node in nodes), strict=True))
-    phases = phases_of(record, program.name)
-    return {
-        "time_s": (record.times, DURATION, "time"),
-        **{f"phase_{PHASES[n]}": ((commands["phase"] == n) * 1.0, FLAG, PHASES[n]) for n in phases},
-        "position_m": (record.states[str(program.reads["position"])].values, POSITION, "position"),
-        "wanted_m": (commands["wanted"], POSITION, "cycle"),
-        "reference_m": (commands["reference"], POSITION, "filtered reference"),
-        "tracking_error_m": sampled_error(record, commands["reference"], period),
-        **{key: (values, PRESSURE_LEVEL, key[:-3].replace("_", " ")) for key, values in pressures.items()},
-        "flow_m3_s": (commands["flow"], FLOW, "flow asked for"),
-        "split_flow_m3_s": (commands["split_flow"], FLOW, "flow of the split"),
-        "duty_ratio": (commands["duty_ratio"], DUTY_RATIO, "duty ratio asked for"),
-        "opening": (commands["opening"], FRACTION, "opening of the return valve"),
-        "direction": (commands["direction"], SIGNED_FRACTION, "direction"),
+def machine_charts(record: "Record", program: ProgramPart, bounds: PressureBounds) -> Iterator[tuple[Chart, Table]]:
+    """Pressures and actuation of a run."""
+    pressures = columns_over_time(record, {name: program.reads[name] for name in PRESSURES})
+    commands = columns_over_time(record, {name: f"{program.name}.{name}" for name in (*COMMANDS, "phase")})
+    phase = commands.pop("phase")
+    columns = {
+        **{f"phase_{PHASES[n]}": ((phase == n) * 1.0, FLAG, PHASES[n]) for n in phases_of(record, program.name)},
+        **{f"{name}_Pa": (values, PRESSURE_LEVEL, PRESSURES[name]) for name, values in pressures.items()},
+        **{COMMANDS[name][0]: (values, *COMMANDS[name][1:]) for name, values in commands.items()},
     }
-
-
-def machine_charts(
-    record: "Record", program: ProgramPart, period: float, bounds: PressureBounds
-) -> Iterator[tuple[Chart, Table]]:
-    """Course, pressures and actuation of a run whose program is called every `period` [s]."""
-    columns = machine_columns(record, program, period)
-    table = Table(title="Displacement control", columns={k: Column(*of) for k, of in columns.items()}, is_data=True)
-    times, is_controlled = record.times, record.commands[f"{program.name}.phase"].values == CONTROL
-    begin = times[is_controlled][0] if np.any(is_controlled) else np.inf
-    rows = tuple(np.flatnonzero(is_controlled & (times >= begin + SETTLED)).tolist())
-    for chart in (motion_chart(rows), pressure_chart(bounds), actuation_chart()):
+    table = table_over_time(record, columns)
+    for chart in (pressure_chart(bounds), actuation_chart()):
         yield chart, table
 
 
@@ -85,29 +69,12 @@ def with_phases(chart: Chart, record: "Record", name: str) -> Chart:
     )
 
 
-def motion_chart(rows: tuple[int, ...]) -> Chart:
-    """Position over the whole run, and the error over these rows."""
-    position = (
-        Line(x="time_s", y="wanted_m", label="cycle", colour=Colour.FAINT),
-        Line(x="time_s", y="position_m", label="true"),
-        Line(x="time_s", y="reference_m", label="filtered reference", stroke=Stroke.DASHED),
-    )
-    return Chart(
-        name="machine-motion",
-        caption="The rod, the cycle it is to follow and that cycle as filtered; and the error against the latter once "
-        "control has settled.",
-        table=TABLE,
-        panels=motion_panels(position, rows),
-        height=4.5,
-    )
-
-
 def pressure_chart(bounds: PressureBounds) -> Chart:
     """Pressures of line and chambers."""
     pressures = (
-        Line(x="time_s", y="chamber_a_Pa", label="chamber a", colour=Colour.INLET),
-        Line(x="time_s", y="chamber_b_Pa", label="chamber b", colour=Colour.LOAD),
-        Line(x="time_s", y="line_Pa", label="line", colour=Colour.GREEN, width=0.8),
+        Line(x="time_s", y="pressure_a_Pa", label="chamber a", colour=Colour.INLET),
+        Line(x="time_s", y="pressure_b_Pa", label="chamber b", colour=Colour.LOAD),
+        Line(x="time_s", y="line_pressure_Pa", label="line", colour=Colour.GREEN, width=0.8),
     )
     return Chart(
         name="machine-pressures",
@@ -120,21 +87,22 @@ def pressure_chart(bounds: PressureBounds) -> Chart:
 
 
 def actuation_chart() -> Chart:
-    """What is asked of rotary valve, return valve and directional valve."""
+    """What is asked of rotary valve, return valve and directional valve, and the cycle that leads to it."""
     flows = (
         Line(x="time_s", y="flow_m3_s", label="asked for"),
         Line(x="time_s", y="split_flow_m3_s", label="of the split", stroke=Stroke.DASHED),
     )
     return Chart(
         name="machine-actuation",
-        caption="What is asked of the drives: a mean flow, and the duty ratio that gives it; the opening of the return "
-        "valve; the direction.",
+        caption="The cycle; what is asked of the drives: a mean flow, and the duty ratio that gives it; the opening of "
+        "the return valve; the direction.",
         table=TABLE,
         panels=(
+            Lines(lines=(Line(x="time_s", y="wanted_m", colour=Colour.FAINT),), height=0.6),
             Lines(lines=flows, label="flow"),
             Lines(lines=(Line(x="time_s", y="duty_ratio", colour=Colour.RED),)),
             OPENING,
             DIRECTION,
         ),
-        height=6.0,
+        height=7.0,
     )

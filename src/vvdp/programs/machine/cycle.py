@@ -12,6 +12,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import POSITION, TIME, Fraction, Position, Time
 from vvdp.base.params import Params
 from vvdp.base.rules import require_positive
+from vvdp.numerics.piecewise import line_through
 
 
 class Triangle(Params):
@@ -117,21 +118,7 @@ def cycle_position(time: float, points: Points) -> float:
 
     time  since control began [s]
     """
-    last = len(points.times) - 1
-    ahead = time + points.preview
-    if points.repeats > 0.0:
-        ahead = ahead % points.times[last]
-    if ahead >= points.times[last]:
-        return points.positions[last]
-    low, high = 0, last
-    while high - low > 1:
-        middle = (low + high) // 2
-        if points.times[middle] <= ahead:
-            low = middle
-        else:
-            high = middle
-    share = (ahead - points.times[low]) / (points.times[high] - points.times[low])
-    return points.positions[low] + share * (points.positions[high] - points.positions[low])
+    return line_through(time + points.preview, points.times, points.positions, points.repeats)
 
 
 def first_direction(cycle: Triangle | OwnCycle) -> float:

@@ -6,14 +6,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vvdp.base.kinds import EFFICIENCY, LENGTH, MEAN_POWER, NUMBER, TIME
+from vvdp.base.kinds import DURATION, EFFICIENCY, LENGTH, MEAN_POWER, NUMBER, TIME
 from vvdp.network.network import Network
-from vvdp.programs.machine.charts import SETTLED, machine_charts, with_phases
+from vvdp.programs.machine.charts import machine_charts, with_phases
 from vvdp.programs.machine.checks import machine_loop_of
 from vvdp.programs.machine.power import PARTS, SHARES, mean_powers, whole_periods
 from vvdp.programs.machine.supervision import WATCHED
 from vvdp.programs.report import ProgramReport, Quantities, origin, state_rows
 from vvdp.programs.spool_report import true_path
+from vvdp.programs.tracking import SETTLED
 from vvdp.results.chart import Chart
 from vvdp.results.result import Table
 
@@ -24,12 +25,10 @@ if TYPE_CHECKING:
 
 MACHINE: Quantities = MappingProxyType(
     {
-        "control_begin_s": (TIME, "start of control"),
-        "flow_map_gain": (NUMBER, "gain of the flow map, at the end"),
         "spool_position_error_rms_m": (LENGTH, "spool position: error against its reference"),
         "spool_position_error_max_m": (LENGTH, "spool position: largest error"),
         "spool_estimate_error_rms_m": (LENGTH, "spool position: error of the estimate"),
-        "real_time_factor": (NUMBER, "simulated over computing time"),
+        "control_time_s": (DURATION, "time since control of the cylinder began"),
         "alarm": (NUMBER, "number of the alarm that stopped the machine, 0 without one"),
         "alarm_time_s": (TIME, "when it was reported"),
         **{key: (MEAN_POWER, label) for key, (label, _) in PARTS.items()},
@@ -55,15 +54,12 @@ class MachineReport(ProgramReport):
         self.spool = true_path(network, self.program.reads["spool_position"], "position")
         self.shown = [origin(network, self.program.reads[each]) for each in ("spool_reference", "spool_position")]
 
-    def outcome_numbers(self, outcome: "Outcome", found: Mapping[str, float | bool]) -> dict[str, float]:
-        """When control began, what the flow map has learned, and alarms."""
-        memory = outcome.memory[self.program.name]
-        alarm = memory.supervision.alarm
-        numbers = {"alarm": alarm.alarm} | ({"alarm_time_s": alarm.time} if alarm.alarm else {})
-        numbers["real_time_factor"] = outcome.end / outcome.seconds if outcome.seconds > 0.0 else np.nan
-        if memory.begin < np.inf:
-            numbers |= {"control_begin_s": memory.begin, "flow_map_gain": memory.gain.gain}
-        return numbers
+    def outcome_numbers(self, run: "Outcome", found: Mapping[str, float | bool]) -> dict[str, float]:  # noqa: ARG002
+        """For how long the cylinder has been controlled; the alarm, and when it was reported."""
+        memory = run.memory[self.program.name]
+        alarm, controlled = memory.supervision.alarm, max(run.end - memory.begin, 0.0)
+        told = {"alarm_time_s": alarm.time} if alarm.alarm else {}
+        return {"control_time_s": controlled, "alarm": alarm.alarm, **told}
 
     def numbers(self, run: "Run") -> dict[str, float]:
         """Mean powers and errors of the spool; empty where the run holds no whole period of settled control."""
@@ -94,14 +90,14 @@ class MachineReport(ProgramReport):
 
     def warnings(self, found: Mapping[str, float | bool]) -> Iterator[str]:
         """A control that never began, and an alarm."""
-        if "control_begin_s" not in found:
+        if found.get("control_time_s") == 0.0:
             yield "control never began: the spool was not homed, or its angle not found, or the line not charged"
         if told := int(found.get("alarm", 0.0)):
             yield f"supervision stopped the machine at {found['alarm_time_s']:.4g} s: {WATCHED[told - 1]}"
 
     def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:
-        """The cylinder's course, pressures, what is asked of the drives."""
-        return machine_charts(record, self.program, self.period, self.loop.law.bounds)
+        """Pressures, what is asked of the drives."""
+        return machine_charts(record, self.program, self.loop.law.bounds)
 
     def completed(self, chart: Chart, record: "Record") -> Chart:
         """A figure over time with the phases of the machine."""

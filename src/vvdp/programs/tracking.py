@@ -20,13 +20,12 @@ from vvdp.base.kinds import (
     SIGNED_PRESSURE,
     Count,
     Fraction,
-    Kind,
     Position,
     SignedFraction,
     Time,
 )
 from vvdp.control.pressure_modes import PressureMode
-from vvdp.systems.extras import Line, Summary
+from vvdp.programs.report import Quantities
 
 SETTLED = 1.0
 """From so long after the start of control on errors count [s]."""
@@ -52,7 +51,7 @@ def share_key(mode: float) -> str:
     return f"mode_{mode:g}_share".replace(".", "_")
 
 
-TRACKING: Mapping[str, tuple[Kind, str]] = MappingProxyType(
+TRACKING: Quantities = MappingProxyType(
     {
         "tracking_error_max_m": (LENGTH, "largest error against the filtered reference"),
         "tracking_error_rms_m": (LENGTH, "error against the filtered reference"),
@@ -66,22 +65,19 @@ TRACKING: Mapping[str, tuple[Kind, str]] = MappingProxyType(
 )
 """Kind and label of what `tracking_numbers` gives."""
 
-GROUP = "Displacement control"
-_COARSE = {
-    1.0: "time with no bound near",
-    2.0: "time with the supply chamber low",
-    3.0: "time with the return chamber low",
-    4.0: "time with the supply chamber high",
-    5.0: "time with the return chamber high",
-}
-TRACKING_LINES = (
-    *(Line(label, (key,), kind, (), GROUP) for key, (kind, label) in TRACKING.items() if not key.startswith("mode_")),
-    *(
-        Line(label, tuple(share_key(m) for m in MODES if int(m) == mode), EFFICIENCY, (), GROUP)
-        for mode, label in _COARSE.items()
-    ),
+TOGETHER: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        f"time with {words}": tuple(share_key(m) for m in MODES if int(m) == mode)
+        for mode, words in (
+            (1, "no bound near"),
+            (2, "the supply chamber low"),
+            (3, "the return chamber low"),
+            (4, "the supply chamber high"),
+            (5, "the return chamber high"),
+        )
+    }
 )
-"""The lines of an overview; a mode and its transition are one."""
+"""Keys of a mode and its transition, by what both are called together."""
 
 Sum = Annotated[float, NUMBER]
 SignedPressure = Annotated[float, SIGNED_PRESSURE]
@@ -167,14 +163,14 @@ def tracking_step(memory: Tracking, followed: Followed, demand: Actuated) -> Tra
     )
 
 
-def tracking_numbers(found: Tracking) -> Summary:
+def tracking_numbers(found: Tracking) -> dict[str, float]:
     """What was added up; empty before control, and only the first second where it was not longer.
 
     Switches, openings and shares are those of the time from which on errors count.
     """
     if found.begin == np.inf:
         return {}
-    numbers: Summary = {"tracking_error_first_second_m": found.early_peak}
+    numbers = {"tracking_error_first_second_m": found.early_peak}
     if found.samples == 0.0:
         return numbers
     numbers |= {
