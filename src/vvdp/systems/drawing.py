@@ -329,8 +329,10 @@ class Drawer(ProgramDrawer):
         try:
             add()
         except (NetworkError, ParameterError) as problem:
-            name = path.rpartition(".")[2]
-            self._fault(path, without_class(str(problem).removeprefix(f"{name}: ")))
+            words = without_class(str(problem).removeprefix(f"{path.rpartition('.')[2]}: "))
+            key, _, rest = words.partition(": ")
+            stands_there = f"{path}.{key}" in self.origin.lines
+            self._fault(f"{path}.{key}" if stands_there else path, rest if stands_there else words)
 
     def _add_component(self, net: Network, name: str, part: Entries) -> None:
         path = f"components.{name}"

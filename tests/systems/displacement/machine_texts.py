@@ -39,7 +39,8 @@ def prescribed_text(circuit: str, **commands: str) -> str:
         text = text.replace(f'{{ from = "{source}" }}', rows[name])
     if circuit == IDEAL:
         text = re.sub(r"(?m)^gerotor = .*$", "slide = " + LAG.replace("WANTED", rows["spool_position"]), text)
-        text = text.replace('"gerotor.position"', '"slide.position"').replace("components.gerotor.", "components.slide.")
+        for old, new in (('"gerotor.position"', '"slide.position"'), ("components.gerotor.", "components.slide.")):
+            text = text.replace(old, new)
         text = re.sub(r"(?ms)^\[(gerotor|characteristic)\]\n.*?(?=^\[)", "", text)
         text = re.sub(r'(?m)^("?gerotor\.|characteristic).*\n', "", text)
     return text
@@ -51,7 +52,7 @@ def without_programs(text: str) -> str:
     kept, gone = {}, set()
     for outer, paths in _paths(values):
         left = [path for path in paths if not path.startswith("programs.")]
-        stays_there = outer == "oil" or outer == "operation.oil_temperature"
+        stays_there = outer in ("oil", "operation.oil_temperature")
         if left:
             kept[outer] = left
         elif not stays_there:
@@ -63,10 +64,11 @@ def without_programs(text: str) -> str:
     for part in parts[1:]:
         name = names[part]
         if name == "values":
-            lines = [f"{json.dumps(outer) if '.' in outer else outer} = {json.dumps(paths)}" for outer, paths in kept.items()]
+            lines = [f"{json.dumps(outer)} = {json.dumps(paths)}" for outer, paths in kept.items()]
             found.append("\n".join(["[values]", *lines]) + "\n\n")
         elif not name.startswith("programs.") and name not in gone | programs | {"calibration", "axial_sequence"}:
-            found.append("".join(line for line in part.splitlines(True) if f"{name}.{line.partition(' ')[0]}" not in gone))
+            rows = [row for row in part.splitlines(True) if f"{name}.{row.partition(' ')[0]}" not in gone]
+            found.append("".join(rows))
     return "".join(found)
 
 

@@ -5,6 +5,7 @@ import pytest
 
 from vvdp.control.reference import Reference, ReferenceFilter
 from vvdp.machines.duties import shipped_duties
+from vvdp.programs.machine.checks import machine_loop_of
 from vvdp.programs.machine.common_loop import CommonLoop, asked_of
 from vvdp.programs.machine.loop import MachineLoop
 from vvdp.programs.position_loop import Joint, LoopMemory, OneWay, PositionLaw, Pressures, one_way_actuation
@@ -60,8 +61,8 @@ def test_a_position_loop_asks_for_flow_side_and_opening():
 
 def test_all_circuits_are_told_the_common_reference_as_shipped():
     drawn = {law_of(each).reference for each in CIRCUITS if each.begin is None}
-    tables = {system_for(each, HEAVY).tables["reference"] for each in CIRCUITS if each.begin is not None}
-    assert drawn == tables == {ReferenceFilter(filter_rate=COMMON_RATE)}
+    led = {machine_loop_of(settings_of(each)).reference for each in CIRCUITS if each.begin is not None}
+    assert drawn == led == {ReferenceFilter(filter_rate=COMMON_RATE)}
     assert all(law_of(each).table.sample_period == SAMPLE for each in METERED if each.name != PUBLISHED)
 
 

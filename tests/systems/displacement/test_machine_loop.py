@@ -9,7 +9,7 @@ from vvdp.base.errors import ConfigError
 from vvdp.control.flow_map import flow_for_duty
 from vvdp.programs.axial_loop import LEARN as LEARNS
 from vvdp.programs.axial_loop import RUN as FOLLOWS
-from vvdp.programs.machine.loop import PROGRAM, MachineCommand, MachinePlace, machine_start, machine_step
+from vvdp.programs.machine.loop import MachineCommand, MachinePlace, machine_start, machine_step
 from vvdp.programs.machine.phases import CONTROL, EMERGENCY, HOLD, HOME, LEARN, PRECHARGE, REST, RETURN, SPIN
 from vvdp.systems.system import load_system
 
@@ -24,7 +24,7 @@ def settings_of(*settings: str):
         "supervision.brief_time=100 s",
         "supervision.repeats=1e6",
     )  # what is told stands still
-    return load_system("displacement-control", [*unwatched, *settings]).circuit.network.programs[PROGRAM].settings
+    return load_system("displacement-control", [*unwatched, *settings]).circuit.network.programs["displacement"].settings
 
 
 def place(t: float, **told: float) -> MachinePlace:

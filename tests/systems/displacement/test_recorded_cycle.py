@@ -8,7 +8,6 @@ import pytest
 from vvdp.base.errors import ConfigError
 from vvdp.machines.recorded_cycle import recorded_cycle, with_cycle
 from vvdp.programs.machine.cycle import cycle_position
-from vvdp.programs.machine.loop import PROGRAM
 from vvdp.systems.system import load_system
 
 TIMES = np.arange(0.0, 8.0, 2e-3)
@@ -27,10 +26,10 @@ def rows_of(times, positions) -> list[str]:
 def test_thousands_of_rows_are_followed(tmp_path):
     log = write(tmp_path / "cycle.csv", rows_of(TIMES + 12.0, POSITIONS))
     system = with_cycle(load_system("displacement-control"), log)
-    points = system.circuit.network.programs[PROGRAM].settings.points
+    points = system.circuit.network.programs["displacement"].settings.points
     assert len(points.times) == TIMES.size
     assert cycle_position(3.333, points) == pytest.approx(np.interp(3.333, TIMES, POSITIONS), abs=1e-8)
-    assert system.tables["initial"].cylinder_position == pytest.approx(0.1)
+    assert system.circuit.network.nodes["rod"].position == pytest.approx(0.1)
 
 
 @pytest.mark.parametrize(

@@ -130,10 +130,11 @@ class MachineTable(KnownUnit, CylinderEnds):
 
 def machine_loop(table: MachineTable) -> MachineLoop:
     """The values with which the program works. Raises ParameterError where the cycle leaves the cylinder or is too
-    fast."""
+    fast, and where the spool does not reach its highest duty ratio."""
     period, tank = table.sample_period, table.tank_pressure.extremes[1]
     model = cylinder_model(table.belief, table, table.belief, tank)
-    refuse_cycle(table.cycle, table, table.flow_split.largest_flow)
+    given = table.pump.displacement * table.rated_speed.extremes[1]
+    refuse_cycle(table.cycle, table, min(given, table.flow_split.largest_flow))
     return MachineLoop(
         law=DisplacementSettings(
             cylinder=model,
@@ -186,12 +187,19 @@ def supervised(table: MachineTable, model: CylinderModel) -> Supervised:
 
 
 def spool_range(unit: KnownUnit) -> SpoolRange:
-    """Between which positions the spool moves, and how its position makes a duty ratio."""
+    """Between which positions the spool moves, and how its position makes a duty ratio. Raises ParameterError where its
+    stroke ends below the highest duty ratio."""
     length = unit.valve.helix_length
+    highest, end = HIGHEST_DUTY * length, unit.highest_spool_position
+    if highest > end:
+        raise ParameterError(
+            f"MachineTable.highest_spool_position: {1e3 * end:.4g} mm; the stroke ends below {1e3 * highest:.4g} mm, "
+            f"where the duty ratio is {HIGHEST_DUTY:g} and all flow goes to the line"
+        )
     return SpoolRange(
         helix_length=length,
         rest_position=unit.lowest_spool_position,
-        highest_position=min(HIGHEST_DUTY * length, unit.highest_spool_position),
+        highest_position=highest,
         sections=unit.valve.sections,
     )
 
