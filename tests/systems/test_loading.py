@@ -152,9 +152,10 @@ def test_missing_key_and_missing_table(tmp_path):
         wording.files.missing_key.format(key="volume") in fault
         for fault in broken(tmp_path, "volume = {", "volumes = {")
     )
-    with pytest.raises(ConfigError, match="motor: " + wording.files.missing_table):
-        parsed = parsed_table(source_text("displacement-control").replace("[motor]", "[engine]"), "mine.toml")
+    with pytest.raises(ConfigError, match="gains: " + wording.files.missing_table) as told:
+        parsed = parsed_table(source_text("displacement-control").replace("[gains]", "[gain]"), "mine.toml")
         built_system(parsed, "mine")
+    assert "gain: unknown table; did you mean 'gains'?" in str(told.value)
     found = broken(tmp_path, "[motor]", "[engine]")
     assert [fault for fault in found if "engine" in fault and wording.files.unknown_table in fault]
     assert any("components.load: " in fault for fault in broken(tmp_path, "[load]\n", "[loads]\n"))

@@ -24,22 +24,23 @@ SENSORS = {
     "pressure_a": ("displacement.pressure_a", "0 bara", "10 bar"),
     "pressure_b": ("displacement.pressure_b", "0 bara", "10 bar"),
     "line": ("displacement.line_pressure", "0 bara", "10 bar"),
-    "light": ("axial.loop.sensor", "true", "4 %"),
-    "pilot": ("axial.pressure", "0 bara", "2 bar"),
+    "light": ("axial_sensor.instrument", "true", "4 %"),
+    "pilot": ("axial_observer.pressure", "0 bara", "2 bar"),
+    "pilot_law": ("passivity.pressure", "0 bara", "2 bar"),
     "pilot_shown": ("displacement.chamber_pressure", "0 bara", "2 bar"),
 }
 """What each sensor reads when its wire is broken, and by how much it is off when it is biased."""
 OTHERS = {
-    "encoder_lost": 'sensor = "axial.watch"\nmissed = "100 %"',
+    "encoder_lost": 'sensor = "encoder.encoder"\nmissed = "100 %"',
     "spool_stalled": 'jams = "spool"\ntorque = "5 N*m"',
     "spool_stuck": 'jams = "slide"\nforce = "2000 N"',
     "directional_stuck": 'actuator = "displacement.direction"\nstuck = true',
     "return_stuck": 'actuator = "displacement.opening"\nstuck = true',
-    "pilot_stuck": 'actuator = "axial.drive"\nstuck = true',
+    "pilot_stuck": 'actuator = "passivity.command"\nstuck = true',
     "power_pump": 'actuator = "displacement.pump"\nlost = "0"',
     "power_directional": 'actuator = "displacement.direction"\nlost = "0"',
     "power_return": 'actuator = "displacement.opening"\nlost = "0"',
-    "power_pilot": 'actuator = "axial.drive"\nlost = "-1"',
+    "power_pilot": 'actuator = "passivity.command"\nlost = "-1"',
 }
 POWER = tuple(name for name in OTHERS if name.startswith("power"))
 
@@ -60,9 +61,9 @@ TOLD = {
     "light_lost": (("light_lost",), 6.0, 9, 2),
     "light_frozen": (("light_frozen",), 6.0, 5, 22),
     "light_biased": (("light_biased",), 6.0, 9, 2),
-    "pilot_lost": (("pilot_lost", "pilot_shown_lost"), 6.0, 2, 1),
-    "pilot_frozen": (("pilot_frozen", "pilot_shown_frozen"), 6.0, 4, 21),
-    "pilot_biased": (("pilot_biased", "pilot_shown_biased"), 6.0, 10, 40),
+    "pilot_lost": (("pilot_lost", "pilot_law_lost", "pilot_shown_lost"), 6.0, 2, 1),
+    "pilot_frozen": (("pilot_frozen", "pilot_law_frozen", "pilot_shown_frozen"), 6.0, 4, 21),
+    "pilot_biased": (("pilot_biased", "pilot_law_biased", "pilot_shown_biased"), 6.0, 10, 40),
     "encoder_lost": (("encoder_lost",), 6.0, 11, 24),
     "spool_stalled": (("spool_stalled",), 6.0, 11, 24),
     "spool_stuck": (("spool_stuck",), 5.35, 10, 45),

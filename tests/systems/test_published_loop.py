@@ -30,7 +30,7 @@ from tests.systems.axial_texts import (
 )
 from tests.words import wording
 
-from vvdp.base.errors import ConfigError, ParameterError
+from vvdp.base.errors import ParameterError
 from vvdp.control.backstepping import best_pressure_weight
 from vvdp.control.chamber import volume_compliance
 from vvdp.control.storage import estimation_storage, least_estimation_weight, loop_balance
@@ -187,11 +187,6 @@ def test_sampling_limit_of_a_law_that_takes_its_mean():
     (told,) = system_of(held_text(7.0)).extras.warnings(HIGHEST)
     assert wording.systems.limit_cycle.format(period="7 ms", limit="5.95 ms") in told
     assert tracking(held_text(7.0)) > 150.0
-
-
-def test_a_hold_that_is_not_the_sample_period_is_refused():
-    with pytest.raises(ConfigError, match=r"flow_hold: 0.002 s must be 0 or the sample_period, 0.001 s"):
-        load_system("displacement-control", ["passivity.flow_hold=2 ms"])
 
 
 def held_text(period: float) -> str:

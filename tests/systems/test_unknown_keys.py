@@ -108,13 +108,14 @@ def test_a_shaft_has_no_oil():
 
 @pytest.mark.parametrize("name", [name for name, text in shipped_systems().items() if "[[" not in text])
 def test_each_table_of_each_shipped_file_refuses_a_key_that_it_does_not_have(name):
-    """One key more in each table, at once: each is named; parts are drawn out first, and [geometry] is read when all
-    others are sound."""
+    """One key more in each table, at once: each is named; parts are drawn out first, programs are read before their
+    tables, and [geometry] when all others are sound."""
     text = shipped_systems()[name]
     tables = re.findall(r"^\[(.*)\]", text, re.MULTILINE)
     parts = [each for each in tables if each.startswith("parts.")]
-    others = [each for each in tables if each not in ("geometry", "faults", *parts)]
-    for chosen in (parts, others, {"geometry"} & set(tables)):
+    programs = [each for each in tables if each.startswith("programs.")]
+    others = [each for each in tables if each not in ("geometry", "faults", *parts, *programs)]
+    for chosen in (parts, programs, others, {"geometry"} & set(tables)):
         head = rf"^\[({'|'.join(chosen)})\]"
         told = faults(re.sub(head, r"[\1]\nzzz = 1", text, flags=re.MULTILINE)) if chosen else []
         said = "\n".join(told)  # of a key at its full and at its short path: one of them names both

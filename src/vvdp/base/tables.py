@@ -354,13 +354,13 @@ def chosen_class(
     slot: TableSlot, name: str, part: Mapping[str, object], origin: Table, faults: list[Fault]
 ) -> type[Params]:
     """The class of the table called `name`; a fault is appended for each of its keys that belongs to another one."""
-    cls = slot.choice(part)
+    cls, table = slot.choice(part), name.rpartition(".")[2]
     own = set(field_names(cls))
     for other in slot.classes:
         theirs = set(field_names(other))
         for key in part.keys() & (theirs - own):
             instead = ", ".join(sorted(own - theirs))
-            faults.append(fault_at(origin, f"{name}.{key}", f"contradicts {name}.{instead}; give one of the two"))
+            faults.append(fault_at(origin, f"{name}.{key}", f"contradicts {table}.{instead}; give one of the two"))
     return cls
 
 

@@ -7,7 +7,7 @@ begin = "6 s"                             # from the start unless it is given
 end = "8 s"                               # for good unless it is given
 
 Beside `lost`, a sensor may be `frozen = true`, have a `bias = "5 mm"`, and an encoder `missed = "20 %"` of its edges.
-An `actuator = "axial.drive"`, a field that a program commands, may be `stuck = true`, `lost = "0"`, or have a bias. A
+An `actuator = "law.command"`, a field that a program commands, may be `stuck = true`, `lost = "0"`, or have a bias. A
 shaft or rod that `jams = "spool"` needs the `torque` or `force` of the friction. A `value = "oil.air_fraction"`
 `becomes = "30 %"` for the circuit, and for no program.
 

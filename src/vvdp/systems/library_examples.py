@@ -75,7 +75,7 @@ def _component_tables() -> Mapping[str, Mapping[str, Any]]:
 def _program_files() -> Mapping[str, str]:
     """The text of the first file in which each program is used, by its type: an example, else a shipped system."""
     found: dict[str, str] = {}
-    for folder in (FOLDER / "programs", FOLDER.parent / "data"):
+    for folder in (FOLDER / "programs", resources.files("vvdp.systems") / "data"):
         for file in sorted(folder.iterdir(), key=lambda file: file.name):
             text = file.read_text("utf-8")
             for program in parsed_table(text, file.name).content.get("programs", {}).values():

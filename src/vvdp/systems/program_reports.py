@@ -87,7 +87,7 @@ class ReportedPrograms(Extras):
         for prefix, report in self.reports:
             for chart, table in report.charts(record):
                 found = replace(chart, name=_words(prefix, "-") + chart.name, table=prefix + chart.table)
-                for other in self.reports.values():
+                for _, other in self.reports:
                     found = other.completed(found, record)
                 yield found, table
 

@@ -40,6 +40,11 @@ class FullTable:
     written: Table
     tables: Mapping[str, str]
 
+    @property
+    def names(self) -> frozenset[str]:
+        """The tables that the file may have for what is drawn."""
+        return frozenset((*self.tables.values(), *_names(self.written.content)))
+
     def path_of(self, full: str) -> str:
         """The path of a value in the file; of one that it leaves out, that of the table in which it would stand."""
         group, _, rest = full.partition(".")
@@ -99,7 +104,7 @@ def with_full_paths(table: Table, faults: list[Fault]) -> FullTable:
     content = {name: inner for name, inner in content.items() if inner != {} or name in OWN}
     if isinstance(content.get(FAULTS), Mapping):
         content[FAULTS] = {name: _fault_with_full_path(each, short) for name, each in content[FAULTS].items()}
-    inner = {paths[0]: outer for outer, paths in targets.items() if paths and _leads_inside(outer, paths[0])}
+    inner = {path: outer for outer, paths in targets.items() for path in paths if _leads_inside(outer, path)}
     return FullTable(Table(table.place, content, lines), short, table, inner)
 
 
@@ -215,7 +220,9 @@ def _lines_by_entry(lines: Mapping[str, int]) -> Mapping[str, Mapping[str, int]]
 
 
 def _fault_with_full_path(entry: Any, short: Mapping[str, str]) -> Any:
-    """An entry of [faults] that says which value becomes another by its full path."""
+    """An entry of [faults] that says which value becomes another by its full path: in the circuit, if it is there."""
     value = as_table(entry).get("value")
-    full = next((path for path, outer in short.items() if outer == value), None)
-    return entry if full is None else {**entry, "value": full}
+    paths = [path for path, outer in short.items() if outer == value]
+    stays_there = isinstance(value, str) and value.partition(".")[0] in OWN
+    drawn = [path for path in paths if not path.startswith("programs.")] or ([] if stays_there else paths)
+    return {**entry, "value": drawn[0]} if drawn else entry

@@ -1,7 +1,7 @@
 """Reading a system: from a shipped name or a file to checked values and a circuit that is ready to run."""
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields, replace
 from functools import cache, cached_property
@@ -327,7 +327,7 @@ def built_system(table: Table, name: str, folder: Path = Path(), before: System 
     content = dict(table.content)
     run, method = _run_table(content.pop("run", None), table, faults)
     function = circuit_function(table, folder, faults)
-    _refuse_unknown_tables(function, table, faults)
+    _refuse_unknown_tables(function, table, full.names, faults)
     content.pop(FAULTS, None)
     lengths = None if function is not None and SHAPE in table_slots(function) else content.pop(SHAPE, None)
     drawn = _draw(function, content, table, faults, folder, before)
@@ -374,8 +374,11 @@ def _circuit_and_stepping(
         return None
 
 
-def _refuse_unknown_tables(function: NetworkFunction | None, table: Table, faults: list[Fault]) -> None:
-    """Append a fault for each key and table of a file that nothing reads, and for a title that is no text."""
+def _refuse_unknown_tables(
+    function: NetworkFunction | None, table: Table, names: Collection[str], faults: list[Fault]
+) -> None:
+    """Append a fault for each key and table of a file that nothing reads, and for a title that is no text; `names` are
+    tables that its own ones may have been meant for."""
     if not isinstance(title := table.content.get("title", ""), str):
         faults.append(fault_at(table, "title", f"{title!r} is not a text in quotes"))
     if function is None and set(DRAWN).isdisjoint(table.content):
@@ -384,7 +387,7 @@ def _refuse_unknown_tables(function: NetworkFunction | None, table: Table, fault
     meant = [f"run.{key}" for key in (*keys_of(RunTable), "method")]
     if function is None:
         meant += [f"operation.{key}" for key in keys_of(Temperature)]
-    refuse_unknown(table.content, (*HEADINGS, *own, "run", *meant), "", table, faults)
+    refuse_unknown(table.content, (*HEADINGS, *own, "run", *meant), "", table, faults, names)
 
 
 def saved_system(directory: Directory, name: str, recorded: Any, trust: str = "") -> System:

@@ -24,10 +24,10 @@ TABLE = {
 
 @cache
 def condition():
-    tables = system_of(prescribed_text(SPRING), "1 s").tables
-    pump, oil = tables["pump"], tables["oil"]
-    flow = pump.displacement * tables["operation"].pump_speed.base
-    return tables["valve"], valve_condition(flow, density(313.15, oil), TANK, pump, tables["relief_valve"])
+    network = system_of(prescribed_text(SPRING), "1 s").circuit.network
+    pump, valve, relief = (network.parts[name].values[0] for name in ("pump", "valve", "relief_valve"))
+    flow = pump.displacement * network.parts["pump_motor"].inputs["rated_speed"].base
+    return valve, valve_condition(flow, density(313.15, network.oil), TANK, pump, relief)
 
 
 @cache

@@ -24,7 +24,8 @@ def settings_of(*settings: str):
         "supervision.brief_time=100 s",
         "supervision.repeats=1e6",
     )  # what is told stands still
-    return load_system("displacement-control", [*unwatched, *settings]).circuit.network.programs["displacement"].settings
+    system = load_system("displacement-control", [*unwatched, *settings])
+    return system.circuit.network.programs["displacement"].settings
 
 
 def place(t: float, **told: float) -> MachinePlace:

@@ -111,7 +111,7 @@ def refuse_machine(network: Network, name: str) -> None:
 
 def machine_loop_of(settings: Any) -> MachineLoop:
     """The values of the stages and laws of a machine, whatever leads its cylinder."""
-    return settings if isinstance(settings, MachineLoop) else settings.machine  # type: ignore[no-any-return]
+    return settings if isinstance(settings, MachineLoop) else settings.machine
 
 
 def _relief_valves(network: Network) -> list[float]:
