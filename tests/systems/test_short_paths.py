@@ -222,6 +222,7 @@ def test_what_is_joined_to_no_node_of_the_rig_leaves_it_one():
     assert leaking.counterpart is None
     found = summary(leaking, simulate(leaking.model, leaking.case, leaking.stepping))
     assert "valve_pwm_frequency_Hz" in found and "pwm_frequency_Hz" not in found
+    assert "'leak' is joined to 'inlet' as well; draw all of it" in " ".join(warnings(leaking, found))
 
 
 def test_another_value_in_the_drawing_is_another_circuit():
@@ -232,6 +233,9 @@ def test_another_value_in_the_drawing_is_another_circuit():
     )
     assert built(other).counterpart is not None
     assert built(moved).counterpart is None
+    assert built(moved).lacking == "port 'b' of 'load' is joined to 'end' instead of 'tank'"
+    unread = PROTOTYPE.replace('spool_drive = "components.coupling"', "").replace("[spool_drive]", "[coupling]")
+    assert built(unread).lacking == "spool_drive: missing table"
 
 
 def test_a_circuit_that_does_not_exist_is_refused_in_a_drawing_too():

@@ -19,6 +19,9 @@ from vvdp.systems.plausibility import idle_orifices
 from vvdp.systems.spool_travel import travel_warnings
 from vvdp.systems.system import System
 
+COMPLETE = "draw all of it, or remove the line circuit"
+"""Remedy where a file draws another circuit than it names."""
+
 
 class NodeLine(NamedTuple):
     """What a summary says of a node: mean, lowest and highest of a quantity [SI; gauge]."""
@@ -151,6 +154,8 @@ def warnings(system: System, found: Mapping[str, float | bool]) -> Iterator[str]
             f"above the atmosphere's {ATMOSPHERE / 1e5:.5g} bar"
         )
     yield from travel_warnings(system)
+    if other := other_drawing(system):
+        yield f"{other}; {COMPLETE}"
     if not found["settled"] and expects_steady_state(system, found):
         yield (
             f"not settled: a mean would still change by more than {percent(SETTLED)} if the run went on; let it last "
@@ -162,8 +167,15 @@ def warnings(system: System, found: Mapping[str, float | bool]) -> Iterator[str]
         yield from system.extras.warnings(found)
 
 
+def other_drawing(system: System) -> str:
+    """The sentence that a file names a circuit and draws another one; empty if it does not."""
+    named = system.content.get("circuit")
+    words = f"the file names the circuit {named!r} and draws another one; its numbers and figures are left out"
+    return system.lacking and f"{words}: {system.lacking}"
+
+
 def overloaded_drives(system: System, found: Mapping[str, float | bool]) -> Iterator[str]:
-    """Which driven shafts take more power on average than their drive is rated for."""
+    """A sentence for each driven shaft whose mean power exceeds the rated power of its drive."""
     for name, node in system.circuit.network.nodes.items():
         if isinstance(node, DrivenShaft) and found.get(f"power_{name}_W", 0.0) > node.rated_power:
             taken, rated = (with_unit(power, MEAN_POWER) for power in (found[f"power_{name}_W"], node.rated_power))

@@ -8,7 +8,15 @@ from vvdp.base.display import number, percent, plain, with_unit
 from vvdp.base.kinds import DURATION, MEAN_POWER
 from vvdp.evaluation.bench import RotaryBench
 from vvdp.evaluation.bench_validity import efficiency_doubt
-from vvdp.evaluation.overview import expects_steady_state, impossible_part, loss_lines, node_lines, power_lines
+from vvdp.evaluation.overview import (
+    COMPLETE,
+    expects_steady_state,
+    impossible_part,
+    loss_lines,
+    node_lines,
+    other_drawing,
+    power_lines,
+)
 from vvdp.evaluation.summary import is_closed
 from vvdp.evaluation.validity import broken_bounds
 from vvdp.results.result import Badge, Finding, Grade, sentences
@@ -75,13 +83,7 @@ def warnings(run: RecordedRun) -> Iterator[Finding]:
         )
     yield from _range_warnings(run)
     yield from _fault_warnings(run)
-    for sentence in travel_warnings(run.system):
-        yield Finding(
-            grade=Grade.WARNING,
-            title="Travel of the spool",
-            text=f"{sentence[:1].upper()}{sentence[1:]}.",
-            remedy="The numbers are those of the drive and helix as given. Make end stops, helix and [geometry] agree.",
-        )
+    yield from _drawing_warnings(run)
     if not run.has("settled") and expects_steady_state(run.system, run.summary):
         yield _settling_warning()
 
@@ -112,6 +114,23 @@ def _fault_warnings(run: RecordedRun) -> Iterator[Finding]:
             title="Fault",
             text=f"{fault.sentence[:1].upper()}{fault.sentence[1:]}.",
             remedy="The file states this in its table [faults]; the numbers are those of the machine with it.",
+        )
+
+
+def _drawing_warnings(run: RecordedRun) -> Iterator[Finding]:
+    for sentence in travel_warnings(run.system):
+        yield Finding(
+            grade=Grade.WARNING,
+            title="Travel of the spool",
+            text=f"{sentence[:1].upper()}{sentence[1:]}.",
+            remedy="The numbers are those of the drive and helix as given. Make end stops, helix and [geometry] agree.",
+        )
+    if other := other_drawing(run.system):
+        yield Finding(
+            grade=Grade.WARNING,
+            title="Another circuit than the file names",
+            text=f"{other[:1].upper()}{other[1:]}.",
+            remedy=f"{COMPLETE[:1].upper()}{COMPLETE[1:]}.",
         )
 
 
