@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.systems.drawn_orifice import ORIFICE
 from tests.words import wording
 
 from vvdp.base.errors import ConfigError
@@ -56,7 +57,8 @@ transition_pressure = "0.05 bar"
 [run]
 until = "50 ms"
 """
-FULL = """title = "A pump with an orifice"
+FULL = (
+    """title = "A pump with an orifice"
 
 [nodes]
 tank = { type = "tank" }
@@ -74,20 +76,16 @@ ripple_amplitude = "0"
 ripple_count = "9"
 friction_torque = "0 N*m"
 
-[components.load]
-type = "orifice"
-a = "line"
-b = "tank"
-area = "3 mm^2"
-discharge_coefficient = "0.6"
-transition_pressure = "0.05 bar"
-
+"""
+    + ORIFICE
+    + """
 [operation]
 oil_temperature = "50 degC"
 
 [run]
 until = "50 ms"
 """
+)
 
 
 def built(text):
