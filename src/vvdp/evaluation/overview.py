@@ -24,7 +24,7 @@ COMPLETE = "draw all of it, or remove the line circuit"
 
 
 class NodeLine(NamedTuple):
-    """What a summary says of a node: mean, lowest and highest of a quantity [SI; gauge]."""
+    """A line of a summary about a node: mean, lowest and highest of a quantity [SI; gauge]."""
 
     name: str
     quantity: str
@@ -45,7 +45,7 @@ class FlowLine(NamedTuple):
 
 
 class LossLine(NamedTuple):
-    """What a component dissipates [W], whole and by its parts."""
+    """Loss of a component [W], whole and by its parts."""
 
     component: str
     loss: float
@@ -99,7 +99,7 @@ def flow_ports(part: Part) -> dict[str, str]:
 
 
 def loss_lines(system: System, found: Mapping[str, float | bool]) -> Iterator[LossLine]:
-    """What the components dissipate."""
+    """Losses of the components."""
     network = system.circuit.network
     hidden = inside(network)
     for part in network.parts.values():
@@ -113,7 +113,7 @@ def loss_lines(system: System, found: Mapping[str, float | bool]) -> Iterator[Lo
 
 
 def circuit_loss_lines(system: System, found: Mapping[str, float | bool]) -> Iterator[LossLine]:
-    """What each part that is a circuit of its own dissipates, whole and by what is in it."""
+    """Losses of each part that is a circuit of its own, whole and by what is in it."""
     lines = tuple(loss_lines(system, found))
     for name, circuit in system.circuit.network.circuits.items():
         inner = (line for line in lines if line.component in circuit.names)
@@ -122,7 +122,7 @@ def circuit_loss_lines(system: System, found: Mapping[str, float | bool]) -> Ite
 
 
 def circuit_power_lines(system: System, found: Mapping[str, float | bool]) -> Iterator[tuple[str, float]]:
-    """What nodes and components in each part that is a circuit of its own give from outside [W], where some do."""
+    """Powers from outside [W] into each part that is a circuit of its own, where there are any."""
     powers = dict(power_lines(system, found))
     for name, circuit in system.circuit.network.circuits.items():
         if inner := [power for source, power in powers.items() if source in circuit.names]:
@@ -130,7 +130,7 @@ def circuit_power_lines(system: System, found: Mapping[str, float | bool]) -> It
 
 
 def power_lines(system: System, found: Mapping[str, float | bool]) -> Iterator[tuple[str, float]]:
-    """What nodes and components give from outside [W]: positive into the circuit."""
+    """Powers from outside [W] through nodes and components: positive into the circuit."""
     network = system.circuit.network
     for name in (*network.nodes, *network.parts):
         if f"power_{name}_W" in found:
@@ -138,7 +138,7 @@ def power_lines(system: System, found: Mapping[str, float | bool]) -> Iterator[t
 
 
 def warnings(system: System, found: Mapping[str, float | bool]) -> Iterator[str]:
-    """What a user has to know before the numbers of a summary, each in one line; the gravest first."""
+    """Warnings to read before the numbers of a summary, each in one line; the gravest first."""
     if "second_law" in found:
         yield from _impossible(system, found)
     if not found["finished"]:
@@ -183,7 +183,7 @@ def overloaded_drives(system: System, found: Mapping[str, float | bool]) -> Iter
 
 
 def _impossible(system: System, found: Mapping[str, float | bool]) -> Iterator[str]:
-    """What in a run cannot be: balances that do not close, losses that give energy back."""
+    """Impossible results of a run: balances that do not close, losses that give energy back."""
     if not is_closed(found):
         yield "the balances do not close: a residual is above the limit; try a tenth of run.relative_tolerance"
     if not found["second_law"]:
@@ -191,7 +191,7 @@ def _impossible(system: System, found: Mapping[str, float | bool]) -> Iterator[s
 
 
 def impossible_part(system: System, found: Mapping[str, float | bool]) -> str:
-    """What breaks the second law in a run, in words: the losses that give energy back, as far as means show them."""
+    """The losses of a run that break the second law by giving energy back, in words, as far as means show them."""
     names = [
         (f"loss_{part.name}_{loss}_W" if loss else f"loss_{part.name}_W", kind)
         for part in system.circuit.network.parts.values()
@@ -211,5 +211,5 @@ def expects_steady_state(system: System, found: Mapping[str, float | bool]) -> b
 
 
 def period(system: System) -> str:
-    """What passes between two marks of a run."""
+    """The word for the interval between two marks of a run."""
     return "period" if system.extras is None else system.extras.PERIOD

@@ -10,8 +10,8 @@ from vvdp.network.nodes import Tank
 
 
 def lacks(drawn: Network, rig: Network) -> Iterator[str]:
-    """What a network lacks to contain a rig: its nodes and components, joined in the same way and with equal values,
-    with nothing else at its nodes but at tanks; a sentence each.
+    """Sentences on what a network lacks to contain a rig: its nodes and components, joined in the same way and with
+    equal values, with nothing else at its nodes but at tanks.
     """
     for name, node in rig.nodes.items():
         if name not in drawn.nodes:

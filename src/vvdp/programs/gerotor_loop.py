@@ -69,7 +69,7 @@ class DriveBelief(GerotorBelief):
 
 
 class GerotorLoop(Params):
-    """What the control of a gerotor drive works with; `wanted` is the position [m]."""
+    """Settings of the control of a gerotor drive; `wanted` is the position [m]."""
 
     sensor: AxialSensor
     law: FeedforwardPI
@@ -102,7 +102,7 @@ class DriveMemory(NamedTuple):
 
 
 class GerotorMemory(NamedTuple):
-    """What loop and observer carry from sample to sample."""
+    """Memory of loop and observer from sample to sample."""
 
     drive: DriveMemory
     observer: AxialMemory
@@ -150,7 +150,7 @@ def stage_at_stop(stage: Stage, time: float, known: bool, period: float, sequenc
 
 
 def flow_after(settled: float, flow: float, period: float, lag: float) -> float:
-    """What a flow [m^3/s] has come to a `period` [s] later on its way to a settled one."""
+    """Value of a flow [m^3/s] a `period` [s] later on its way to a settled one."""
     after: float = settled + (flow - settled) * np.exp(-period / lag)
     return after
 

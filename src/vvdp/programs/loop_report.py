@@ -1,4 +1,4 @@
-"""What a program that is all of an axial drive's control adds to the results: errors, storage, figures."""
+"""Report of a program that is all of an axial drive's control: errors, storage, figures."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from types import MappingProxyType
@@ -106,7 +106,7 @@ class ChamberLoopReport(SpoolLoopReport):
         return {**numbers, "observability_margin_lowest": margin, **storage_numbers(found, self.loop, self.period)}
 
     def warnings(self, found: Mapping[str, float | bool]) -> Iterator[str]:
-        """What limits the control, a sentence each."""
+        """Limits of the control, a sentence each."""
         yield from control_warnings(self.loop, self.loop.wanted.extremes[1], self.period, found)
 
     def merits(self, found: Mapping[str, float | bool]) -> Iterator[str]:

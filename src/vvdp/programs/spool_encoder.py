@@ -49,14 +49,14 @@ class EncoderTable(Params):
 
 
 class WatchMemory(NamedTuple):
-    """What encoder and filter carry from sample to sample."""
+    """Memory of encoder and filter from sample to sample."""
 
     encoder: EncoderMemory
     filter: EventFilterMemory
 
 
 class WatchSettings(Params):
-    """What the program works with: encoder and filter, the spool's angle at first, and the seed of the noise."""
+    """Settings of the program: encoder and filter, the spool's angle at first, and the seed of the noise."""
 
     encoder: Encoder
     filter: EventFilter

@@ -1,4 +1,4 @@
-"""What a reader has to know before the numbers of a run: is it to be trusted, and what lies outside its bounds."""
+"""Findings to read before the numbers of a run: is it to be trusted, and what lies outside its bounds."""
 
 from collections.abc import Iterator
 
@@ -52,7 +52,7 @@ def badges(run: RecordedRun) -> Iterator[Badge]:
 
 
 def warnings(run: RecordedRun) -> Iterator[Finding]:
-    """What may be wrong with the run of any circuit, gravest first."""
+    """Warnings about the run of any circuit, gravest first."""
     if "trusted" in run.summary and not is_closed(run.summary):
         energy, mass = (number(run.number(f"{name}_residual"), 3) for name in ("energy", "mass"))
         tolerance = plain(float(run.meta["relative_tolerance"]))
@@ -145,7 +145,7 @@ def _range_warnings(run: RecordedRun) -> Iterator[Finding]:
 
 
 def bench_warnings(run: RecordedRun, bench: RotaryBench) -> Iterator[Finding]:
-    """What may be wrong with the run of a test rig of the rotary valve."""
+    """Warnings about the run of a test rig of the rotary valve."""
     if run.has("motor_overloaded"):
         power, rated = run.number("input_power_W"), run.number("motor_rated_power_W")
         yield Finding(

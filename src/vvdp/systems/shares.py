@@ -13,7 +13,7 @@ from vvdp.programs.quantities import dimension
 
 
 class Share(NamedTuple):
-    """What is read at `source`, per a `whole`, for an input of the quantity `of`; `path` is where it stands."""
+    """A quantity read at `source`, per a `whole`, for an input of the quantity `of`; `path` is where it stands."""
 
     path: str
     source: str
@@ -46,7 +46,7 @@ def check_share(places: Places, given: Share) -> None:
 
 
 def wholes(inputs: Iterable[object], source: str) -> Iterator[Signal]:
-    """What a source is divided by in inputs, however deep in functions of several."""
+    """The signals by which a source is divided in inputs, however deep in functions of several."""
     for each in inputs:
         if isinstance(each, Connection):
             if each.function is share and each.sources[0] == source:

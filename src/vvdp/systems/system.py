@@ -152,7 +152,7 @@ class System:
 
     @cached_property
     def extras(self) -> Extras | None:
-        """What the system brings along beyond others; None where that is nothing."""
+        """The additions of the system; None where there are none."""
         drawn = self.counterpart or self
         extras = drawn.circuit.network.extras
         found: Extras | None = extras and extras(self, drawn.tables)
@@ -184,7 +184,7 @@ class System:
 
     @property
     def circuit_name(self) -> str:
-        """What the file names as its circuit; where it draws it itself, how many parts it has."""
+        """The name of the circuit in the file; where it draws it itself, how many parts it has."""
         network = self.circuit.network
         count = f"{len(network.nodes)} nodes, {len(network.parts)} components"
         return f"drawn, {count}" if self.function is None else str(self.content["circuit"])
@@ -201,7 +201,7 @@ class System:
 
     @property
     def table(self) -> Table:
-        """What it was read from, settings included."""
+        """The text that it was read from, settings included."""
         return Table(self.name, self.content, {})
 
     def read_from(self, table: Table) -> "System":
@@ -423,7 +423,7 @@ def _draw(
     folder: Path,
     before: System | None,
 ) -> Drawing:
-    """What a file draws, through its function or by itself."""
+    """The drawing of a file, by its function or by itself."""
     if function is not None:
         known = None if before is None else ReadBefore(before.content, before.own_tables, before.rows)
         values, rows = read_tables(function, content, table, faults, known)
@@ -442,7 +442,7 @@ def _fail(
     faults: list[Fault],
     folder: Path,
 ) -> tuple[Drawing, tuple[NamedFault, ...]]:
-    """What a file draws with what it says that fails in it."""
+    """The drawing of a file with the faults that it states."""
     if drawing.network is None or FAULTS not in table.content or faults:
         return drawing, ()
     reader = FaultReader(drawing.network, None if function is None else drawing.tables, table, faults)
