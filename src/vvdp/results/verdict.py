@@ -117,7 +117,7 @@ class Statement:
 
     @property
     def remark(self) -> str:
-        """Remarks on the verdict."""
+        """Notes on the verdict."""
         assumed = f"assumed: {self.assumption}" if self.assumption else ""
         second = "" if self.other is None else f"a second run finds {with_unit(self.other, self.kind)}"
         calibrated = f"chosen by it: {self.calibration}" if self.calibration else ""

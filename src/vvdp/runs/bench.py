@@ -126,7 +126,7 @@ def _difference(loss: Loss) -> float:
 
 
 def analytic_words(run: RecordedRun, bench: RotaryBench) -> Iterator[str]:
-    """Remarks on the analytic losses beside the simulated ones."""
+    """Notes on the analytic losses beside the simulated ones."""
     if "analytic_loss_total_W" not in run.summary:
         needs = (
             "they need a running pump, a load pressure above the tank's, a spool that the flow alone turns, and "
