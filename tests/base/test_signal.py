@@ -125,6 +125,16 @@ def test_the_extremes_see_a_peak_that_ends_in_a_jump() -> None:
     assert table([0.0, 1.0, 1.0, 2.0], [0.0, 10.0, 5.0, 5.0]).extremes == (0.0, 10.0)
 
 
+def test_a_jump_passes_over_what_is_between_its_ends() -> None:
+    """A ramp from -1 to 1 is 0 once, a jump never; -1 to 1, from where a jump goes to -3 and a sine of 2 to -1."""
+    assert ramp(-1.0, 1.0, 1.0, 2.0).may_be(0.0) and not step(-1.0, 1.0, 1.0).may_be(0.0)
+    assert constant(2.0).may_be(2.0) and not constant(2.0).may_be(2.1)
+    peak = table([0.0, 1.0, 1.0, 2.0], [1.0, 4.0, -3.0, -2.0])
+    assert [peak.may_be(value) for value in (-3.1, -2.5, -1.0, 0.9, 3.9)] == [False, True, False, False, True]
+    swinging = Signal(0.0, (1.0,), (0.0,), (10.0,), (2.0,), (5.0,), (0.0,))
+    assert [swinging.may_be(value) for value in (-2.0, 2.1, 7.9, 8.0, 12.1)] == [True, False, False, True, False]
+
+
 def test_words_make_what_they_say() -> None:
     assert constant(3.0).is_constant and signal_value(1e9, constant(3.0)) == 3.0
     jump = step(1.0, 2.0, 0.5)

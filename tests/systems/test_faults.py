@@ -7,6 +7,7 @@ import re
 import numpy as np
 import pytest
 from tests.systems.axial_texts import run_of, system_of
+from tests.systems.drawn_orifice import ORIFICE
 from tests.words import wording
 
 from vvdp.base.errors import ConfigError
@@ -161,7 +162,8 @@ def test_a_system_with_faults_travels():
     assert pickle.loads(pickle.dumps(system)).case == system.case
 
 
-DRAWN = """
+DRAWN = (
+    """
 title = "drawn"
 [nodes.tank]
 type = "tank"
@@ -174,16 +176,12 @@ type = "flow-source"
 a = "tank"
 b = "line"
 flow = "5 lpm"
-[components.load]
-type = "orifice"
-a = "line"
-b = "tank"
-area = "3 mm^2"
-discharge_coefficient = "0.6"
-transition_pressure = "0.05 bar"
-[run]
+"""
+    + ORIFICE
+    + """[run]
 until = "0.2 s"
 """
+)
 
 
 def test_values_of_a_drawn_network():

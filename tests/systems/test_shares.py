@@ -47,6 +47,7 @@ def built(share):
     ("share", "opening"),
     [
         ('{ from = "wanted.value", per = "40 lpm" }', 0.25),
+        ('{ from = "wanted.value", per = { step = ["-20 lpm", "40 lpm"], at = "10 ms" } }', 0.25),
         ('{ from = "wanted.value", per = { value = "1 l/s", status = "assumed", note = "twice 30 lpm" } }', 1.0 / 6.0),
         ('{ from = "supply.pressure", per = "400 bar" }', 101.01325 / 400.0),
         ('{ from = "wanted.value", per = "-40 lpm" }', 0.0),
@@ -73,6 +74,14 @@ def test_a_value_has_its_origin():
         ('{ from = "wanted.value", per = "40 bar" }', "'wanted.value' in m.3/s per Pa gives no"),
         ('{ from = "wanted.value", per = "0 lpm" }', "must not be 0"),
         ('{ from = "wanted.value", per = "much" }', "per"),
+        (
+            '{ from = "wanted.value", per = { ramp = ["-10 lpm", "40 lpm"], from = "1 s", to = "2 s" } }',
+            "per = −10 to 40 lpm; must not pass through 0",
+        ),
+        (
+            '{ from = "wanted.value", per = { sine = "30 lpm", amplitude = "40 lpm", frequency = "1 Hz" } }',
+            "per = −10 to 70 lpm; must not pass through 0",
+        ),
         ('{ from = "wanted.rate", per = "40 lpm" }', "'wanted' has no 'rate'"),
         ('{ from = "nothing.value", per = "40 lpm" }', "leads nowhere"),
     ],

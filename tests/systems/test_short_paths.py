@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.systems.drawn_orifice import ORIFICE
 from tests.words import wording
 
 from vvdp.base.errors import ConfigError
@@ -56,7 +57,8 @@ transition_pressure = "0.05 bar"
 [run]
 until = "50 ms"
 """
-FULL = """title = "A pump with an orifice"
+FULL = (
+    """title = "A pump with an orifice"
 
 [nodes]
 tank = { type = "tank" }
@@ -74,20 +76,16 @@ ripple_amplitude = "0"
 ripple_count = "9"
 friction_torque = "0 N*m"
 
-[components.load]
-type = "orifice"
-a = "line"
-b = "tank"
-area = "3 mm^2"
-discharge_coefficient = "0.6"
-transition_pressure = "0.05 bar"
-
+"""
+    + ORIFICE
+    + """
 [operation]
 oil_temperature = "50 degC"
 
 [run]
 until = "50 ms"
 """
+)
 
 
 def built(text):
@@ -222,6 +220,7 @@ def test_what_is_joined_to_no_node_of_the_rig_leaves_it_one():
     assert leaking.counterpart is None
     found = summary(leaking, simulate(leaking.model, leaking.case, leaking.stepping))
     assert "valve_pwm_frequency_Hz" in found and "pwm_frequency_Hz" not in found
+    assert "'leak' is joined to 'inlet' as well; draw all of it" in " ".join(warnings(leaking, found))
 
 
 def test_another_value_in_the_drawing_is_another_circuit():
@@ -232,6 +231,9 @@ def test_another_value_in_the_drawing_is_another_circuit():
     )
     assert built(other).counterpart is not None
     assert built(moved).counterpart is None
+    assert built(moved).lacking == "port 'b' of 'load' is joined to 'end' instead of 'tank'"
+    unread = PROTOTYPE.replace('spool_drive = "components.coupling"', "").replace("[spool_drive]", "[coupling]")
+    assert built(unread).lacking == "spool_drive: missing table"
 
 
 def test_a_circuit_that_does_not_exist_is_refused_in_a_drawing_too():

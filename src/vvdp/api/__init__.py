@@ -1,1 +1,1 @@
-"""What `import vvdp` offers: systems and runs with everything that a script or a notebook asks of them."""
+"""The public interface, `import vvdp`: systems and runs with everything that a script or a notebook needs of them."""

@@ -33,7 +33,7 @@ PUBLIC = (
     "carried_on", "command", "directory", "flows", "names", "number", "numbers", "output", "plot", "pressure", "result",
     "save", "state", "summary", "system", "times", "to_pandas", "to_xarray", "warnings",
 )  # fmt: skip
-"""What `dir()` of a run shows; all else is for the package."""
+"""The names that `dir()` of a run shows; all others are for the package."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -47,7 +47,7 @@ class Run(RecordedRun):
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
-        """What must be known before the numbers are used, a sentence each, the gravest first.
+        """Warnings to read before the numbers are used, a sentence each, the gravest first.
 
         It says why a number of `summary` is nan, such as an efficiency while a line still empties.
         """
@@ -55,7 +55,7 @@ class Run(RecordedRun):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What `plot` takes: names of charts and of series, those of `to_xarray` included."""
+        """The names that `plot` takes: of charts and of series, those of `to_xarray` included."""
         from vvdp.report.chosen import series_names
 
         return (*self.result.charts, *series_names(self._drawable))
@@ -171,7 +171,7 @@ def chart_on_view(run: Run) -> Chart | None:
 
 
 def open_directory(directory: str | Path, *, trust: str = "") -> Run | Result:
-    """What a directory holds: a `Run`, or the `Result` of any other verb.
+    """The content of a directory: a `Run`, or the `Result` of any other verb.
 
     `trust` is a module of your own, by name or file, that may be run to draw the circuit again. Raises ConfigError
     where the directory holds neither, or has changed since it was written.

@@ -28,7 +28,7 @@ NAMED = ("nodes", "components", "programs", "parts")
 TYPED = "text"
 """The name of a system that comes from no file."""
 PUBLIC = ("assumptions", "circuit", "name", "rows", "run", "title", "uncertainties", "with_values")
-"""What `dir()` of a system shows; all else is for the package."""
+"""The names that `dir()` of a system shows; all others are for the package."""
 
 
 @dataclass(frozen=True, repr=False)

@@ -31,7 +31,7 @@ class Books(NamedTuple):
 
 
 class Stored(NamedTuple):
-    """What a component or a circuit holds: energy [J] above the tank's state, and oil [m^3 at tank conditions].
+    """Content of a component or a circuit: energy [J] above the tank's state, and oil [m^3 at tank conditions].
 
     Where a circuit has several oils, `volume` is a NamedTuple with a name for each.
     """

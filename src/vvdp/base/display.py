@@ -154,7 +154,7 @@ def value_text(value: float, kind: Kind) -> str:
 
 
 def key_suffix(kind: Kind) -> str:
-    """What a key of a result ends with, so that its unit is plain: `_m3_s` for m^3/s; nothing without a unit."""
+    """The end of a key of a result that makes its unit plain: `_m3_s` for m^3/s; nothing without a unit."""
     if kind.unit in ("1", "SI"):
         return ""
     return "_" + kind.unit.translate(str.maketrans("/*", "__", "^()."))

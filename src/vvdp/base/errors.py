@@ -21,7 +21,7 @@ class RunError(VvdpError, RuntimeError):
 
 
 class WriteError(VvdpError, OSError):
-    """What was to be kept could not be put on the disk: number and words of the system, and the path."""
+    """A file could not be written to the disk: number and words of the operating system, and the path."""
 
     def __str__(self) -> str:
         return f"{self.filename}: cannot be written ({self.strerror})"

@@ -42,7 +42,7 @@ class Kind:
         return self.example.partition(" ")[2]
 
     def fault(self, value: float) -> str | None:
-        """What is wrong with `value` [SI], or None."""
+        """The fault of `value` [SI] in words, or None."""
         if self.low <= value <= self.high:  # False for nan too
             return None
         unit = "" if self.unit == "1" else f" {self.unit}"

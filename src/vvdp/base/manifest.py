@@ -24,7 +24,7 @@ from vvdp.base.errors import VvdpError, unusable
 LIST = "vvdp.json"
 FORMAT = 1
 NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]*")
-"""What tables, charts, files and folders of a result may be called: no path, and nothing hidden."""
+"""The names that tables, charts, files and folders of a result may have: no path, and nothing hidden."""
 MOST_NAMED = 8
 """Files that one message names."""
 

@@ -6,7 +6,7 @@ nothing in the compiled loop, and the instants at which a signal has a corner ar
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -29,14 +29,27 @@ class Signal:
     @property
     def extremes(self) -> tuple[float, float]:
         """Bounds of the value: exact without sines, safe with them."""
+        corners = [value for ends in self._stretches() for value in ends]
+        return min(corners) - self._swing, max(corners) + self._swing
+
+    def may_be(self, value: float) -> bool:
+        """Whether the signal may have a value at some time; a jump passes over what is between its ends."""
+        return any(min(ends) - self._swing <= value <= max(ends) + self._swing for ends in self._stretches())
+
+    @property
+    def _swing(self) -> float:
+        return math.fsum(abs(a) for a in self.amplitude)
+
+    def _stretches(self) -> Iterator[tuple[float, float]]:
+        """First and last value, without sines, of each stretch between two times at which the signal jumps or bends."""
         changes = list(zip(self.start, self.duration, self.change, strict=True))
-        corners = [self.base]
-        for t in {end for a, d, _ in changes for end in (a, a + d)}:
+        first = self.base
+        for t in sorted({end for a, d, _ in changes for end in (a, a + d)}):
             gone = [c * (1.0 if t >= a + d else max(0.0, (t - a) / d) if d > 0.0 else 0.0) for a, d, c in changes]
             jumps = [c for a, d, c in changes if d == 0.0 and a == t]
-            corners += [self.base + sum(gone), self.base + sum(gone) - sum(jumps)]  # at t, and just before
-        swing = math.fsum(abs(a) for a in self.amplitude)
-        return min(corners) - swing, max(corners) + swing
+            yield first, self.base + sum(gone) - sum(jumps)
+            first = self.base + sum(gone)
+        yield first, first
 
     @property
     def is_constant(self) -> bool:

@@ -1,4 +1,4 @@
-"""What holds on the patches of a mesh, field by field, as OpenFOAM's files have it."""
+"""Boundary conditions on the patches of a mesh, field by field, as OpenFOAM's files have them."""
 
 from collections.abc import Mapping
 from typing import NamedTuple

@@ -49,7 +49,7 @@ class Case(NamedTuple):
 
     @property
     def identity(self) -> str:
-        """What distinguishes this case from any other: all its files, and its phases."""
+        """The identity of this case: all its files, and its phases."""
         files = sorted({**self.mesh_files, **start_files(self)}.items())
         pace = () if self.step == STEADY else (self.step,)
         parts = (files, self.mesh_programs, self.monitors, self.phases, *pace)
@@ -64,7 +64,7 @@ def start_files(case: Case) -> dict[str, str]:
 
 
 def phase_files(case: Case, phase: Phase, end: int) -> dict[str, str]:
-    """What a phase that ends at the iteration `end` is solved by, by path."""
+    """The control files, by path, of a phase that ends at the iteration `end`."""
     monitors = {**case.monitors, **quality_monitors(case.turbulence)}
     return {
         "system/controlDict": control_text(end, monitors, case.step),

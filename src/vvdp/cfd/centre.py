@@ -27,7 +27,7 @@ from vvdp.valve.rotary import RotaryValve
 
 
 class CentreOrder(NamedTuple):
-    """What is to be computed: the centre section of a valve's shape at a flow [m^3/s].
+    """The task: the flow [m^3/s] through the centre section of a valve's shape.
 
     `angle`, `position` and `speed` are those of the spool [rad, m, rad/s], `grid` the cells per spool radius, `stub`
     the length of the nozzles [spool radii].

@@ -1,4 +1,4 @@
-"""What the flow through a centre section comes to over flow and diameter: laws of its drop, torque of the jets."""
+"""Flow through a centre section over flow and diameter, as a result: laws of its drop, torque of the jets."""
 
 import math
 from collections.abc import Iterator, Sequence

@@ -1,4 +1,4 @@
-"""What several shapes of an inlet rail come to side by side: drop, how the flow divides, and the force that follows."""
+"""Several shapes of an inlet rail side by side: drop, division of the flow, and the force that follows."""
 
 from collections.abc import Iterator, Mapping, Sequence
 

@@ -40,7 +40,7 @@ class OpenFoam(NamedTuple):
         return {**own, FOLDER: str(self.folder), "OMPI_MCA_hwloc_base_binding_policy": "none", **root}
 
     def command(self, words: Sequence[str], cores: int = 1) -> tuple[str, ...]:
-        """What is typed to start a program, on several cores where there are."""
+        """The command that starts a program, on several cores where there are."""
         return tuple(words) if cores == 1 else ("mpirun", "-np", str(cores), *words, "-parallel")
 
 

@@ -1,4 +1,4 @@
-"""What three grids of one family say of the flow through a part of the valve, and how far they are off."""
+"""Results of three grids of one family for the flow through a part of the valve, and their errors."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence

@@ -23,7 +23,7 @@ PARTS = {
     "period": "centre",
     "turbine": "turbine",
 }
-"""Which part of the valve a study is of, by the first word of its name."""
+"""The part of the valve that a study is of, by the first word of its name."""
 _GAP = re.compile(r"\{(\w+)\}")
 
 

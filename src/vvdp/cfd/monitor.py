@@ -90,7 +90,7 @@ def _numbers(line: str) -> list[float]:
 
 
 class MeshCheck(NamedTuple):
-    """What checkMesh says of a mesh; `faults` are its own words, none where it is sound."""
+    """Verdict of checkMesh on a mesh; `faults` are its own words, none where the mesh is sound."""
 
     cells: int
     non_orthogonality: float
@@ -99,7 +99,7 @@ class MeshCheck(NamedTuple):
 
 
 def read_mesh_check(text: str) -> MeshCheck:
-    """What checkMesh printed last. Raises RunError where it shows no number of cells."""
+    """The last verdict that checkMesh printed. Raises RunError where it shows no number of cells."""
     text = text[text.rfind("Mesh stats") :]
     cells = re.search(r"^\s+cells:\s+(\d+)", text, re.MULTILINE)
     if cells is None:

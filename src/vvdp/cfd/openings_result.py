@@ -1,4 +1,4 @@
-"""What partly open nozzles do: effective area and torque over the spool angle, while closing and while opening."""
+"""Partly open nozzles: effective area and torque over the spool angle, while closing and while opening."""
 
 import math
 from collections.abc import Iterator, Sequence

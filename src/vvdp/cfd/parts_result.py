@@ -62,7 +62,7 @@ TURNING = {
 
 
 class PartLaw(NamedTuple):
-    """What the system says of a part: drop [Pa], and torque [N m], nan where none of it turns."""
+    """Prediction of the system for a part: drop [Pa], and torque [N m], nan where none of it turns."""
 
     drop: float
     torque: float = math.nan
@@ -134,7 +134,7 @@ def valve_result(order: TurbineOrder, runs: Sequence[PartRun], told: Told) -> Re
 
 
 def _drops(order: RailOrder | TurbineOrder) -> tuple[float, float, float]:
-    """What the system's laws say of rail with nozzles, centre section and outlet turbine [Pa]."""
+    """Drops of rail with nozzles, centre section and outlet turbine by the laws of the system [Pa]."""
     drops = turbulent_drops(order.flow, 1.0, order.fluid.density, order.valve)
     return float(drops.nozzle), float(drops.centre_section), float(drops.outlet_turbine)
 

@@ -1,4 +1,4 @@
-"""What a PWM period comes to: effective area and torque over the spool angle, beside the product of ramps."""
+"""A PWM period as a result: effective area and torque over the spool angle, beside the product of ramps."""
 
 from collections.abc import Iterator
 from typing import NamedTuple

@@ -96,7 +96,7 @@ def _wait(process: "subprocess.Popen[bytes]") -> None:
 
 
 def failure(program: str, code: int, case: Path) -> RunError | WriteError:
-    """What is to be said of a program that ended with a code other than 0."""
+    """The message for a program that ended with a code other than 0."""
     if shutil.disk_usage(case).free < LEAST_ROOM:
         return WriteError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(case))
     log = log_path(case, program)

@@ -25,7 +25,7 @@ NOZZLE_LEVELS: Mapping[str, int] = MappingProxyType({"nozzles": 2})
 
 
 class RailOrder(NamedTuple):
-    """What is to be computed: the rail of a valve's shape at a flow [m^3/s], `grid` cells per spool radius."""
+    """The task: the flow [m^3/s] through the rail of a valve's shape, `grid` cells per spool radius."""
 
     valve: RotaryValve
     shape: ValveShape

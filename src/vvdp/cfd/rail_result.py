@@ -1,4 +1,4 @@
-"""What the flow through an inlet rail comes to: drop, split, areas, how well it has settled."""
+"""Flow through an inlet rail as a result: drop, split, areas, and how well it has settled."""
 
 import math
 from collections.abc import Iterator, Sequence

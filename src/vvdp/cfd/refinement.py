@@ -1,4 +1,4 @@
-"""What three grids of one family show of the error of the finest: observed order, extrapolation, convergence index."""
+"""Error of the finest of three grids of one family: observed order, extrapolation, convergence index."""
 
 import math
 from typing import NamedTuple

@@ -47,7 +47,7 @@ class SeriesStopped(KeyboardInterrupt):
 
     @property
     def words(self) -> str:
-        """What is missing, in words."""
+        """The missing cases, in words."""
         if self.total == 1:
             return "the case is not finished"
         return f"{len(self.missing)} of {self.total} cases are missing: {'; '.join(self.missing)}"

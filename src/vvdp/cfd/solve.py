@@ -95,7 +95,7 @@ def solve(case: Case, folder: Path, openfoam: OpenFoam, cores: int, hear: Hear, 
 
 
 def _history(case: Case, folder: Path) -> History:
-    """What was watched, over the iterations or steps."""
+    """The watched quantities, over the iterations or steps."""
     found = case.read_history(folder)
     return found._replace(iterations=np.round(found.iterations / case.step))
 
@@ -179,7 +179,7 @@ def _require_patches(case: Case, folder: Path) -> None:
 
 
 def _check_mesh(case: Case, folder: Path, openfoam: OpenFoam, state: _State) -> MeshCheck:
-    """What checkMesh says. Raises RunError where it finds a fault."""
+    """The verdict of checkMesh. Raises RunError where it finds a fault."""
     if "check" not in state.done:
         log_path(folder, "checkMesh").unlink(missing_ok=True)
         state.spend("checkMesh", run_program(("checkMesh",), folder, openfoam))

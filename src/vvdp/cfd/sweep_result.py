@@ -1,4 +1,4 @@
-"""What the flow through an inlet rail comes to over a range of flows: laws of its drop, with their confidence."""
+"""Flow through an inlet rail over a range of flows, as a result: laws of its drop, with their confidence."""
 
 import math
 from collections.abc import Iterator, Sequence

@@ -17,7 +17,7 @@ from vvdp.valve.rotary import RotaryValve
 
 
 class TurbineOrder(NamedTuple):
-    """What is to be computed: outlet turbine or whole valve of a shape at a flow [m^3/s], its spool turning [rad/s].
+    """The task: a flow [m^3/s] through outlet turbine or whole valve of a shape, its spool turning [rad/s].
 
     `position` is the axial position of the spool [m], `grid` the cells per spool radius.
     """

@@ -1,4 +1,4 @@
-"""What the flow through an outlet turbine comes to over flow and speed: torque, drops, and their laws."""
+"""Flow through an outlet turbine over flow and speed, as a result: torque, drops, and their laws."""
 
 import math
 from collections.abc import Iterator, Sequence

@@ -1,4 +1,4 @@
-"""What is watched while a flow is computed: pressure drop and flows of ducts, or force and torque on walls."""
+"""Quantities watched while a flow is computed: pressure drop and flows of ducts, or force and torque on walls."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path

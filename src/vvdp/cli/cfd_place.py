@@ -178,7 +178,7 @@ def rail_order(chosen: Valve, method: Method, flow: str = "") -> "tuple[System, 
 
 
 def choice(option: str, name: str, known: "Mapping[str, T]") -> "T":
-    """What an option names. Raises ConfigError where it is none of those that are known."""
+    """The value that an option names. Raises ConfigError where it is none of the known ones."""
     from vvdp.base.errors import ConfigError, Fault
 
     if name not in known:

@@ -59,7 +59,7 @@ class Requirement:
 
 
 def requirements() -> Iterator[Requirement]:
-    """What the installed vvdp says that it asks for. Raises VvdpError where it is not installed."""
+    """The requirements that the installed vvdp states. Raises VvdpError where it is not installed."""
     try:
         lines = metadata.requires("vvdp") or ()
     except metadata.PackageNotFoundError:

@@ -1,4 +1,4 @@
-"""What a shell offers when a user presses the tabulator: systems, and the keys that `--set` takes."""
+"""Completions that a shell offers at the tabulator key: systems, and the keys that `--set` takes."""
 
 from collections.abc import Iterator
 from contextlib import suppress

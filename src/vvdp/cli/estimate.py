@@ -174,7 +174,7 @@ def _looked_at(log: Path, options: "list[Option]") -> "Log":
 
 
 def _nothing_named(log: Path, options: "list[Option]") -> "ConfigError":
-    """What channels there are, and how to go on with those that are probably meant."""
+    """The channels that there are, and how to go on with those that are probably meant."""
     from vvdp.base.errors import ConfigError, Fault, unusable
     from vvdp.offline.guess import guessed_options
 

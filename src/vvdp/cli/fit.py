@@ -170,7 +170,7 @@ def _host(loaded: "System | None", name: str) -> "Host | None":
 
 
 def _restriction(given: Law, loaded: "System | None") -> "Restriction":
-    """What is known of the restriction that was measured. Raises ConfigError for options that do not fit together."""
+    """Known values of the restriction that was measured. Raises ConfigError for options that do not fit together."""
     from vvdp.base.errors import ConfigError, Fault
     from vvdp.base.kinds import AREA, DENSITY
     from vvdp.base.units import parse

@@ -237,7 +237,7 @@ def _lines(values: Iterable["Described"]) -> list[str]:
 
 
 def _program(page: "LibraryPage") -> Sequence[list[str]]:
-    """What it reads, its commands and its values."""
+    """The inputs, commands and values of a program."""
     reads = [f"{each.name} [{each.usual}]" if each.usual else each.name for each in page.inputs]
     return reads, [each.name for each in page.outputs], _lines(page.values)
 

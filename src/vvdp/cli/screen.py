@@ -1,4 +1,4 @@
-"""What a user or a program sees: tables for one, JSON for the other."""
+"""Output for a user or a program: tables for one, JSON for the other."""
 
 import json
 import math
@@ -53,7 +53,7 @@ def warn(message: str) -> None:
 
 
 def typed_command() -> tuple[str, ...]:
-    """What was typed, for the origin of a result."""
+    """The command line as it was typed, for the origin of a result."""
     from vvdp.base.display import readable
 
     return ("vvdp", *map(readable, sys.argv[1:]))

@@ -1,4 +1,4 @@
-"""What `vvdp show FILE.fmu` prints: the description of an FMU, of which nothing is run."""
+"""Output of `vvdp show FILE.fmu`: the description of an FMU, of which nothing is run."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -38,7 +38,7 @@ def show_fmu(path: Path, *, json: bool) -> None:
 
 
 def fmu_facts(archive: "Archive") -> dict[str, Any]:
-    """What the description says, as JSON has it."""
+    """The description of an FMU, as JSON has it."""
     known = archive.description
     return {
         "verb": "show",

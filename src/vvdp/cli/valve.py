@@ -140,7 +140,7 @@ def _row(name: str, unit: "ValveUnit", flow: float | None, temperature: float, *
 
 
 def _numbers(point: "OperatingPoint") -> dict[str, float]:
-    """What the formulas give at an operating point, by key."""
+    """Results of the formulas at an operating point, by key."""
     return {
         "pressure_drop_nozzle_Pa": point.nozzle_drop,
         "pressure_drop_centre_section_Pa": point.centre_drop,

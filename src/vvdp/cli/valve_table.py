@@ -1,4 +1,4 @@
-"""What `vvdp valve` shows a user."""
+"""Output of `vvdp valve` for a user."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -143,7 +143,7 @@ def _numbers(found: CircuitComparison) -> dict[str, Number]:
 
 
 def screen_tables(found: CircuitComparison, result: Result) -> dict[str, Table]:
-    """What each circuit came to on each duty, in a table of its own, without losses that none has."""
+    """Results of each circuit on each duty, in a table of its own, without losses that none has."""
     scores, tables = result.tables["comparison"], {}
     for name, duty in found.duties.items():
         here = scores["cycle"] == name

@@ -57,7 +57,7 @@ class CircuitRun(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class CircuitComparison:
-    """What every circuit came to on every duty, in the order in which they were asked for.
+    """Results of every circuit on every duty, in the order in which they were asked for.
 
     `error` is the rms error to which all were brought [m]; None where not all were, and then `untuned` names those
     that were run with the common reference only.
@@ -111,7 +111,7 @@ def compare_circuits(
     progress: Callable[[int, int], None] = silent,
     say: Callable[[str], None] = quiet,
 ) -> CircuitComparison:
-    """What every circuit comes to on every duty, all at one tracking error.
+    """Results of every circuit on every duty, all at one tracking error.
 
     All are run with the common reference first. Then each is run with other poles before its loop until its rms error
     is `error` [m], without it the largest that any had at first, rounded up to three digits.
@@ -223,12 +223,12 @@ def tuned_pair(circuit: RivalCircuit, duty: Duty, run: CircuitRun, wanted: float
 
 
 def _runs(plan: _Plan, version: str, pairs: Sequence[Pair], cores: int) -> list[CircuitRun]:
-    """What comes of some pairs, where they are run."""
+    """Results of some pairs, in the process that runs them."""
     check_same(VERSION, version)
     return [run_pair(plan.circuits[pair.circuit], plan.duties[pair.duty]) for pair in pairs]
 
 
 def _tune_pairs(plan: _Plan, version: str, wanted: float, runs: Sequence[CircuitRun], cores: int) -> list[CircuitRun]:
-    """What comes of some runs at the wanted error, where they are run."""
+    """Results of some runs at the wanted error, in the process that runs them."""
     check_same(VERSION, version)
     return [tuned_pair(plan.circuits[run.circuit], plan.duties[run.duty], run, wanted) for run in runs]

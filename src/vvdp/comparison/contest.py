@@ -1,4 +1,4 @@
-"""What all comparisons share: each scenario with many seeds, all contenders in each of these runs, all cores."""
+"""Common parts of all comparisons: each scenario with many seeds, all contenders in each of these runs, all cores."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -52,7 +52,7 @@ class Played(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Contest:
-    """What every contender scored in every scenario.
+    """Scores of every contender in every scenario.
 
     `seeds` were asked for; `contenders` has their titles, `scores` the figures by scenario and contender; `traced` is
     what is drawn of one run.
@@ -119,7 +119,7 @@ def carry_out(
     progress: Callable[[int, int], None],
     batching: Batching = FOR_CASES,
 ) -> list[Done]:
-    """What `task` makes of all that is `asked`, as far as it came to its end.
+    """Results of `task` for all that is `asked`, as far as it came to its end.
 
     Ctrl-C ends it after the current batches, at once the second time; raised again where nothing was done by then.
     """

@@ -64,7 +64,7 @@ NEVER = 1e6
 
 
 def readings_alone(scenario: Scenario, record: Record) -> Array:
-    """What the encoder says, (samples, 5)."""
+    """Output of the encoder, (samples, 5)."""
     return record.readings
 
 

@@ -94,7 +94,7 @@ def screen_tables(found: Contest, result: Result) -> dict[str, Table]:
 
 
 def _controller_table(found: Contest) -> Table:
-    """What each controller is, what noise costs it, and where it fails.
+    """Description of each controller, its cost in noise, and where it fails.
 
     Noise sensitivity is by how much the change of effort is more in the usual scenario than without noise, NaN where
     not both were run.

@@ -1,4 +1,4 @@
-"""What the controllers are put through: the reference, the sensor, and a drive that may be another than they know."""
+"""Scenarios of the controllers: the reference, the sensor, and a drive that may be another than they know."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace

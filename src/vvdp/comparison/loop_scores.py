@@ -14,7 +14,7 @@ LOST = 2.5e-3
 
 
 class LoopScore(NamedTuple):
-    """What one run of one controller came to; NaN, and failed, where it broke off or was never controlled.
+    """Score of one run of one controller; NaN, and failed, where it broke off or was never controlled.
 
     Tracking is position minus reference, estimation the estimate minus the position; command and change are those of
     the valve, the change from sample to sample. `storage_rises` counts samples.
@@ -50,7 +50,7 @@ def loop_score(tally: Tally, ended: bool) -> LoopScore:
 
 
 def loop_summary(scores: Array) -> dict[str, Measured]:
-    """What the rows of `scores`, shape (runs, fields of LoopScore), come to; keys end in the unit.
+    """Summary of the rows of `scores`, shape (runs, fields of LoopScore); keys end in the unit.
 
     Runs that broke off count as failed, and in nothing else; without any other all else is NaN.
     """

@@ -67,7 +67,7 @@ def compare_controllers(
     progress: Callable[[int, int], None] = silent,
     say: Callable[[str], None] = quiet,
 ) -> Contest:
-    """What every controller scores in every scenario over `seeds` random runs.
+    """Scores of every controller in every scenario over `seeds` random runs.
 
     All controllers meet the same noise, and the same place of the periodic sensor error on the spool. `engine` says
     where the runs are made, `progress` receives how many are done, of all. Ctrl-C ends the comparison after the current
@@ -119,7 +119,7 @@ def _with_name(plan: _Plan, name: str) -> Callable[[str], None]:
 
 
 def _runs_done(plan: _Plan, program: tuple[str, ...], batch: Sequence[Trial], cores: int) -> list[Ran]:
-    """What comes of a batch, where it is run."""
+    """Results of a batch, in the process that runs it."""
     loops = _loops(plan)
     check_same(loops.program, program)
     scores: dict[Trial, dict[str, LoopScore]] = {trial: {} for trial in batch}

@@ -168,7 +168,7 @@ def _periodic(name: str, functions: int, basis: NoiseBasis, trial: NoiseTrial) -
 
 
 def basis_margin(basis: NoiseBasis, natural_frequency: float, spool_speed: float) -> float:
-    """What a basis leaves of the swing of a spring drive over a turn: 1 is all, 0 nothing [1].
+    """Share of the swing of a spring drive over a turn that a basis leaves: 1 is all, 0 nothing [1].
 
     Smallest eigenvalue of (2/T) times the Gram matrix of cos and sin of the drive's swing, without what the
     basis can stand for. For Fourier functions that is `observability_margin`.
@@ -186,7 +186,7 @@ def basis_margin(basis: NoiseBasis, natural_frequency: float, spool_speed: float
 
 
 def record(shape: Array, trial: NoiseTrial) -> tuple[Array, Array, Array]:
-    """What the sensor shows, a row for each sample, with true position and true periodic sensor error [m]."""
+    """Readings of the sensor, a row for each sample, with true position and true periodic sensor error [m]."""
     times = np.arange(round(trial.duration / trial.sample_period)) * trial.sample_period
     swing, angles = TURN / trial.motion_period, trial.spool_speed * times
     position = 0.5 * trial.stroke * (1.0 - np.cos(swing * times))

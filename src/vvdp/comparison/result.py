@@ -129,7 +129,7 @@ def comparison_result(found: Comparison) -> Result:
 
 
 def _estimator_table(found: Comparison) -> Table:
-    """What each estimator is, what it costs, and in which scenarios it loses count in one run or more."""
+    """Description and cost of each estimator, and in which scenarios it loses count in one run or more."""
     names = list(found.contenders)
     values, errors = np.array([found.costs[name] for name in names]).T
     lost = [

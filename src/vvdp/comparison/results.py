@@ -1,4 +1,4 @@
-"""What every estimator scored in every scenario, as values."""
+"""Scores of every estimator in every scenario, as values."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ class Traced:
 
 @dataclass(frozen=True, kw_only=True)
 class Comparison(Contest):
-    """What every estimator scored in every scenario.
+    """Scores of every estimator in every scenario.
 
     `scores` holds the figures of `vvdp.comparison.scores.summary`, `costs` the time that a sample takes [s]; `steps`
     are the scenarios that are a step of the speed, `causal` the estimators that know no sample before it comes.

@@ -199,7 +199,7 @@ def _run_table(runs: Mapping[str, RecordedRun]) -> Table:
 
 
 def _series_names(runs: Mapping[str, RecordedRun]) -> list[str]:
-    """What the tables of series are called."""
+    """Names of the tables of series."""
     return [f"series-{number}" for number in range(1, len(runs) + 1)]
 
 

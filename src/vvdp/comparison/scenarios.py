@@ -1,4 +1,4 @@
-"""What the estimators are put through: how the shaft turns, what the encoder is like, what counts."""
+"""Scenarios of the estimators: how the shaft turns, what the encoder is like, what counts."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -91,7 +91,7 @@ class Scenario:
 
 
 class Record(NamedTuple):
-    """What happened in one run, and what the encoder said of it."""
+    """Course of one run, and the output of the encoder."""
 
     seed: int
     truth: Truth

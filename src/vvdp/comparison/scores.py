@@ -23,7 +23,7 @@ MOST_SAMPLES = 4000
 
 
 class Score(NamedTuple):
-    """What one run of one estimator came to. NaN where there is nothing to measure.
+    """Score of one run of one estimator. NaN where there is nothing to measure.
 
     Errors are estimate minus truth. The angle's is taken modulo a turn, after the whole number of pairs of sectors has
     been taken off that fits best at the begin: a wheel without an index does not show it. `tail` is what is exceeded in
@@ -49,7 +49,7 @@ class Score(NamedTuple):
 
 
 class Traces(NamedTuple):
-    """What an estimator showed, sample by sample, each (samples,)."""
+    """Output of an estimator, sample by sample, each (samples,)."""
 
     angle: Array
     speed: Array
@@ -60,7 +60,7 @@ class Traces(NamedTuple):
 
 
 class Truth(NamedTuple):
-    """What really happened at the samples, each (samples,)."""
+    """True values at the samples, each (samples,)."""
 
     time: Array
     angle: Array
@@ -174,7 +174,7 @@ def equivalent_delay(time: Array, speed: Array, motion: Lag) -> float:
 
 
 def summary(scores: Array) -> dict[str, Measured]:
-    """What the rows of `scores`, shape (seeds, fields of Score), come to; keys end in the unit.
+    """Summary of the rows of `scores`, shape (seeds, fields of Score); keys end in the unit.
 
     Standard errors: of means sd/sqrt(n), of root mean squares the same by the delta method, of quantiles half the
     distance of the ordered values one binomial standard deviation to either side.

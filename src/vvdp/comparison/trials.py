@@ -116,7 +116,7 @@ def compare(
     progress: Callable[[int, int], None] = silent,
     say: Callable[[str], None] = quiet,
 ) -> Comparison:
-    """What every contender scores in every scenario over `seeds` random runs.
+    """Scores of every contender in every scenario over `seeds` random runs.
 
     All contenders get the same readings. `engine` says where the runs are made; what a sample costs is measured here.
     `progress` receives how many runs are done, of all. Ctrl-C ends the comparison after the current batches, at once
@@ -191,7 +191,7 @@ def compiled_loop(contender: Contender, scenario: Scenario, *, say: Callable[[st
 
 
 def _runs_done(plan: _Plan, program: tuple[str, ...], batch: Sequence[Trial], cores: int) -> list[Ran]:
-    """What comes of a batch, where it is run."""
+    """Results of a batch, in the process that runs it."""
     compiled = _field(plan)
     check_same(compiled.program, program)
     with ThreadPoolExecutor(cores) as pool:

@@ -64,7 +64,7 @@ class SpringEffect(NamedTuple):
 
 
 class AccumulatorWalls(NamedTuple):
-    """What the piston has added to the oil's volume, and how fast."""
+    """Volume that the piston has added to the oil's, and its rate."""
 
     a: Wall
 

@@ -34,7 +34,7 @@ class ChamberDrive:
 
 @dataclass(frozen=True)
 class PilotJoints:
-    """What feeds a chamber drive and moves its valve: signals, states or commands [Pa absolute, 1]."""
+    """Sources that feed a chamber drive and move its valve: signals, states or commands [Pa absolute, 1]."""
 
     supply_pressure: Signal
     tank_pressure: Signal

@@ -27,7 +27,7 @@ from vvdp.network.component import Component
 
 
 class TwoWayPassage(NamedTuple):
-    """What goes through a valve with a check valve beside it, the rate of its opening, and where both stand."""
+    """Flow through a valve with a check valve beside it, the rate of its opening, and where both stand."""
 
     flow: Flow
     loss: Power

@@ -38,7 +38,7 @@ class SeriesThrottles(Params):
 
 
 class ValvePassage(NamedTuple):
-    """What goes through a controlled valve, and the rate of its opening."""
+    """Flow through a controlled valve, and the rate of its opening."""
 
     flow: Flow
     loss: Power
@@ -46,28 +46,28 @@ class ValvePassage(NamedTuple):
 
 
 class SeriesLosses(NamedTuple):
-    """What is lost over the first and over the second of two restrictions in series."""
+    """Losses over the first and over the second of two restrictions in series."""
 
     first: Power
     second: Power
 
 
 class SeriesPassage(NamedTuple):
-    """What goes through two restrictions in series."""
+    """Flow through two restrictions in series."""
 
     flow: Flow
     losses: SeriesLosses
 
 
 class CompensatedLosses(NamedTuple):
-    """What is lost over a metering throttle, and over the compensator before it."""
+    """Losses over a metering throttle, and over the compensator before it."""
 
     metering: Power
     compensator: Power
 
 
 class CompensatedPassage(NamedTuple):
-    """What goes through a compensated throttle, the rate of its compensator, and where that stands."""
+    """Flow through a compensated throttle, the rate of its compensator, and where that stands."""
 
     flow: Flow
     losses: CompensatedLosses

@@ -14,7 +14,7 @@ from vvdp.network.component import Component
 
 
 class CushionPassage(NamedTuple):
-    """What goes through a cushion, its loss, and its area."""
+    """Flow through a cushion, its loss, and its area."""
 
     flow: Flow
     loss: Power
@@ -28,7 +28,7 @@ class TelescopeEffect(NamedTuple):
 
 
 class TelescopeWalls(NamedTuple):
-    """What its stages have added to the chamber, and how fast."""
+    """Volume that its stages have added to the chamber, and its rate."""
 
     a: Wall
 

@@ -31,7 +31,7 @@ from vvdp.network.program import ProgramType
 
 
 class DelaySettings(Params):
-    """What the memory of a line needs: its samples, how far they lie apart, and the wave in it at first."""
+    """Settings of the memory of a line: its samples, how far they lie apart, and the wave in it at first."""
 
     samples: Count
     period: Time
@@ -39,7 +39,7 @@ class DelaySettings(Params):
 
 
 class DelayReading(NamedTuple):
-    """What has left both ends so far."""
+    """Integrals of the waves that have left both ends and of the energies sent into them so far."""
 
     left_a: WaveTime
     left_b: WaveTime

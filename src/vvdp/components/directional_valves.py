@@ -74,7 +74,7 @@ class ThreeWayProportionalFlows(NamedTuple):
 
 
 class ThrottledDirectionalLosses(NamedTuple):
-    """What is lost over the edges and over the meter-out throttle."""
+    """Losses over the edges and over the meter-out throttle."""
 
     edges: Power
     return_throttle: Power
@@ -187,7 +187,7 @@ def three_way_proportional_valve(
 def _return(
     upstream: FluidState, downstream: FluidState, opening: float, throttle: float, values: DirectionalValve
 ) -> Passage:
-    """What goes over one edge and the throttle behind it."""
+    """Flow over one edge and the throttle behind it."""
     drop = upstream.pressure - downstream.pressure
     edge = values.conductance * opening
     return passage(series_flow(drop, edge, throttle, values.transition_pressure), upstream, downstream)

@@ -1,4 +1,4 @@
-"""What couples two shafts."""
+"""Couplings of two shafts."""
 
 from typing import NamedTuple
 

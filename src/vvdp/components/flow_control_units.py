@@ -23,7 +23,7 @@ from vvdp.network.nodes import Source
 
 
 class UnitPassage(NamedTuple):
-    """What goes through a valve of a unit, the rate of its poppet, and whether it is closed, on its way or open."""
+    """Flow through a valve of a unit, the rate of its poppet, and whether it is closed, on its way or open."""
 
     flow: Flow
     loss: Power

@@ -9,7 +9,7 @@ from vvdp.network.component import Component
 
 
 class Delivery(NamedTuple):
-    """What a source takes from its first port and gives to its second, and the power that this needs."""
+    """Flow that a source takes from its first port and gives to its second, and the power that this needs."""
 
     flow: Flow
     supplied: Power

@@ -89,7 +89,7 @@ class Ports(NamedTuple):
 
 
 class Core(NamedTuple):
-    """What four edges and their spool do: the passages, their loss, the spool's motion, and where they stand."""
+    """Four edges and their spool: the passages, their loss, the spool's motion, and where they stand."""
 
     pa: Flow
     pb: Flow
@@ -228,14 +228,14 @@ def _core(ports: Ports, command: float, state: ValveSpool, values: LappedValve) 
 
 
 def _bypass(upstream: FluidState, downstream: FluidState, core: Core, values: FourWayValve | SixWayValve) -> Passage:
-    """What goes over the bypass."""
+    """Flow over the bypass."""
     drop = upstream.pressure - downstream.pressure
     flow = root_edge_flow(values.bypass_conductance, core.edges.bypass, drop, values.transition_pressure)
     return passage(flow, upstream, downstream)
 
 
 def _sensing_passage(upstream: FluidState, downstream: FluidState, opening: float, values: SensingValve) -> Passage:
-    """What goes over a passage of the load-sensing port."""
+    """Flow over a passage of the load-sensing port."""
     drop = upstream.pressure - downstream.pressure
     flow = root_edge_flow(values.sensing_conductance, opening, drop, values.transition_pressure)
     return passage(flow, upstream, downstream)

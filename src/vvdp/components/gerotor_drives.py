@@ -20,7 +20,7 @@ from vvdp.network.component import Component
 
 
 class GerotorLosses(NamedTuple):
-    """What is lost in the pump's passages, and by friction of the spool."""
+    """Losses in the pump's passages, and by friction of the spool."""
 
     passages: Power
     friction: Power

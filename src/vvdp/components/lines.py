@@ -55,7 +55,7 @@ def line_walls(values: Line) -> LineWalls:
 
 
 def column_effect(a: FluidState, b: FluidState, state: LineState, medium: Medium, line: RoundLine) -> LineEffect:
-    """What a column of oil does from a to b: its inertia and wall friction, *not* its volume."""
+    """A column of oil from a to b: its inertia and wall friction, *not* its volume."""
     return LineEffect(
         flow=state.flow / flow_scale(a, b),
         loss=line_friction_power(state.flow, a, b, medium.density, medium.viscosity, line),

@@ -29,7 +29,7 @@ class ChamberLosses(NamedTuple):
 
 
 class PumpEffect(NamedTuple):
-    """What a pump gives to its ports, what it loses, and the tank volumes that leak back."""
+    """Flows of a pump to its ports, its losses, and the tank volumes that leak back."""
 
     inlet: Flow
     outlet: Flow
@@ -39,7 +39,7 @@ class PumpEffect(NamedTuple):
 
 
 class ChamberEffect(NamedTuple):
-    """What a pump gives to its ports, what it and its chambers lose, and the tank volumes that leak back."""
+    """Flows of a pump to its ports, losses of it and of its chambers, and the tank volumes that leak back."""
 
     inlet: Flow
     outlet: Flow

@@ -40,7 +40,7 @@ def transition_meter(
     medium: Medium,
     valve: RotaryValve,
 ) -> MeteredPower:
-    """What the nozzles of a rotary valve lose beyond what they would lose fully open; see `throttling_power`.
+    """Loss of the nozzles of a rotary valve beyond that of fully open ones; see `throttling_power`.
 
     to_load, to_tank, leakage  as the valve shows them: the leakage goes from load to tank past the nozzles
     """

@@ -1,4 +1,4 @@
-"""What keeps the oil: a tank with a level, a filter that clogs, a cooler."""
+"""Care of the oil: a tank with a level, a filter that clogs, a cooler."""
 
 from typing import NamedTuple
 
@@ -44,7 +44,7 @@ class TankFlows(NamedTuple):
 
 
 class FilterPassage(NamedTuple):
-    """What goes through a filter, how fast it clogs, the part that goes past its element, and whether any does."""
+    """Flow through a filter, how fast it clogs, the part that goes past its element, and whether any does."""
 
     flow: Flow
     loss: Power

@@ -23,7 +23,7 @@ from vvdp.network.nodes import Start
 
 
 def _beside(a: FluidState, b: FluidState, medium: Medium, values: LinePipe) -> Passage:
-    """What the damping of a pipe lets pass beside a column."""
+    """Flow that the damping of a pipe lets pass beside a column."""
     return passage(damping_flow(a, b, medium.density, values), a, b)
 
 

@@ -22,7 +22,7 @@ from vvdp.network.component import Component
 
 
 class ElectricLosses(NamedTuple):
-    """What a motor's windings and its friction dissipate."""
+    """Losses of a motor in its windings and by friction."""
 
     copper: Power
     friction: Power

@@ -1,4 +1,4 @@
-"""What lies between two volumes and only resists: orifices and laminar gaps."""
+"""Pure resistances between two volumes: orifices and laminar gaps."""
 
 from vvdp.base.kinds import Area, Conductance
 from vvdp.base.params import Params

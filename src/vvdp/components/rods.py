@@ -1,4 +1,4 @@
-"""What moves a rod or holds it: cylinders, end stops, friction, springs, weights, forces from outside."""
+"""Components that move a rod or hold it: cylinders, end stops, friction, springs, weights, forces from outside."""
 
 from typing import NamedTuple
 
@@ -35,7 +35,7 @@ class CylinderEffect(NamedTuple):
 
 
 class CylinderWalls(NamedTuple):
-    """What the piston has added to both chambers, and how fast."""
+    """Volumes that the piston has added to both chambers, and their rates."""
 
     a: Wall
     b: Wall
@@ -48,7 +48,7 @@ class PlungerEffect(NamedTuple):
 
 
 class PlungerWalls(NamedTuple):
-    """What the piston has added to the chamber, and how fast."""
+    """Volume that the piston has added to the chamber, and its rate."""
 
     a: Wall
 
@@ -108,7 +108,7 @@ def plunger_mass(values: Plunger) -> float:
 
 
 class StopEffect(NamedTuple):
-    """What end stops do to a rod, and whether it touches them."""
+    """Force of end stops on a rod, and whether it touches them."""
 
     rod: Force
     loss: Power

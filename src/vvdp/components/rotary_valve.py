@@ -40,7 +40,7 @@ class RotaryValveState(NamedTuple):
 
 
 class RotaryValveHeld(NamedTuple):
-    """What depends on the oil's temperature alone; leakage and friction at its reference pressure."""
+    """Values that depend on the oil's temperature alone; leakage and friction at its reference pressure."""
 
     leakage_conductance: Conductance
     friction_coefficient: Coupling
@@ -61,7 +61,7 @@ class RotaryValveLosses(NamedTuple):
 
 
 class RotaryValveFlow(NamedTuple):
-    """What a rotary valve does at an instant."""
+    """Flows, torque, losses and modes of a rotary valve at an instant."""
 
     inlet: Flow
     load: Flow
@@ -83,7 +83,7 @@ class RotaryValveFlow(NamedTuple):
 
 
 def rotary_valve_held(medium: Medium, oil: Oil, valve: RotaryValve) -> RotaryValveHeld:
-    """What a rotary valve calculates once per sample."""
+    """Values of a rotary valve that are calculated once per sample."""
     return RotaryValveHeld(
         leakage_conductance=leakage_conductance(medium.viscosity, valve),
         friction_coefficient=friction_coefficient(medium.viscosity, valve),
@@ -112,7 +112,7 @@ class Branch(NamedTuple):
 
 
 def branch(inlet: FluidState, outlet: FluidState, opening: float, law: BranchLaw) -> Branch:
-    """What one branch does between two volumes.
+    """Flow of one branch between two volumes.
 
     opening  open fraction of its ports [1]
 

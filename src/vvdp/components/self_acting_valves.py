@@ -45,7 +45,7 @@ class LiftState(NamedTuple):
 
 
 class PoppetPassage(NamedTuple):
-    """What goes through a poppet valve, the rate of its lift, and where it is to stand."""
+    """Flow through a poppet valve, the rate of its lift, and where it is to stand."""
 
     flow: Flow
     loss: Power
@@ -54,7 +54,7 @@ class PoppetPassage(NamedTuple):
 
 
 class FlowControlPassage(NamedTuple):
-    """What goes through a flow control valve, and on which side of the drops that it balances."""
+    """Flow through a flow control valve, and on which side of its balance of drops it is."""
 
     flow: Flow
     loss: Power

@@ -1,4 +1,4 @@
-"""What turns with a shaft, brakes it or drives it: rotors, springs, torques from outside."""
+"""Components that turn with a shaft, brake it or drive it: rotors, springs, torques from outside."""
 
 from typing import NamedTuple
 

@@ -75,7 +75,7 @@ class ThreeWayFlows(NamedTuple):
 
 
 class TwoWayPassage(NamedTuple):
-    """What goes through a two-way valve, the rates of its spool, the area and the modes of its port and of its ends."""
+    """Flow through a two-way valve, the rates of its spool, the area and the modes of its port and of its ends."""
 
     flow: Flow
     loss: Power
@@ -192,7 +192,7 @@ def _three_way(
     medium: Medium,
     values: ThreeWayValve,
 ) -> ThreeWayFlows:
-    """What a three-way valve does at a command."""
+    """Response of a three-way valve to a command."""
     areas, sides = port_areas(state.position, values), port_sides(state.position, values)
     ends = spool_ends(state, at_first, at_second, values)
     drop_1, drop_2 = pressure.pressure - first.pressure, pressure.pressure - second.pressure
@@ -223,7 +223,7 @@ def _two_way(
     medium: Medium,
     values: TwoWayValve,
 ) -> TwoWayPassage:
-    """What a two-way valve does at a command."""
+    """Response of a two-way valve to a command."""
     areas, sides = port_areas(state.position, values), port_sides(state.position, values)
     opens = values.normally_open > 0.5
     area, edge = select(opens, areas.second, areas.first), select(opens, sides.second, sides.first)

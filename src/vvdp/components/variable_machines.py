@@ -23,7 +23,7 @@ from vvdp.network.component import Component
 
 
 class MachineEffect(NamedTuple):
-    """What a variable motor gives to its ports, what it loses, its leakage in tank volumes, and its setting."""
+    """Flows of a variable motor to its ports, its losses, its leakage in tank volumes, and its setting."""
 
     a: Flow
     b: Flow
@@ -49,14 +49,14 @@ class PumpingEffect(NamedTuple):
 
 
 class Asked(NamedTuple):
-    """What is asked of a setting, and where it is."""
+    """Command of a setting, and its actual value."""
 
     wanted: SignedFraction
     now: SignedFraction
 
 
 class Wear(NamedTuple):
-    """What a machine leaks, at the higher pressure, and which torque it takes from its shaft."""
+    """Leakage of a machine at the higher pressure, and the torque that it takes from its shaft."""
 
     leakage: Flow
     drag: FrictionTorque

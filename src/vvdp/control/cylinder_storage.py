@@ -1,4 +1,4 @@
-"""What a controlled cylinder stores: errors of motion, and oil compressed against the force that it should give.
+"""Storage of a controlled cylinder: errors of motion, and oil compressed against the force that it should give.
 
 For chambers without a line between pump and valve. Where the force of the oil is off, the piston is off the position
 x_F at which the same oil would give the wanted force; what the oil stores is counted from there.

@@ -75,7 +75,7 @@ class CylinderSeen(NamedTuple):
 
 
 class DisplacementMemory(NamedTuple):
-    """What the controller carries from sample to sample; `saturated` is that of the last demand."""
+    """Memory of the controller from sample to sample; `saturated` is that of the last demand."""
 
     direction: DirectionMemory
     split: SplitMemory
@@ -113,7 +113,7 @@ def displacement_start(settings: DisplacementSettings) -> DisplacementMemory:
 
 
 def idle_demand() -> DisplacementDemand:
-    """What is asked while the cylinder is not controlled: valves closed, no flow."""
+    """Demand while the cylinder is not controlled: valves closed, no flow."""
     return DisplacementDemand(
         direction=0.0,
         opening=0.0,

@@ -44,7 +44,7 @@ class PidMemory(NamedTuple):
 
 
 class Sample(NamedTuple):
-    """What a controller is given: y, r and a feedforward."""
+    """Inputs of a controller: y, r and a feedforward."""
 
     measured: float
     reference: float

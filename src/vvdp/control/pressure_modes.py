@@ -1,4 +1,4 @@
-"""What keeps both chambers of a cylinder within bounds of pressure: two laws that guard one each, and their blend.
+"""Bounds of pressure in both chambers of a cylinder: two laws that guard one each, and their blend.
 
 Where no bound acts, flow and opening are those of the split. Near a bound of the supply chamber the flow is pushed to
 one that moves it away, and the opening makes up for it; near one of the return chamber it is the other way round. The
@@ -94,7 +94,7 @@ def acting_mode(acting: Guards) -> float:
 
 
 class Swept(NamedTuple):
-    """What the moving piston takes from the supply and gives to the return [m^3/s]."""
+    """Flow that the moving piston takes from the supply and gives to the return [m^3/s]."""
 
     supply: Flow
     returned: Flow
@@ -106,7 +106,7 @@ def swept_flows(direction: float, velocity: float, sides: Sides) -> Swept:
 
 
 class ModeEnds(NamedTuple):
-    """What modes 2 and 4 ask of the pump, and modes 3 and 5 of the return valve."""
+    """Demand of modes 2 and 4 on the pump, and of modes 3 and 5 on the return valve."""
 
     filling: Flow
     draining: Flow
@@ -156,7 +156,7 @@ def guarded_actuation(
 
 
 def supply_weight(acting: Guards) -> float:
-    """What the guards of the supply count for against those of the return [1]; 1 where none acts."""
+    """Weight of the guards of the supply against those of the return [1]; 1 where none acts."""
     supply, returned = maximum(acting.supply_low, acting.supply_high), maximum(acting.return_low, acting.return_high)
     both = supply + returned
     idle = both == 0.0

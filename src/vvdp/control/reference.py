@@ -1,4 +1,4 @@
-"""What a position should do: a raw command, smoothed so that its derivatives up to the jerk are known exactly.
+"""Reference of a position: a raw command, smoothed so that its derivatives up to the jerk are known exactly.
 
 The raw command is a `Signal`; steps, sines and tables are those of `base.signal`, `trapezoid` is made here.
 

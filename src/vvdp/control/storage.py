@@ -1,4 +1,4 @@
-"""What the controlled chamber stores, and what it may at most gain: passivity as an inequality between two samples.
+"""Storage of the controlled chamber, and its largest admissible gain: passivity between two samples.
 
 Source  ours, docs/models/passivity-control.md, where a function names no other.
 """
@@ -91,7 +91,7 @@ def storage_excess(before: StorageBalance, after: StorageBalance, interval: floa
 
 
 def estimation_storage(error: Array, covariance: Array) -> float:
-    """What an observer's error counts for in the Lyapunov function, x' P^-1 x [1].
+    """Weight of an observer's error in the Lyapunov function, x' P^-1 x [1].
 
     error       true state less its estimate
     covariance  P, as the observer believes it

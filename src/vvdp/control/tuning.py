@@ -1,4 +1,4 @@
-"""What is certain of gains: certificates of both pressure laws, limits of the sample period.
+"""Certificates of gains: of both pressure laws, and limits of the sample period.
 
 Source  ours, docs/models/passivity-control.md, where a function names no other.
 """
@@ -141,7 +141,7 @@ def sampled_radius(
 
 
 def sampling_warning(limits: SamplingLimits, period: float) -> str:
-    """What to say of a sample period [s]; empty where it is short enough."""
+    """The warning about a sample period [s]; empty where it is short enough."""
     if period <= limits.recommended:
         return ""
     loop = f"the pressure loop has a pole of {limits.pole:.0f} 1/s"

@@ -1,4 +1,4 @@
-"""What lowers the loss of a valve's transitions: each lever at its best in closed form, and simulated."""
+"""Levers that lower the loss of a valve's transitions: each at its best in closed form, and simulated."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -110,12 +110,12 @@ def levers(
 
 
 def valve_loss(q: Quantities) -> float:
-    """What valve, relief valve and the spool's motor lose, without compression [W]."""
+    """Losses of valve, relief valve and the spool's motor, without compression [W]."""
     return float(q.loss_full_open + q.loss_transition + q.loss_leakage + q.spool_drive_power)
 
 
 def limit_loss(q: Quantities) -> float:
-    """What is left of it with transitions that lose nothing [W]."""
+    """The part of them that remains with transitions that lose nothing [W]."""
     return float(q.loss_full_open + q.loss_leakage + q.spool_drive_power)
 
 

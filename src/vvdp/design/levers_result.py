@@ -105,7 +105,7 @@ def _residuals(found: Sequence[Pulled]) -> Array:
 
 
 def _values(each: Pulled) -> str:
-    """What the lever is at, in words."""
+    """The setting of the lever, in words."""
     words = [
         f"{VARIABLES[name].label} {with_unit(value, VARIABLES[name].kind, 3)}" for name, value in each.values.items()
     ]

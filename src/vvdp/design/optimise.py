@@ -140,7 +140,7 @@ def search_optima(
 
 
 class Search:
-    """What a search has found so far, whole numbers held at one choice after another."""
+    """State of a search so far, whole numbers held at one choice after another."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""What an optimisation is asked for: what to minimise, subject to what, within which bounds, at which points."""
+"""The task of an optimisation: what to minimise, subject to what, within which bounds, at which points."""
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -386,7 +386,7 @@ BOUND = "--bound"
 
 
 def _why_not(name: str, number: str, at: Setup) -> str:
-    """What speaks against a bound of a variable; empty where nothing does."""
+    """The objection to a bound of a variable; empty where there is none."""
     if name not in VARIABLES:
         other = "; it is a result, use --subject-to" if name in KINDS else nearest(name, list(VARIABLES))
         return f"unknown variable{other}"

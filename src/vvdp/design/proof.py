@@ -49,7 +49,7 @@ COUNTERPARTS: Mapping[str, str] = {
     "efficiency": "efficiency",
     "load_flow": "mean_load_flow_m3_s",
 }
-"""What a simulation gives for a quantity in closed form."""
+"""The simulated value of a quantity in closed form."""
 TOLERANCE = 0.1
 """By what part total loss and PWM frequency may differ between closed form and simulation before that is a doubt."""
 
@@ -117,7 +117,7 @@ def _proof(design: str, number: int, system: System, say: Callable[[str], None])
 
 
 def doubts(problem: Problem, values: Mapping[str, float]) -> list[str]:
-    """What puts the closed forms in doubt at the optimum, a sentence each; raises ConfigError where it cannot turn."""
+    """Doubts about the closed forms at the optimum, a sentence each; raises ConfigError where it cannot turn."""
     found: list[str] = []
     for point in problem.points:
         system = optimum_system(problem, values, point.system)
@@ -134,7 +134,7 @@ def doubts(problem: Problem, values: Mapping[str, float]) -> list[str]:
 
 
 def _unmade(problem: Problem, values: Mapping[str, float]) -> list[str]:
-    """What keeps the optimum from being built as a solid with the usual lengths of its shape."""
+    """The obstacle to building the optimum as a solid with the usual lengths of its shape."""
     try:
         system = optimum_system(problem, values)
         given_shape(rotary_bench(system, "design").valve, None, (), system.lengths)

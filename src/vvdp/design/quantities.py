@@ -1,4 +1,4 @@
-"""What a design is judged by: drops, speed, losses, size and ripple of a valve in closed form.
+"""Criteria of a design: drops, speed, losses, size and ripple of a valve in closed form.
 
 One text for floats, for arrays of designs and for CasADi symbols, so that gradients are exact.
 """
@@ -122,7 +122,7 @@ LABELS: Mapping[str, str] = {
     "nozzle_reynolds_number": "Reynolds number of the nozzles",
     "spool_friction_power": "viscous friction of the spool",
 }
-"""What a user calls each quantity."""
+"""Words of a user for each quantity."""
 
 
 def key(name: str, kind: Kind) -> str:
@@ -152,7 +152,7 @@ def setup(system: System) -> Setup:
 
 
 def switching_condition(at: Setup) -> Condition:
-    """What the valve of a setup switches against."""
+    """The conditions under which the valve of a setup switches."""
     return Condition(
         flow=at.flow,
         load_pressure=at.load_pressure,

@@ -153,7 +153,7 @@ def _parts(at: Setup, soft: Softening, count: int) -> list[_Part]:
 
 @dataclass(frozen=True)
 class _Circuit:
-    """What joins at the inlet: pump, both branches of the valve, relief valve, check valve and chamber."""
+    """The parts that join at the inlet: pump, both branches of the valve, relief valve, check valve and chamber."""
 
     at: Setup
     soft: Softening
@@ -199,7 +199,7 @@ class _Circuit:
         return _Instant(pressure, load, tank, float(load.flow) + passed, taken)
 
     def _branch(self, pressure: float, behind: float, opening: float) -> BranchFlow:
-        """What a branch passes; nothing where its port is closed."""
+        """Flow of a branch; none where its port is closed."""
         return throttled_flow(pressure, behind, opening, self.law) if opening > 0.0 else CLOSED
 
 

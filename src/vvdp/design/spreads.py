@@ -100,7 +100,7 @@ LABELS = {
 
 
 def usual_spreads(system: System) -> Iterator[Spread]:
-    """What scatters with parts and oil where the system file gives no range."""
+    """Scatter of parts and oil where the system file gives no range."""
     rows = {row.setting: row for row in system.rows}
     for setting in ("valve.radial_clearance", "oil.air_fraction", *USUAL):
         row = rows[setting]

@@ -1,4 +1,4 @@
-"""What the valve does from cold to hot oil, as a result: columns, checks, charts."""
+"""The valve from cold to hot oil, as a result: columns, checks, charts."""
 
 from collections.abc import Iterator
 

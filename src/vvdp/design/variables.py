@@ -1,4 +1,4 @@
-"""What a design may change, where it stands in a system, and what changes along with it."""
+"""Variables of a design, where they stand in a system, and what changes along with them."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Which edge of the wheel an observed edge was. The wheel is taken to turn forward only: numbers never fall.
+"""Number of an observed edge on the wheel. The wheel is taken to turn forward only: numbers never fall.
 
 Source  ours, docs/models/event-filter.md, where a function names no other.
 """

@@ -1,4 +1,4 @@
-"""What the observers of the spool's axial position have in common: what they see, believe and show, how they correct.
+"""Common parts of the observers of the spool's axial position: inputs, belief, outputs, correction.
 
 The leading states are those of the drive, position first; then come the coefficients of the periodic sensor error.
 Derived in docs/models/axial-observer.md.
@@ -75,7 +75,7 @@ NO_DUTY = DutySight(duty_ratio=np.nan, age=0.0, deviation=0.0)
 
 
 class AxialSeen(NamedTuple):
-    """What an observer sees at a sample.
+    """Inputs of an observer at a sample.
 
     `optical` is the sensor's reading, NaN where it is lost; `pressure` that of the chamber, absolute; `flow` goes into
     the axial chamber. `held` is 1 while the spool rests at its stop. `margin` is the observability margin.
@@ -92,7 +92,7 @@ class AxialSeen(NamedTuple):
 
 
 class AxialEstimate(NamedTuple):
-    """What is believed at a sample. Deviations are NaN where an observer does not know them.
+    """Estimate at a sample. Deviations are NaN where an observer does not know them.
 
     `pollution` is what the reading is believed to be off by. `innovation` and its deviation are 0 at samples without a
     reading. `lost`, `frozen` and `warned` are 1 where the sensor is silent, where the periodic sensor error is kept
@@ -306,7 +306,7 @@ def take_duty(draft: Draft, seen: AxialSeen, travelled: float, pollution: Pollut
 
 
 def estimate_of(draft: Draft, velocity: float, seen: AxialSeen, sight: OpticalSight) -> AxialEstimate:
-    """What is believed once all has been taken in; `velocity` [m/s]."""
+    """Estimate once all has been taken in; `velocity` [m/s]."""
     return AxialEstimate(
         position=draft.mean[0],
         velocity=velocity,

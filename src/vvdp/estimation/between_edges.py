@@ -1,4 +1,4 @@
-"""What the event-based Kalman filter believes at any time up to which no edge has come since the last one.
+"""Belief of the event-based Kalman filter at any time up to which no edge has come since the last one.
 
 Source  ours, docs/models/event-filter.md, where a function names no other.
 """
@@ -28,7 +28,7 @@ SUSPECTED = 6.0
 
 
 def believed_at(memory: EventFilterMemory, time: float, settings: EventFilter) -> Heard:
-    """What is believed at a `time` [s] up to which no edge has come since the last one."""
+    """Belief at a `time` [s] up to which no edge has come since the last one."""
     h, density = time - memory.time, memory.manoeuvre.density
     _, _, instant = bring_forward(memory, h, settings)
     heard = heard_plainly(instant)

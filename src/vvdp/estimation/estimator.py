@@ -1,4 +1,4 @@
-"""What every estimator has in common.
+"""Common parts of all estimators.
 
 An estimator is a pure step, `step(memory, reading, settings) -> (memory, estimate)`, taken at every sample. Between
 samples angle(t) = angle + speed (t - time of the sample) holds.
@@ -14,7 +14,7 @@ from vvdp.base.kinds import Angle, Count, Fraction, Speed
 
 
 class Estimate(NamedTuple):
-    """What is believed at a sample. Deviations are NaN where an estimator does not know them.
+    """Estimate at a sample. Deviations are NaN where an estimator does not know them.
 
     `innovation` is by how much the edge of this sample differed from what was expected, `innovation_deviation` by how
     much it was expected to differ; both are 0 at samples without an edge that was used. `missed_edges` counts the

@@ -1,4 +1,4 @@
-"""What the event-based Kalman filter carries from sample to sample.
+"""Memory of the event-based Kalman filter from sample to sample.
 
 Source  ours, docs/models/event-filter.md, where a function names no other.
 """
@@ -50,7 +50,7 @@ class Manoeuvre(NamedTuple):
 
 
 class EventFilterMemory(NamedTuple):
-    """What the filter carries from sample to sample: its belief at `time`, and what it knows of edges and index.
+    """Memory of the filter from sample to sample: its belief at `time`, and what it knows of edges and index.
 
     The belief is about the mean course; `ripple` is what the ports add to it. `time` differs from that of the last edge
     where another sensor shows the angle between edges. `slip` is the variance of the angle that no later edge can show:

@@ -1,4 +1,4 @@
-"""What the event-based Kalman filter expects of an edge before it takes it in.
+"""Expectation of the event-based Kalman filter of an edge before it takes it in.
 
 Source  ours, docs/models/event-filter.md, where a function names no other.
 """

@@ -229,7 +229,7 @@ def _turns(memory: FusionMemory, time: float, settings: Fusion) -> bool:
 
 
 def _hear(memory: FusionMemory, time: float, settings: Fusion) -> Heard:
-    """What is believed at `time` [s]."""
+    """Belief at `time` [s]."""
     last = memory.filter
     if _turns(memory, time, settings):
         return heard_plainly(predict(last.belief, time - last.time, last.manoeuvre.density))

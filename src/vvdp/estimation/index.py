@@ -1,4 +1,4 @@
-"""Which edge of the wheel is which, given by the index: one sector wider, one narrower than the others.
+"""Number of each edge of the wheel, given by the index: one sector wider, one narrower than the others.
 
 Over the last turn of edges a straight line, theta = omega t + b, is fitted for each way in which the wheel could be
 turned; the one with the least sum of squares fits the widths of the sectors. Times are kept by the number of the edge

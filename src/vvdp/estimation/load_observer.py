@@ -35,7 +35,7 @@ class LoadObserver(Params):
 
 
 class LoadMemory(NamedTuple):
-    """What the observer carries: its belief, the load that it shows, and the force of the oil at the last sample."""
+    """Memory of the observer: its belief, the load that it shows, and the force of the oil at the last sample."""
 
     position: Position
     velocity: Velocity

@@ -1,4 +1,4 @@
-"""What it says that no edge has come: the belief between two edges, and whether the wheel stands still.
+"""Information in the absence of edges: the belief between two edges, and whether the wheel stands still.
 
 The wheel turns forward only, so that the silence up to now says the same as the angle now: that it lies before the
 next edge, unless edges were missed. Derived in docs/models/event-filter.md, "Silence".

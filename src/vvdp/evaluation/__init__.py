@@ -1,1 +1,1 @@
-"""What the run of a system gives: numbers with their kinds, validity, ranges, closed forms, and the test rig."""
+"""Evaluation of a run of a system: numbers with their kinds, validity, ranges, closed forms, and the test rig."""

@@ -1,4 +1,4 @@
-"""What a test rig of the rotary valve brings along beyond other systems, and what verbs about it ask for."""
+"""Additions of a test rig of the rotary valve to other systems, and values that verbs about it need."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
@@ -42,7 +42,7 @@ SOFTENING = ("bypass", "mouth")
 
 @dataclass(frozen=True)
 class BenchSeries:
-    """What a bench does over time, each of shape (rows,): pressures absolute [Pa], flows [tank volumes, m^3/s].
+    """Quantities of a bench over time, each of shape (rows,): pressures absolute [Pa], flows [tank volumes, m^3/s].
 
     `load_flow` and `tank_flow` go through the ports of the valve; its leakage goes from the load to the tank.
     `through_load` is nan where a source is the load, `delivered_volume` what has come from the valve [m^3].
@@ -116,7 +116,7 @@ class RotaryBench(Extras):
 
     @property
     def reference(self) -> float:
-        """What gauge pressures count from [Pa]."""
+        """Zero of gauge pressures [Pa]."""
         return self.oil.reference_pressure
 
     @property
@@ -243,7 +243,7 @@ class RotaryBench(Extras):
         return replace(case, params=params, state=case.state._replace(load_line=pressure))
 
     def series(self, state: Callable[[str], Array], output: Callable[[str], Array]) -> BenchSeries:
-        """What a recorded run shows; `state` and `output` give a series by its path."""
+        """Quantities of a recorded run; `state` and `output` give a series by its path."""
         leakage = output("valve_leakage")
         return BenchSeries(
             inlet_pressure=state("inlet"),
@@ -262,7 +262,7 @@ class RotaryBench(Extras):
         )
 
     def run_series(self, run: Run) -> BenchSeries:
-        """What a run in memory shows."""
+        """Quantities of a run in memory."""
         columns = {path: run.states[:, i] for i, (path, _, _) in enumerate(leaves(run.case.state))}
         outputs = run.outputs
         return self.series(columns.__getitem__, lambda name: np.asarray(getattr(outputs, name), float))
@@ -353,12 +353,12 @@ class RotaryBench(Extras):
         return bench_bounds(self.values, found)
 
     def warnings(self, found: Mapping[str, float]) -> Iterator[str]:
-        """What is to be known before the numbers of a bench, in sentences."""
+        """Warnings to read before the numbers of a bench, in sentences."""
         yield from bench_warnings(self.values, found, self.closed_form_limits(found))
         yield from self.programs.warnings(found)
 
     def merits(self, found: Mapping[str, float]) -> Iterator[str]:
-        """What the numbers of its programs show to be right."""
+        """Merits that the numbers of its programs show."""
         return self.programs.merits(found)
 
     def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:
@@ -384,7 +384,7 @@ def _hold_table(table: Any) -> Any:
 
 
 def _beside(spent: Any) -> float:
-    """What the components of soft switching lose [W]; nothing without them."""
+    """Losses of the components of soft switching [W]; none without them."""
     return float(sum(getattr(spent, name, 0.0) for name in SOFTENING))
 
 

@@ -68,7 +68,7 @@ QUANTITIES: dict[str, tuple[Kind, str]] = {
     "analytic_loss_total_W": (MEAN_POWER, "losses, analytic"),
     "analytic_load_flow_m3_s": (FLOW, "flow to the load, analytic"),
 }
-"""What a bench adds to a summary."""
+"""Lines that a bench adds to a summary."""
 
 OVERVIEW: tuple[Line, ...] = (
     Line("PWM frequency", ("pwm_frequency_Hz",), FREQUENCY, ("analytic_pwm_frequency_Hz",), "Valve"),

@@ -48,7 +48,7 @@ HEAT_CONDUCTION = 0.13
 
 
 class ValveReading(NamedTuple):
-    """What the laws of a rotary valve were used at in a run.
+    """Arguments at which a run used the laws of a rotary valve.
 
     temperature     of the oil at the start [K]
     flow            mean, that comes to it [m^3/s]
@@ -197,7 +197,7 @@ def _bound(label: str, value: float, otherwise: str, **ends: Any) -> Bound:
 
 
 def switching_limits(bench: BenchValues, found: Mapping[str, float]) -> Iterator[str]:
-    """What of switching, pump and air in a run no quasi-steady average knows, a sentence each."""
+    """Effects of switching, pump and air in a run that no quasi-steady average contains, a sentence each."""
     if found["averaged_periods"] < 1:
         yield "the valve does not switch"
     elif (share := filling_share(bench, found)) > FILLING:
@@ -242,7 +242,7 @@ def filling_share(bench: BenchValues, found: Mapping[str, float]) -> float:
 
 
 def bench_warnings(bench: BenchValues, found: Mapping[str, float], limits: Iterable[str]) -> Iterator[str]:
-    """What is to be known before the numbers of a bench, in sentences: what they leave out, what the motor takes.
+    """Warnings to read before the numbers of a bench, in sentences: what they leave out, what the motor takes.
 
     limits  why the closed forms do not describe the run, a sentence each
     """

@@ -1,4 +1,4 @@
-"""What the checks of a test rig of the rotary valve read of it."""
+"""Values of a test rig of the rotary valve that its checks read."""
 
 from dataclasses import dataclass
 

@@ -3,6 +3,7 @@
 Source  ours, docs/models/axial-control.md
 """
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -11,7 +12,7 @@ from vvdp.base.kinds import DURATION, POSITION
 from vvdp.base.signal import Signal
 from vvdp.network.network import Network
 from vvdp.network.nodes import Source
-from vvdp.programs.arithmetic import product_step
+from vvdp.programs.arithmetic import product_step, table_step
 from vvdp.programs.axial_loop import HOME, LEARN, AxialSequence, Stage
 from vvdp.programs.chamber_laws import ChamberLaw
 from vvdp.programs.chamber_loop import ChamberLoop
@@ -74,8 +75,9 @@ def reach_bounds(system: LoadedSystem) -> Iterator[Bound]:
     for name, program in network.programs.items():
         loop: Any = getattr(program.settings, "loop", program.settings)
         wanted = loop.wanted if isinstance(loop, ChamberLoop) else program.reads.get("reference")
-        if wanted is None or (asked := highest_asked(network, wanted)) is None:
+        if wanted is None or (ends := range_asked(network, wanted)) is None:
             continue
+        asked = ends[1]
         limits = {}
         if isinstance(loop, ChamberLoop | ChamberLaw):
             words = "the pilot supply does not hold the spool there against the spring"
@@ -93,18 +95,23 @@ def reach_bounds(system: LoadedSystem) -> Iterator[Bound]:
             )
 
 
-def highest_asked(network: Network, source: Source) -> float | None:
-    """The highest value that a reference follows; None where more than signals and products of them make it."""
+def range_asked(network: Network, source: Source) -> tuple[float, float] | None:
+    """The lowest and highest value of a reference; None unless it consists of signals and products of them, which may
+    pass through filters. A factor may have either sign, so each end of a product is that of a pair of ends.
+    """
     if isinstance(source, Signal):
-        return source.extremes[1]
+        return source.extremes
     program = origin(network, source)[0]
-    if program is None:
+    if program is None or program.type.step is table_step:
         return None
     followed = [program.reads["reads"]] if "reads" in program.reads else [*program.reads.values()]
     if len(followed) > 1 and program.type.step is not product_step:
         return None
-    highest = [highest_asked(network, each) for each in followed]
-    return None if None in highest else math.prod(each for each in highest if each is not None)
+    ranges = [found for each in followed if (found := range_asked(network, each)) is not None]
+    if not ranges or len(ranges) < len(followed):
+        return None
+    ends = [math.prod(pair) for pair in itertools.product(*ranges)]
+    return min(ends), max(ends)
 
 
 def patience(sequence: AxialSequence) -> float:

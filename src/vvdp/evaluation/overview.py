@@ -19,9 +19,12 @@ from vvdp.systems.plausibility import idle_orifices
 from vvdp.systems.spool_travel import travel_warnings
 from vvdp.systems.system import System
 
+COMPLETE = "draw all of it, or remove the line circuit"
+"""Remedy where a file draws another circuit than it names."""
+
 
 class NodeLine(NamedTuple):
-    """What a summary says of a node: mean, lowest and highest of a quantity [SI; gauge]."""
+    """A line of a summary about a node: mean, lowest and highest of a quantity [SI; gauge]."""
 
     name: str
     quantity: str
@@ -42,7 +45,7 @@ class FlowLine(NamedTuple):
 
 
 class LossLine(NamedTuple):
-    """What a component dissipates [W], whole and by its parts."""
+    """Loss of a component [W], whole and by its parts."""
 
     component: str
     loss: float
@@ -96,7 +99,7 @@ def flow_ports(part: Part) -> dict[str, str]:
 
 
 def loss_lines(system: System, found: Mapping[str, float | bool]) -> Iterator[LossLine]:
-    """What the components dissipate."""
+    """Losses of the components."""
     network = system.circuit.network
     hidden = inside(network)
     for part in network.parts.values():
@@ -110,7 +113,7 @@ def loss_lines(system: System, found: Mapping[str, float | bool]) -> Iterator[Lo
 
 
 def circuit_loss_lines(system: System, found: Mapping[str, float | bool]) -> Iterator[LossLine]:
-    """What each part that is a circuit of its own dissipates, whole and by what is in it."""
+    """Losses of each part that is a circuit of its own, whole and by what is in it."""
     lines = tuple(loss_lines(system, found))
     for name, circuit in system.circuit.network.circuits.items():
         inner = (line for line in lines if line.component in circuit.names)
@@ -119,7 +122,7 @@ def circuit_loss_lines(system: System, found: Mapping[str, float | bool]) -> Ite
 
 
 def circuit_power_lines(system: System, found: Mapping[str, float | bool]) -> Iterator[tuple[str, float]]:
-    """What nodes and components in each part that is a circuit of its own give from outside [W], where some do."""
+    """Powers from outside [W] into each part that is a circuit of its own, where there are any."""
     powers = dict(power_lines(system, found))
     for name, circuit in system.circuit.network.circuits.items():
         if inner := [power for source, power in powers.items() if source in circuit.names]:
@@ -127,7 +130,7 @@ def circuit_power_lines(system: System, found: Mapping[str, float | bool]) -> It
 
 
 def power_lines(system: System, found: Mapping[str, float | bool]) -> Iterator[tuple[str, float]]:
-    """What nodes and components give from outside [W]: positive into the circuit."""
+    """Powers from outside [W] through nodes and components: positive into the circuit."""
     network = system.circuit.network
     for name in (*network.nodes, *network.parts):
         if f"power_{name}_W" in found:
@@ -135,7 +138,7 @@ def power_lines(system: System, found: Mapping[str, float | bool]) -> Iterator[t
 
 
 def warnings(system: System, found: Mapping[str, float | bool]) -> Iterator[str]:
-    """What a user has to know before the numbers of a summary, each in one line; the gravest first."""
+    """Warnings to read before the numbers of a summary, each in one line; the gravest first."""
     if "second_law" in found:
         yield from _impossible(system, found)
     if not found["finished"]:
@@ -151,6 +154,8 @@ def warnings(system: System, found: Mapping[str, float | bool]) -> Iterator[str]
             f"above the atmosphere's {ATMOSPHERE / 1e5:.5g} bar"
         )
     yield from travel_warnings(system)
+    if other := other_drawing(system):
+        yield f"{other}; {COMPLETE}"
     if not found["settled"] and expects_steady_state(system, found):
         yield (
             f"not settled: a mean would still change by more than {percent(SETTLED)} if the run went on; let it last "
@@ -162,8 +167,15 @@ def warnings(system: System, found: Mapping[str, float | bool]) -> Iterator[str]
         yield from system.extras.warnings(found)
 
 
+def other_drawing(system: System) -> str:
+    """The sentence that a file names a circuit and draws another one; empty if it does not."""
+    named = system.content.get("circuit")
+    words = f"the file names the circuit {named!r} and draws another one; its numbers and figures are left out"
+    return system.lacking and f"{words}: {system.lacking}"
+
+
 def overloaded_drives(system: System, found: Mapping[str, float | bool]) -> Iterator[str]:
-    """Which driven shafts take more power on average than their drive is rated for."""
+    """A sentence for each driven shaft whose mean power exceeds the rated power of its drive."""
     for name, node in system.circuit.network.nodes.items():
         if isinstance(node, DrivenShaft) and found.get(f"power_{name}_W", 0.0) > node.rated_power:
             taken, rated = (with_unit(power, MEAN_POWER) for power in (found[f"power_{name}_W"], node.rated_power))
@@ -171,7 +183,7 @@ def overloaded_drives(system: System, found: Mapping[str, float | bool]) -> Iter
 
 
 def _impossible(system: System, found: Mapping[str, float | bool]) -> Iterator[str]:
-    """What in a run cannot be: balances that do not close, losses that give energy back."""
+    """Impossible results of a run: balances that do not close, losses that give energy back."""
     if not is_closed(found):
         yield "the balances do not close: a residual is above the limit; try a tenth of run.relative_tolerance"
     if not found["second_law"]:
@@ -179,7 +191,7 @@ def _impossible(system: System, found: Mapping[str, float | bool]) -> Iterator[s
 
 
 def impossible_part(system: System, found: Mapping[str, float | bool]) -> str:
-    """What breaks the second law in a run, in words: the losses that give energy back, as far as means show them."""
+    """The losses of a run that break the second law by giving energy back, in words, as far as means show them."""
     names = [
         (f"loss_{part.name}_{loss}_W" if loss else f"loss_{part.name}_W", kind)
         for part in system.circuit.network.parts.values()
@@ -199,5 +211,5 @@ def expects_steady_state(system: System, found: Mapping[str, float | bool]) -> b
 
 
 def period(system: System) -> str:
-    """What passes between two marks of a run."""
+    """The word for the interval between two marks of a run."""
     return "period" if system.extras is None else system.extras.PERIOD

@@ -1,4 +1,4 @@
-"""What the keys of a summary mean: the kind of each and what a user calls it, by the names of the circuit."""
+"""Meaning of the keys of a summary: the kind of each and a user's words for it, by the names of the circuit."""
 
 from collections.abc import Iterator, Mapping
 

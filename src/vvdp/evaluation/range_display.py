@@ -1,4 +1,4 @@
-"""What results rest on, as a table and a picture: a bar for each value that has a range, the longest first."""
+"""Effect of uncertain values, as a table and a picture: a bar for each value that has a range, the longest first."""
 
 import re
 import textwrap
@@ -122,7 +122,7 @@ def _left_out(ranges: Ranges) -> str:
 
 
 def value_words(row: Sourced) -> str:
-    """What a user calls a value: its key, and the table that it stands in."""
+    """A user's words for a value: its key, and the table that it stands in."""
     name = re.sub(r"^(viscosity)_(\d+)$", r"\1 at \2 °C", row.key)
     return f"{name} of the {row.table.rpartition('.')[2]}".replace("_", " ")
 

@@ -57,7 +57,7 @@ def unit_on_rig(system: System, verb: str, part: str = "") -> System:
 
 
 class _File(NamedTuple):
-    """What the file of a circuit says of its oil, nodes and components, each value with its full path."""
+    """Values of oil, nodes and components in the file of a circuit, each with its full path."""
 
     system: System
     content: Entries
@@ -84,7 +84,7 @@ class _File(NamedTuple):
 
 
 class _Rig:
-    """What the text of a rig is made of: a unit, and the circuit that it is taken from."""
+    """Sources of the text of a rig: a unit, and the circuit that it is taken from."""
 
     def __init__(self, system: System, placed: PlacedValve, unit: ValveUnit) -> None:
         full = with_full_paths(system.table, []).table.content
@@ -166,7 +166,7 @@ def _operation(rig: _Rig) -> Entries:
 
 
 def _coupling(rig: _Rig) -> Entries:
-    """What joins the spool to its motor where the circuit has no drive with a coupling."""
+    """Coupling of the spool to its motor where the circuit has no drive with one."""
     if isinstance(rig.network.nodes[rig.nodes["spool"]], DrivenShaft):
         return _value(STIFF_COUPLING, COUPLING, "holds the spool at the speed of its shaft", "assumed")
     return _value(0.0, COUPLING, "the flow alone turns the spool")

@@ -1,4 +1,4 @@
-"""What a rotary valve adds to the numbers of any circuit that a file draws: frequency, opening, cavitation, losses."""
+"""Numbers that a rotary valve adds to those of any drawn circuit: frequency, opening, cavitation, losses."""
 
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
@@ -91,7 +91,7 @@ def unit_loss(network: Network, valve: PlacedValve, found: Mapping[str, float | 
 
 
 def valve_reading(system: LoadedSystem, valve: PlacedValve, found: Mapping[str, float | bool]) -> ValveReading:
-    """What the laws of a rotary valve were used at in a run."""
+    """Arguments at which a run used the laws of a rotary valve."""
     network, nodes = system.circuit.network, valve.part.nodes
     inlet = network.nodes[nodes["inlet"]]
     assert isinstance(inlet, HydraulicNode)

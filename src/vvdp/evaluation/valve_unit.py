@@ -50,7 +50,7 @@ class ValveUnit:
 
     @property
     def nominal_flow(self) -> float:
-        """What the pump displaces [m^3/s]."""
+        """Flow that the pump displaces [m^3/s]."""
         return self.pump.displacement * self.pump_speed
 
     def set_point(self, load_pressure: float) -> SetPoint:
@@ -72,14 +72,14 @@ class ValveUnit:
         return operating_point(self.set_point(load_pressure), self.inlet_volume, self.oil, self.valve)
 
     def delivered_flow(self, load_pressure: float) -> float:
-        """What the pump delivers at its mean pressure [m^3/s]; `load_pressure` [Pa, absolute]."""
+        """Flow that the pump delivers at its mean pressure [m^3/s]; `load_pressure` [Pa, absolute]."""
         point = self.set_point(load_pressure)
         if point.flow <= 0.0 or point.pump_leakage == 0.0:
             return point.flow
         return point.flow - quasi_steady_mean(point.duty_ratio, point.condition(self.oil), self.valve).pump_leakage_flow
 
     def average_limits(self) -> Iterator[str]:
-        """What of the relief valve and of soft switching no quasi-steady average knows, a sentence each."""
+        """Effects of the relief valve and of soft switching that no quasi-steady average contains, a sentence each."""
         relief = self.relief_valve
         if relief.opening_time > 0.0:
             lag = with_unit(relief.opening_time, TIME)
@@ -169,7 +169,7 @@ def start_numbers(system: LoadedSystem) -> Mapping[str, float]:
 
 
 def at_start(source: Source, known: Mapping[str, float]) -> float:
-    """What a source gives at the start; 0 where that is the output of a component."""
+    """The value of a source at the start; 0 where that is the output of a component."""
     if isinstance(source, Signal):
         return float(signal_value(0.0, source))
     if isinstance(source, Connection):

@@ -1,1 +1,1 @@
-"""What vvdp holds, in the forms that other programs read."""
+"""Export of systems in the forms that other programs read."""

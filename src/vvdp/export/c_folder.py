@@ -193,7 +193,7 @@ def sampled_values(
 
 
 def facts(part: CPart, files: Mapping[str, str], samples: int) -> dict[str, Any]:
-    """What was exported, as the command line prints it."""
+    """Summary of an export, as the command line prints it."""
     blocks, size = part.blocks.values(), part.precision.size
     return {
         "verb": "export c",

@@ -33,7 +33,7 @@ STATUS = (
     "DONE", "PAUSED", "MARKS_FULL", "NOT_FINITE", "STEP_TOO_SMALL", "STOP_BEHIND", "TOO_MANY_WAITING", "RESTLESS",
     "BELOW_ZERO",
 )  # fmt: skip
-"""What the loop answers, by number."""
+"""Answers of the loop, by number."""
 OFTEN = ("rates", "explicit_step")
 """What takes most of the time of a run."""
 LAST_MARKS = 2
@@ -73,7 +73,7 @@ class CMachine:
 
     @property
     def hash(self) -> str:
-        """What distinguishes this text from any other."""
+        """The identity of this text."""
         return hashlib.sha256((self.core.header + self.core.source).encode()).hexdigest()[:16]
 
     @property
@@ -96,7 +96,7 @@ class CMachine:
 
     @cached_property
     def content(self) -> dict[str, Array]:
-        """What a machine keeps, by the names of its members, as it is at the start."""
+        """Content of a machine at the start, by the names of its members."""
         found = dict(zip(("state", "command", "memory"), self.begun, strict=False))
         found |= {"parameters": self.tables.vectors.params}
         found |= {name: getattr(self.begun, name) for name in ("agenda", "waiting", "clock", "course")}

@@ -70,7 +70,7 @@ def machine_files(machine: CMachine, samples: int, say: Callable[[str], None] = 
 
 
 def facts(machine: CMachine, files: dict[str, str], samples: int) -> dict[str, Any]:
-    """What was exported, as the command line prints it."""
+    """Summary of an export, as the command line prints it."""
     return {
         "verb": "export c",
         "system": machine.system.name,
@@ -280,7 +280,7 @@ ABOUT = {
 
 
 def readme_text(machine: CMachine, expected: Expected) -> str:
-    """What the folder holds, what to call, what it needs, and what was verified."""
+    """README of the folder: its content, what to call, what it needs, and what was verified."""
     rows = "".join(f"| `{name}` | {ABOUT[name]} | {each.size} |\n" for name, each in machine.content.items())
     answers = [f"{number} ({word.lower().replace('_', ' ')})" for number, word in enumerate(STATUS) if number > 1]
     return README.format(

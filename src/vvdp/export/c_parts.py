@@ -1,4 +1,4 @@
-"""What of a system is exported as C: its circuit, or the step of one of its programs, as functions of flat vectors."""
+"""Part of a system that is exported as C: its circuit, or the step of one of its programs."""
 
 import hashlib
 import itertools
@@ -213,7 +213,7 @@ def function_of(entry: Entry) -> FunctionType:
 
 
 class _Forms(dict[Any, Any]):
-    """What stands for a function in compiled code: its module's `<name>_compiled`, where there is one."""
+    """The function that replaces another in compiled code: its module's `<name>_compiled`, where there is one."""
 
     def get(self, function: Any, default: Any = None) -> Any:
         form = compiled_form(function) if isinstance(function, FunctionType) else None
@@ -248,7 +248,7 @@ def drawn_values(model: Model, case: Case, name: str | None, times: Sequence[flo
 
 
 def _reading(model: Model, case: Case, name: str, t: float, y: Array) -> Array:
-    """What a program measures at a state."""
+    """Measured values of a program at a state."""
     state = as_value(case.state, y)
     outputs = model.circuit(t, state, case.command, case.params)[1]
     return flat(model.programs[name].measure(t, state, outputs, case.params))

@@ -1,4 +1,4 @@
-"""Which steps may be exported in single precision, and their text in it.
+"""Steps that may be exported in single precision, and their text in it.
 
 A float has 24 digits of two: it resolves the time since the beginning to 2.4e-4 s after an hour, and an angle of a
 thousand revolutions to 4.9e-4 rad. A step that works with such numbers is refused. Allowed are steps that state that no
@@ -64,5 +64,5 @@ def numbers_of(value: Any) -> Iterator[tuple[str, float]]:
 
 
 def refusal(part: str, reason: str) -> ConfigError:
-    """What is raised where a part cannot be exported in single precision."""
+    """The error of a part that cannot be exported in single precision."""
     return ConfigError([Fault("--precision", 0, "single", f"{part}: {reason}")])

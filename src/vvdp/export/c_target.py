@@ -88,7 +88,7 @@ pil_{core.name}: {core.name}.elf
 
 
 class Load(NamedTuple):
-    """What a step takes on a processor: code and stack [bytes], instructions per sample, and the sample with most."""
+    """Needs of a step on a processor: code and stack [bytes], instructions per sample, and the sample with most."""
 
     core: str
     code: int
@@ -112,7 +112,7 @@ def missing_tools() -> list[str]:
 
 
 def counted_loads(files: Mapping[str, str]) -> list[Load]:
-    """What the step of an exported folder takes on each processor, by its goal `pil`.
+    """Needs of the step of an exported folder on each processor, by its goal `pil`.
 
     Raises RunError where this goal fails.
     """

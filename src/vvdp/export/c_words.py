@@ -124,7 +124,7 @@ def process_text(name: str, entry: Entry) -> str:
 
 
 def makefile_text(name: str, flags: Sequence[str], more: str = "") -> str:
-    """What builds and tests the folder; the flags are part of the text.
+    """The Makefile that builds and tests the folder; the flags are part of the text.
 
     more  further goals (`target_goal`, `loop_goal`)
     """
@@ -241,7 +241,7 @@ value.
 
 
 def readme_text(part: CPart, samples: int, version: str) -> str:
-    """What the folder holds, what to call at which times, what it needs, and what was verified."""
+    """README of the folder: its content, what to call at which times, what it needs, and what was verified."""
     size = part.precision.size
     rows = "".join(
         f"| `{part.name}_{block.name}` | {block.about} | {block.size} | {size * block.size} |\n"

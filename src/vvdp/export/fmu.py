@@ -20,7 +20,7 @@ from vvdp.export.fmu_units import unit_name
 from vvdp.programs.foreign.platforms import Platform, this_platform
 
 KINDS = {"cs": (CS,), "me": (ME,), "both": (ME, CS)}
-"""What can be exported: co-simulation with the loop of vvdp, model exchange for the integrator of a host, or both."""
+"""Kinds of FMU: co-simulation with the loop of vvdp, model exchange for the integrator of a host, or both."""
 WHEN = (1980, 1, 1, 0, 0, 0)
 """The time of each entry: the same text gives the same file."""
 
@@ -38,7 +38,7 @@ class Fmu:
 
     @property
     def facts(self) -> dict[str, Any]:
-        """What the command line prints."""
+        """Summary of an export, as the command line prints it."""
         model, machine = self.model, self.model.machine
         binaries = {name: each for name, each in self.entries.items() if name.startswith("binaries/")}
         return {
@@ -113,7 +113,7 @@ def fmu(
 
 
 def _hash_of(model: FmuModel, fmi: int) -> str:
-    """What distinguishes an FMU from any other: its version, text and variables; numbers of the system included."""
+    """The identity of an FMU: its version, text and variables; numbers of the system included."""
     texts = source_files(model, fmi, "")
     names = [each.name for each in model.variables]
     words = "\n".join([version("vvdp"), *texts.values(), *names])

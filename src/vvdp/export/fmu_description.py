@@ -51,7 +51,7 @@ def description(model: FmuModel, fmi: int, token: str, sources: Sequence[str], k
 
 
 def _kind_lines(kind: str, model: FmuModel, fmi: int, sources: Sequence[str]) -> list[str]:
-    """What a kind of FMU can do."""
+    """Capabilities of a kind of FMU."""
     states = "FMUState" if fmi == 3 else "FMUstate"
     able = {"modelIdentifier": fmu_name(model), f"canGetAndSet{states}": "true", f"canSerialize{states}": "true"}
     if kind == CS:

@@ -1,4 +1,4 @@
-"""What an FMU holds for people and tools besides its description: terminals, its icon, and a reference result."""
+"""Files of an FMU for people and tools besides its description: terminals, its icon, and a reference result."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What of a system an FMU shows: inputs, parameters that are free, outputs, and what is fixed with the reason."""
+"""Variables of a system in an FMU: inputs, parameters that are free, outputs, and what is fixed with the reason."""
 
 import re
 from collections.abc import Iterable, Iterator, Sequence, Set

@@ -27,14 +27,14 @@ Valued = dict[str, Coefficient]
 
 @dataclass(frozen=True)
 class Drops:
-    """What a table says of a drop [SI]; one diameter for all where the table has none."""
+    """Measured drops from a table [SI]; one diameter for all where the table has none."""
 
     flow: Array
     drop: Array
     diameter: Array | None
 
     def columns(self) -> list[Array]:
-        """What the logarithm of the drop is a sum of: 1, log Q and -log D."""
+        """Summands of the logarithm of the drop: 1, log Q and -log D."""
         return power_columns(self.flow) + ([-np.log(self.diameter)] if self.diameter is not None else [])
 
 

@@ -1,4 +1,4 @@
-"""What a fit to a table comes to: coefficients with their intervals, points, curves, and the valve's own values."""
+"""Result of a fit to a table: coefficients with their intervals, points, curves, and the valve's own values."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -16,7 +16,7 @@ from vvdp.valve.rotary import RotaryValve
 
 
 class Taker(Protocol):
-    """What takes the fitted values: a valve or a component of a system, or a restriction without one."""
+    """Receiver of the fitted values: a valve or a component of a system, or a restriction without one."""
 
     @property
     def name(self) -> str:
@@ -24,7 +24,7 @@ class Taker(Protocol):
 
     @property
     def conditions(self) -> dict[str, str]:
-        """What the fit rests on, as text."""
+        """The basis of the fit, as text."""
 
     def present(self, key: str) -> float:
         """The value that a fitted one takes the place of; nan without one."""

@@ -27,7 +27,7 @@ COLUMNS = {
 
 
 class Leaks(NamedTuple):
-    """What a table says of a leakage [SI], at the viscosity of the operating point."""
+    """Measured leakages from a table [SI], at the viscosity of the operating point."""
 
     drop: Array
     flow: Array

@@ -28,7 +28,7 @@ CD, K = "discharge_coefficient", "flow_coefficient"
 USUAL_TEMPERATURE = 313.15
 """Of the usual oil, if the oil that was measured is not stated [K]."""
 KEYS = {CD: CD, K: "conductance"}
-"""What is fitted, and the key of a component that takes it."""
+"""The fitted quantity, and the key of a component that takes it."""
 
 
 class Restriction(NamedTuple):
@@ -44,7 +44,7 @@ class Restriction(NamedTuple):
 
     @property
     def conditions(self) -> dict[str, str]:
-        """What the fit rests on, as text."""
+        """The basis of the fit, as text."""
         area = {"area": with_unit(self.area, AREA)} if self.area else {}
         return {"density": with_unit(self.density, DENSITY), **area}
 
@@ -59,7 +59,7 @@ class Restriction(NamedTuple):
 
 
 def restriction_of(network: Network, system: str, part: str, table: str) -> Restriction:
-    """What a component of a circuit has, in a `table` of its file.
+    """The values of a component of a circuit, in a `table` of its file.
 
     Raises ParameterError if it is neither an orifice nor has a `conductance`.
     """

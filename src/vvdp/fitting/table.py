@@ -24,7 +24,7 @@ MOST_FAULTS = 10
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a column may hold: its kind, whether it can be missing, and the words that stand for numbers, if any.
+    """Definition of a column: its kind, whether it can be missing, and the words that stand for numbers, if any.
 
     Values are above 0, or of `words` alone. `also` are further headings, in capitals or not.
     """

@@ -28,7 +28,7 @@ NODES, WEIGHTS = (tuple(map(float, 0.5 * column)) for column in np.polynomial.le
 
 
 class FluidState(NamedTuple):
-    """What a passage or a chamber needs to know of the fluid at one absolute pressure."""
+    """Properties of the fluid at one absolute pressure, as a passage or a chamber needs them."""
 
     pressure: Pressure
     volume_ratio: Ratio

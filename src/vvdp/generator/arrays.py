@@ -118,7 +118,7 @@ def elementwise(body: Body, function: Callable[..., Any], *values: Any) -> Any:
 
 
 def _trial(body: Body, function: Callable[..., Any], values: list[Any]) -> Any:
-    """What `function` gives for such values; nothing of it is kept."""
+    """The value of `function` for such values; nothing of it is kept."""
     with body.within([]):
         return function(*(tree.Read(body.variable("x", v.kind)) if isinstance(v, tree.Constant) else v for v in values))
 

@@ -216,7 +216,7 @@ def field_of(value: tree.Expression) -> tree.Field | None:
 
 
 def argument(text: Text, value: tree.Expression, kind: Kind, *, changes: bool) -> list[str]:
-    """What is handed over for an argument. The address of an array that a record holds, and which changes, has a name.
+    """The text of an argument in a call. The address of an array that a record holds, and which changes, has a name.
 
     The record is constant, its array is not: without the name, checkers take the array for constant (MISRA rule 11.8).
     """

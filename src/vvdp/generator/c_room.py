@@ -34,7 +34,7 @@ def room_of(module: tree.Module) -> dict[str, Amount | None]:
 
 
 def _room_taken(module: tree.Module, *, of_wholes: bool) -> dict[str, _Taken]:
-    """What each function takes. One whose result has no arrays gives all back at its end."""
+    """The room that each function takes. One whose result has no arrays gives all back at its end."""
     found = dict[str, _Taken]()
     for function in module.functions:
         own = _of_block(_Frame(function, found, of_wholes), function.body, hoisted=True)
@@ -52,7 +52,7 @@ class _Frame(NamedTuple):
 
 
 def _of_block(frame: _Frame, block: tree.Block, *, hoisted: bool) -> _Taken:
-    """What statements take one after the other. A loop whose rounds carry arrays on takes what is not known."""
+    """The room that successive statements take. A loop whose rounds carry arrays on takes what is not known."""
     most = taken = 0.0
     left = -math.inf
     for each in block:
@@ -81,7 +81,7 @@ def _join_room(statement: tree.Statement, inner: Sequence[_Taken]) -> _Taken:
 
 
 def _of_value(frame: _Frame, statement: tree.Statement, *, hoisted: bool) -> _Taken:
-    """What the array or the call of a statement takes, or that it leaves the function."""
+    """The room that the array or the call of a statement takes, or that the statement leaves the function."""
     if isinstance(statement, tree.Return | tree.Fail):
         return _Taken(after=-math.inf, left=0.0)
     value: tree.Expression | None = None

@@ -31,7 +31,7 @@ SHORTER = {
     elementary.HALF_PI_LOW: -4.371139000186241e-08,
     elementary.SPLIT: 2.0**12 + 1.0,
 }
-"""What stands in single precision for numbers that follow from the digits of a double.
+"""Values in single precision of numbers that follow from the digits of a double.
 
 Source  Cody and Waite, Software Manual for the Elementary Functions (1980): a quarter of a turn in 8, 11 and 24 bits
 """
@@ -93,7 +93,7 @@ def require_single(module: Module) -> None:
 
 
 def _refusal(function: Function, number: float) -> LanguageError:
-    """What is raised for a literal of a function that a float cannot hold."""
+    """The error of a literal of a function that a float cannot hold."""
     error = LanguageError(
         f"{number!r} is no number of single precision", f"write one from {LEAST:.2g} to {MOST:.2g}, 0 or infinity"
     )

@@ -26,7 +26,7 @@ RESERVED = WORDS_OF_C.union(
 )
 """Words of C, functions of its library, and names of arguments that a function may have besides its own."""
 Held = tuple[str, ...]
-"""What a value is written as: a number or record, or the address of an array and its open lengths."""
+"""The form in which a value is written: a number or record, or the address of an array and its open lengths."""
 
 
 class RowResult(NamedTuple):
@@ -72,7 +72,7 @@ def constant(kind: Scalar, value: Any) -> str:
 
 @dataclass
 class Shared:
-    """What the functions of a module need besides themselves."""
+    """Requirements of the functions of a module besides themselves."""
 
     prefix: str
     failures: int

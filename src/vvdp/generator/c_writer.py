@@ -189,7 +189,7 @@ def _parameters(text: Text, needs: Needs) -> list[str]:
 
 
 def _comment(function: Function) -> str:
-    """What a function does, by the first sentence of its docstring, and where its Python text stands."""
+    """Comment on a function: the first sentence of its docstring, and where its Python text stands."""
     words = _summaries(function.file, tuple(linecache.getlines(function.file))).get(function.line, "")
     where = f"{shown_file(function.file)}:{function.line}"
     return wrap(f"/* {words.replace('*/', '* /')} {where} */".replace("/*  ", "/* ")) + "\n"

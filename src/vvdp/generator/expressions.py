@@ -373,4 +373,4 @@ REFUSED: dict[type[ast.expr], tuple[str, str]] = {
     ast.Yield: ("`yield`", "return a value"),
     ast.Await: ("`await`", "call a plain function"),
 }
-"""What no expression may be, in words, and what to write instead."""
+"""Expressions that are not allowed, in words, and what to write instead."""

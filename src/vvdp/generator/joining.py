@@ -28,7 +28,7 @@ def _pairs(body: Body, target: Any, value: Any) -> list[tuple[tree.Variable, tre
 
 
 def merge(body: Body, ends: list[End]) -> Names | None:
-    """What the names stand for where these ways meet; None where there is no way. Variables are set at the ends."""
+    """Meanings of the names where these ways meet; None where there is no way. Variables are set at the ends."""
     if len(ends) < 2:
         return ends[0].names if ends else None
     merged: Names = {}

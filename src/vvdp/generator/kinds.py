@@ -132,7 +132,7 @@ def leaves(kind: Kind) -> Iterator[Scalar | str]:
 
 
 def registers_of(kind: Kind) -> list[Scalar | str]:
-    """What is handed over for a value: of a record its address."""
+    """The form in which a value is handed over: of a record its address."""
     return [POINTER] if isinstance(kind, Record) else list(leaves(kind))
 
 

@@ -26,12 +26,12 @@ TYPES = {FLOAT: "double", INT: "i64", BOOL: "i1", POINTER: "ptr"}
 SELDOM = 0
 """The number of the metadata of a branch that is seldom taken."""
 Registers = tuple[str, ...]
-"""What a value is held in: a number, the address of a record, or address and open lengths of an array."""
+"""The form in which a value is held: a number, the address of a record, or address and open lengths of an array."""
 
 
 @dataclass
 class Shared:
-    """What the functions of a module need besides themselves."""
+    """Requirements of the functions of a module besides themselves."""
 
     declared: dict[str, str] = field(default_factory=dict)
     tables: dict[str, str] = field(default_factory=dict)
@@ -174,7 +174,7 @@ def constant(kind: Scalar | str, value: Any) -> str:
 
 
 def open_lengths(registers: Registers, kind: Kind, target: Kind) -> Registers:
-    """What is handed over where a value of one type is one of another that leaves more of its lengths open."""
+    """The arguments for a value of one type where another is wanted that leaves more of its lengths open."""
     if not isinstance(kind, Row) or not isinstance(target, Row) or kind == target:
         return registers
     found, left = [registers[0]], list(registers[1:])
@@ -192,7 +192,7 @@ def arguments_text(kinds: Sequence[Kind], values: Sequence[Registers]) -> str:
 
 
 def result_type(kind: Kind) -> str:
-    """What a function returns; a record is written where its first argument says."""
+    """The type that a function returns; a record is written where its first argument says."""
     return TYPES[kind] if isinstance(kind, Scalar) else "void"
 
 

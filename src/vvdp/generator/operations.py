@@ -1,4 +1,4 @@
-"""What operators do: folded where both sides are known, else an expression of the tree."""
+"""Operators: folded where both sides are known, else an expression of the tree."""
 
 import ast
 import operator

@@ -38,7 +38,7 @@ def run_python(module: tree.Module, symbols: Mapping[str, object] | None = None)
 
 
 def names_of(module: tree.Module) -> dict[str, Any]:
-    """What the text of a module calls, by name."""
+    """Functions and values that the text of a module uses, by name."""
 
     def fail(number: int) -> None:
         raise Failure(module.reasons[number - 1])

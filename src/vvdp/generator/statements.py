@@ -317,4 +317,4 @@ REFUSED: dict[type[ast.stmt], tuple[str, str]] = {
     ast.Delete: ("`del`", "leave the name alone"),
     ast.Match: ("`match`", "write `if` and `elif`"),
 }
-"""What no statement may be, in words, and what to write instead."""
+"""Statements that are not allowed, in words, and what to write instead."""

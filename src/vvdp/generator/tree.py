@@ -177,7 +177,7 @@ class Call:
 
     @property
     def kind(self) -> Kind:
-        """What the function returns."""
+        """The kind of the result of the function."""
         return self.function.result
 
 

@@ -78,7 +78,7 @@ class Unit:
             return function
 
     def call(self, body: Body, function: Any, values: Sequence[Any], given: Mapping[str, object]) -> Any:
-        """What a call of a plain function gives."""
+        """The result of a call of a plain function."""
         source = read_source(function)
         arguments = _in_order(source.function, values, given)
         kinds = tuple(map(argument_type, arguments))
@@ -153,7 +153,7 @@ def _read(unit: Unit, given: Any, kinds: tuple[Kind, ...], name: str, *, is_entr
 
 
 def intrinsic_word(unit: Unit, intrinsic: Intrinsic) -> Word:
-    """What writes a call of an intrinsic."""
+    """Writer of a call of an intrinsic."""
 
     def word(body: Body, *values: Any) -> Any:
         unit.intrinsics[intrinsic.name] = intrinsic

@@ -128,7 +128,7 @@ CHECKED: dict[type[Any], Callable[[_Verifier, Any, set[tree.Variable]], Assigned
 
 
 def _wrong_statement(statement: tree.Statement, function: tree.Function, module: tree.Module) -> str:
-    """What is wrong with a statement whose expressions are right; empty where nothing is."""
+    """The fault of a statement whose expressions are right; empty where there is none."""
     if isinstance(statement, tree.Return):
         result = function.result
         value = statement.value
@@ -222,7 +222,7 @@ def _all_fit(values: Sequence[tree.Expression], kinds: Sequence[Kind]) -> bool:
 
 
 def wrong(value: tree.Expression, module: tree.Module) -> str:
-    """What is wrong with an expression whose operands are right; empty where nothing is."""
+    """The fault of an expression whose operands are right; empty where there is none."""
     kinds = [each.kind for each in operands(value)]
     checks: dict[type[Any], Any] = {
         tree.Binary: lambda v: kinds == [v.kind] * 2 and v.sign in SIGNS[v.kind],

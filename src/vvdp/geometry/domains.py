@@ -1,4 +1,4 @@
-"""What the oil fills, as closed surfaces with a name for each patch, ready for a mesher.
+"""Volumes that the oil fills, as closed surfaces with a name for each patch, ready for a mesher.
 
 In sleeve coordinates. Patches that turn with the spool: spool, windows, chamber, channels. Radial clearance and
 leakage are left out: lands touch the sleeve. `angle` is the spool's and `position` its axial position; only the load

@@ -1,4 +1,4 @@
-"""What a maker of solids can do, so that one description of the valve becomes facets as well as exact surfaces."""
+"""Operations of a maker of solids, so that one description of the valve becomes facets as well as exact surfaces."""
 
 from collections.abc import Callable, Sequence
 from typing import Protocol, TypeVar

@@ -1,4 +1,4 @@
-"""What the finished meshes of spool and sleeve measure, independently of the formulas that they were made from."""
+"""Measures of the finished meshes of spool and sleeve, independent of the formulas that they were made from."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -34,7 +34,7 @@ class Surface(NamedTuple):
 
 
 class Mouth(NamedTuple):
-    """What a nozzle opens in the bore, and the section across its jet there [m^2]."""
+    """Opening of a nozzle in the bore, and the section across its jet there [m^2]."""
 
     opening: Area
     across_jet: Area
@@ -74,7 +74,7 @@ def _jet_axis(centre: Floats, walls: Floats, valve: RotaryValve) -> Floats:
 
 
 def rail_mouths(rail: Mesh, valve: RotaryValve) -> list[Mouth]:
-    """What the nozzles open in the bore and across their jets, from the patches outlet1 to outletN of a rail's oil."""
+    """Openings of the nozzles in the bore and across their jets, from the patches outlet1 to outletN of a rail."""
     found = []
     for number in range(round(valve.sections)):
         corners = rail.of(f"outlet{number + 1}")
@@ -133,7 +133,7 @@ class Comparison(NamedTuple):
 
 
 def comparisons(shape: ValveShape, valve: RotaryValve, spool: Mesh, sleeve: Mesh, rail: Mesh) -> tuple[Comparison, ...]:
-    """What the meshes should be by formula, against what they are.
+    """Measures of the meshes by formula, beside those that they have.
 
     Source  ours, docs/models/geometry.md
     """

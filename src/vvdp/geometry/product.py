@@ -34,7 +34,7 @@ ANGLES = 121
 
 @dataclass(frozen=True, kw_only=True)
 class Order:
-    """What is to be made: a valve's shape with the origin of its lengths, the spool at `angle` and `position`."""
+    """An order: a valve's shape with the origin of its lengths, the spool at `angle` and `position`."""
 
     name: str
     valve: RotaryValve
@@ -56,7 +56,7 @@ class Body(NamedTuple):
 
 @dataclass
 class Product:
-    """What was made so far."""
+    """The products made so far."""
 
     bodies: list[Body] = field(default_factory=list)
     inertia: float | None = None

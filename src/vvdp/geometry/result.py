@@ -1,4 +1,4 @@
-"""What a valve's shape comes to: its lengths, formula against mesh, volumes of oil, and what the nozzles leave open."""
+"""A valve's shape as a result: its lengths, formula against mesh, volumes of oil, and openings of the nozzles."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -203,13 +203,13 @@ def _bodies(product: Product) -> Table:
 
 
 def _body_name(file: str) -> str:
-    """What a file holds, in words."""
+    """The content of a file, in words."""
     name = file.rpartition(".")[0]
     return f"oil: {_volume_name(name.removeprefix('oil/'))}" if name.startswith("oil/") else name
 
 
 def _volume_name(name: str) -> str:
-    """What a volume of oil is called."""
+    """The name of a volume of oil."""
     return {**VOLUMES, **MEASURED}[name.removesuffix("-tank")] + (" of the tank" if name.endswith("-tank") else "")
 
 

@@ -1,4 +1,4 @@
-"""What the solids of a rotary valve need beyond its hydraulic model, and the lengths that follow."""
+"""Lengths that the solids of a rotary valve need beyond its hydraulic model, and those that follow."""
 
 from dataclasses import fields
 from typing import Annotated, NamedTuple

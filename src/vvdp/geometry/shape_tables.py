@@ -17,7 +17,7 @@ from vvdp.geometry.shape import ValveShape
 from vvdp.valve.rotary import RotaryValve
 
 NAME = "geometry"
-"""What the table of a shape is called, in a file of its own as in a system's."""
+"""Name of the table of a shape, in a file of its own as in a system's."""
 PROTOTYPE_RADIUS = 12.7e-3
 """The spool radius [m] that the shipped lengths belong to."""
 

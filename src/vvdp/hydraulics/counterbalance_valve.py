@@ -32,7 +32,7 @@ class CounterbalanceValve(SequenceValve):
 
 
 def pilot_aid(pilot_difference: float, valve: CounterbalanceValve) -> float:
-    """What a pilot adds to the drop that opens a counterbalance valve [Pa]: R (P_x - P_b).
+    """Pressure of the pilot that adds to the drop that opens a counterbalance valve [Pa]: R (P_x - P_b).
 
     On the poppet act A_s P_a + A_x P_x against (A_s + A_x) P_b and the spring, R = A_x/A_s. So a pressure behind the
     valve raises what opens it by 1 + R of it.

@@ -69,7 +69,7 @@ def cylinder_force(pressure_a: float, pressure_b: float, reference_pressure: flo
 
 
 def wall_a(position: float, velocity: float, plunger: Plunger) -> Wall:
-    """What the piston has added to chamber A [m^3] and its rate [m^3/s]: A_a x and A_a v.
+    """Volume that the piston has added to chamber A [m^3] and its rate [m^3/s]: A_a x and A_a v.
 
     position  x [m]
     velocity  v [m/s]
@@ -78,7 +78,7 @@ def wall_a(position: float, velocity: float, plunger: Plunger) -> Wall:
 
 
 def wall_b(position: float, velocity: float, cylinder: Cylinder) -> Wall:
-    """What the piston has added to chamber B [m^3] and its rate [m^3/s]: A_b (H - x) and -A_b v.
+    """Volume that the piston has added to chamber B [m^3] and its rate [m^3/s]: A_b (H - x) and -A_b v.
 
     position  x [m]
     velocity  v [m/s]

@@ -41,7 +41,7 @@ class FilterState(NamedTuple):
 
 
 class FilterFlows(NamedTuple):
-    """What goes through the element and past it."""
+    """Flow through the element and past it."""
 
     element: Flow
     bypass: Flow

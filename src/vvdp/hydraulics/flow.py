@@ -1,4 +1,4 @@
-"""What every passage between two volumes shares: the root law near zero drop, tank volumes, and the power it loses.
+"""Common laws of passages between two volumes: the root law near zero drop, tank volumes, and the power lost.
 
 Source  ours, docs/models/components.md, where a function names no other.
 """
@@ -24,7 +24,7 @@ STILL_FLOW = 1e-12
 
 
 class Passage(NamedTuple):
-    """What goes through a passage: `flow` in tank volumes per second, signed, and the power `loss` it dissipates."""
+    """Passage of oil: `flow` in tank volumes per second, signed, and the power `loss` that it dissipates."""
 
     flow: Flow
     loss: Power

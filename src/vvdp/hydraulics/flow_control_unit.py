@@ -125,7 +125,7 @@ def code_flow(code: float, pressure_drop: float, valves: tuple[UnitValve, ...]) 
 
 
 def pulse_volume(before: float, after: float, pressure_drop: float, valves: tuple[UnitValve, ...]) -> float:
-    """What a unit passes too much, below 0 too little, when its code changes [m^3].
+    """Volume that a unit passes too much, below 0 too little, when its code changes [m^3].
 
     Against the flow that changes at once: a valve that opens misses Q t_o/2, one that closes adds Q t_c/2.
 

@@ -28,7 +28,7 @@ class LaggingSource(FlowSource):
 
 
 class SourceState(NamedTuple):
-    """What a source with a lag gives now."""
+    """Present flow of a source with a lag."""
 
     flow: Flow
 

@@ -118,7 +118,7 @@ class ChargeAmount(NamedTuple):
 
 
 class ChargeRates(NamedTuple):
-    """What an accumulator makes of a flow: rates of its state, and the power that the shell gives to the gas."""
+    """Response of an accumulator to a flow: rates of its state, and the power that the shell gives to the gas."""
 
     rates: ChargeState
     heat: Power

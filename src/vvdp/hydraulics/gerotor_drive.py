@@ -104,7 +104,7 @@ class GerotorCalibration(Params):
 
 
 class GerotorState(NamedTuple):
-    """What the pump delivers now, and where the spool stands."""
+    """Present flow of the pump, and position of the spool."""
 
     flow: Flow
     position: Position

@@ -21,7 +21,7 @@ STILL = 1e-12
 
 
 class Coolant(NamedTuple):
-    """What a cooler gives heat to: its conductance, and the temperature of what flows on the other side."""
+    """Receiver of the heat of a cooler: its conductance, and the temperature of what flows on the other side."""
 
     conductance: HeatConductance
     temperature: Temperature

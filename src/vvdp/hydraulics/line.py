@@ -18,7 +18,7 @@ TURBULENT_FROM = 4000.0
 
 
 class RoundLine(Protocol):
-    """What the formulas need to know of a line, or of a piece of one."""
+    """Properties of a line, or of a piece of one, that the formulas need."""
 
     @property
     def length(self) -> Length: ...

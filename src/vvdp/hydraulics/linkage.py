@@ -46,7 +46,7 @@ class Gear(Params):
 
 
 class Link(Params):
-    """What gives way between two ends of a joint: its stiffness and damping at the second end."""
+    """Elastic joint between two ends: its stiffness and damping at the second end."""
 
     stiffness: Stiffness
     link_damping: ViscousFriction

@@ -13,7 +13,7 @@ from vvdp.hydraulics.friction import ShaftFriction
 
 
 class Displacing(Protocol):
-    """What the formulas need to know of a machine that displaces oil."""
+    """Properties of a machine that displaces oil, as the formulas need them."""
 
     @property
     def displacement(self) -> Displacement: ...

@@ -16,7 +16,7 @@ class OpeningState(NamedTuple):
 
 
 class OpeningPassage(NamedTuple):
-    """What goes through a valve with one edge, the rate of its opening, and where that stands among its modes."""
+    """Flow through a valve with one edge, the rate of its opening, and where that stands among its modes."""
 
     flow: Flow
     loss: Power

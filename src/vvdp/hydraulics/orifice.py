@@ -8,7 +8,7 @@ from vvdp.base.rules import require_positive
 
 
 class Orifice(Params):
-    """What an orifice of any area has: the flow turns linear in the drop below about `transition_pressure`.
+    """Properties of an orifice of any area: the flow turns linear in the drop below about `transition_pressure`.
 
     Source  merritt1967, ch. 3 (a sharp edge, 0.61); the usual transition pressure is assumed
     """

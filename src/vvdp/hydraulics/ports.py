@@ -1,4 +1,4 @@
-"""What a component meets at its ports: oil at a pressure is `fluid.mixture.FluidState`, the rest is here."""
+"""Quantities at the ports of a component: oil at a pressure is `fluid.mixture.FluidState`, the rest is here."""
 
 from typing import Annotated, NamedTuple
 

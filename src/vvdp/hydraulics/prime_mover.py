@@ -75,13 +75,13 @@ class DieselEngine(GovernedMover):
 
 
 class GovernorState(NamedTuple):
-    """What a governor has added up."""
+    """Integral part of a governor."""
 
     held: SignedFraction
 
 
 class RackState(NamedTuple):
-    """What a governor has added up, and where the rack stands."""
+    """Integral part of a governor, and position of its rack."""
 
     held: SignedFraction
     rack: Fraction

@@ -32,7 +32,7 @@ class Pump(Params):
 
 
 class Delivery(NamedTuple):
-    """What a pump displaces per angle [tank volumes, m^3/rad], and the torque that goes into no oil [N m]."""
+    """Displacement of a pump per angle [tank volumes, m^3/rad], and the torque that goes into no oil [N m]."""
 
     displacement: Displacement
     unused_torque: FrictionTorque
@@ -44,7 +44,7 @@ def is_ideal(pump: Pump) -> bool:
 
 
 def tank_displacement(shaft_angle: float, inlet: FluidState, pump: Pump) -> float:
-    """What a pump without dead volume displaces per angle [tank volumes, m^3/rad]: D (1 + r sin(z theta))/nu_in.
+    """Displacement of a pump without dead volume per angle [tank volumes, m^3/rad]: D (1 + r sin(z theta))/nu_in.
 
     It fills at its inlet's pressure, so what it displaces is counted there and does not depend on the pressure it is
     pushed against. Times the speed it is the flow, times h_out - h_in the hydraulic torque.
@@ -56,7 +56,7 @@ def tank_displacement(shaft_angle: float, inlet: FluidState, pump: Pump) -> floa
 
 
 def delivery(shaft_angle: float, inlet: FluidState, outlet: FluidState, pump: Pump, swivel: float = 1.0) -> Delivery:
-    """What a pump displaces per angle, and which torque of its chambers goes into no oil.
+    """Displacement of a pump per angle, and the torque of its chambers that goes into no oil.
 
     d = D (1 + r sin(z theta))/nu_in - V_d (1/nu_out - 1/nu_in), not below zero: what its dead volume V_d held more at
     the outlet's pressure is not taken in. The oil takes the torque d (h_out - h_in). Without precompression the shaft

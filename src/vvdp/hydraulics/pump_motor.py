@@ -51,7 +51,7 @@ def motor_acceleration(command: float, speed: float, rated_speed: float, motor: 
 
 
 def ramp_distance(speed: float, rated_speed: float) -> float:
-    """What is missing of the rated speed, over the 2 % of it at which the ramp ends [1]; -1 without a rated speed.
+    """Shortfall of the speed, over the 2 % of the rated speed at which the ramp ends [1]; -1 without a rated speed.
 
     speed, rated_speed  [rad/s]
     """

@@ -1,4 +1,4 @@
-"""What acts on a rod besides oil and friction: end stops, springs, weights.
+"""Forces on a rod besides those of oil and friction: end stops, springs, weights.
 
 Source  ours, docs/models/components.md, where a function names no other.
 """
@@ -38,7 +38,7 @@ class EndStop(Params):
 
 
 class StopForce(NamedTuple):
-    """What the end stops do to the rod: `force` in the direction of the position; `loss`, power dissipated."""
+    """Force of the end stops on the rod: `force` in the direction of the position; `loss`, power dissipated."""
 
     force: Force
     loss: Power

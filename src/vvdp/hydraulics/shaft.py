@@ -1,4 +1,4 @@
-"""What turns with a shaft or twists against it: flywheels, springs.
+"""Inertias and springs on a shaft.
 
 Source  ours, docs/models/components.md, where a function names no other.
 """

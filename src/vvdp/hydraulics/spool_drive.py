@@ -1,4 +1,4 @@
-"""What turns a rotary valve's spool besides the flow: nothing, or a motor through a slipping coupling.
+"""Drive of a rotary valve's spool besides the flow: none, or a motor through a slipping coupling.
 
 Source  ours, docs/models/components.md, where a function names no other.
 """

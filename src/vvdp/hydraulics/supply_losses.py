@@ -1,4 +1,4 @@
-"""What it costs to supply a load at steady flow and pressure: power at the pump's shaft less power at the load.
+"""Losses of a supply at steady flow and pressure: power at the pump's shaft minus power at the load.
 
 Every way is counted alike. A pump displaces a flow, loses `G p` of it by leakage, and takes the hydraulic power of what
 it displaces; what does not arrive at the load is lost. What drags the pump's shaft comes on top: `drag_power`.

@@ -66,7 +66,7 @@ def telescope_volume(position: float, telescope: Telescope) -> float:
 
 
 def telescope_wall(position: float, velocity: float, telescope: Telescope) -> Wall:
-    """What the stages have added to the chamber [m^3], and its rate [m^3/s].
+    """Volume that the stages have added to the chamber [m^3], and its rate [m^3/s].
 
     position  [m]
     velocity  [m/s]

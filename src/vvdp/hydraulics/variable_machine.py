@@ -22,7 +22,7 @@ SLIP_TRANSITION = 1e5
 
 
 class SettingDrive(Params):
-    """What moves a displacement: it follows what is asked with the time constant `response_time`.
+    """Actuation of a displacement: it follows its command with the time constant `response_time`.
 
     It does so never faster than `largest_rate`.
     """

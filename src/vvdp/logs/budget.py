@@ -1,4 +1,4 @@
-"""What a reader may spend on a file before it believes what the file says of itself.
+"""Limits of what a reader may spend on a file before it believes what the file says of itself.
 
 Logs come from others, some of them damaged, some made to do harm. A file that holds more than any log does, or claims
 more than it can hold, is refused before anything of that size is read.

@@ -1,4 +1,4 @@
-"""What a measured log is: channels, each with its own unit and its own clock, read in portions."""
+"""A measured log: channels, each with its own unit and its own clock, read in portions."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

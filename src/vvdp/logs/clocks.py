@@ -1,4 +1,4 @@
-"""Which leaf of a file is the clock of which.
+"""The clock of each leaf of a file.
 
 Files made of named arrays (HDF5, MATLAB) and tables do not say it. The rule, in this order: what the array itself says
 (a sample rate, a linked time axis); the time channel that the user named, for every array of its length; the array

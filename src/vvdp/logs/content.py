@@ -1,4 +1,4 @@
-"""What a reader finds in a file: leaves, each a vector of numbers with the names that lead to it."""
+"""Content of a file as a reader finds it: leaves, each a vector of numbers with the names that lead to it."""
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -55,7 +55,7 @@ Rows = Callable[[Sequence[Leaf], int], Iterator[tuple[Mapping[Names, Array], flo
 
 @dataclass
 class Content:
-    """What a file holds, which its reader fills in.
+    """Content of a file, which its reader fills in.
 
     separator  stands between the names that lead to a leaf
     short      a leaf goes by its last name where it is the only one of that name

@@ -29,7 +29,7 @@ _LIBRARIES = {
     "text": ("pandas", ""), "TDMS": ("nptdms", "daq"), "MDF": ("asammdf", "daq"), "Parquet": ("pyarrow", "data"),
     "HDF5": ("h5py", ""), "MATLAB": ("scipy", ""), "MATLAB 7.3": ("h5py", ""),
 }  # fmt: skip
-"""What reads a format, and the extra that brings it."""
+"""Reader of a format, and the extra that brings it."""
 
 
 def open_log(path: Path, *, time: str | None = None, rate: float | None = None, time_unit: str | None = None) -> Log:
@@ -102,7 +102,7 @@ def _head(path: Path) -> bytes:
 
 
 def _detect_format(path: Path, head: bytes) -> str:
-    """What the file is by its content."""
+    """The format of the file by its content."""
     is_mat = path.suffix.lower() == ".mat"
     if any(head[place : place + 8] == _HDF5 for place in (0, 512)):
         return "MATLAB 7.3" if head[:10] == b"MATLAB 7.3" or is_mat else "HDF5"

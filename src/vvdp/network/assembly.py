@@ -30,7 +30,7 @@ class Assembly:
 
 @dataclass(frozen=True)
 class Group:
-    """What an assembly has become: its parts from the first port to the last, the nodes and the programs inside."""
+    """An assembly in a network: its parts from the first port to the last, the nodes and the programs inside."""
 
     assembly: Assembly
     values: Params

@@ -91,7 +91,7 @@ class Classes:
 
     @cached_property
     def oil_volumes(self) -> type:
-        """What is reported of each oil where there are several."""
+        """Reported quantities of each oil where there are several."""
         return named_tuple("OilVolumes", dict.fromkeys(self.places.oils, TankVolume))
 
     @cached_property
@@ -136,7 +136,7 @@ class Classes:
 
     @cached_property
     def outputs(self) -> type:
-        """What is recorded beside the state."""
+        """Recorded quantities beside the state."""
         hints: dict[str, Any] = {}
         for name, node in self.network.nodes.items():
             if isinstance(node, Tank | PressureSource | Junction):
@@ -174,7 +174,7 @@ class Classes:
 
     @cached_property
     def conditions_class(self) -> type:
-        """What is calculated once per sample."""
+        """Quantities that are calculated once per sample."""
         hints = dict(get_type_hints(self.medium, include_extras=True))
         for name, node in self.network.nodes.items():
             match node:

@@ -23,7 +23,7 @@ from vvdp.simulation.values import names
 
 
 class Role(Enum):
-    """What an argument of a component's function is."""
+    """Role of an argument of a component's function."""
 
     TIME = auto()
     PORT = auto()
@@ -59,7 +59,7 @@ class Argument:
 
 @dataclass(frozen=True)
 class Component:
-    """What a component is, apart from its values.
+    """Definition of a component, apart from its values.
 
     law      what it does at an instant. Arguments, by annotation: FluidState (a hydraulic port), ShaftState,
              ShaftSpeed, RodState (mechanical ports), Medium, Oil, a Params class (its values), the NamedTuples of its
@@ -250,7 +250,7 @@ ALLOWED = {
     "cooling": {Role.PARAMS},
     "mark": {Role.TIME, Role.STATE, Role.SHAFT, Role.ROD, Role.PARAMS},
 }
-"""What the functions of a component beside its law are given."""
+"""Arguments of the functions of a component beside its law."""
 GIVEN_UNITS = {Role.PORT: "m^3/s", Role.SHAFT: "N*m", Role.SHAFT_SPEED: "N*m", Role.ROD: "N"}
 """Units of what a component gives to a node."""
 

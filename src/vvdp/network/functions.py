@@ -176,7 +176,7 @@ class Functions:
         return found | {part.name: f"{part.name}.supplied" for part in parts}
 
     def _wall_power(self, name: str, node: Tank | PressureSource) -> str:
-        """What a prescribed pressure gives to the walls that move in it."""
+        """Power that a prescribed pressure gives to the walls that move in it."""
         moving = [
             f"{m.part.name}_walls.{m.port}.rate"
             for m in self.places.ports_at(name)

@@ -1,4 +1,4 @@
-"""What a circuit consists of and what is joined to what: the graph that is drawn and listed, without its physics."""
+"""Components of a circuit and their connections: the graph that is drawn and listed, without its physics."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -12,7 +12,7 @@ Position = tuple[float, float]
 
 
 class NodeKind(Enum):
-    """What a node holds."""
+    """Content of a node."""
 
     VOLUME = "volume"
     ACCUMULATOR = "accumulator"

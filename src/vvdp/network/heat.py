@@ -1,4 +1,4 @@
-"""Which volumes of a network have a temperature of their own."""
+"""Volumes of a network that have a temperature of their own."""
 
 from vvdp.hydraulics.heat import HeatBalance
 from vvdp.network.network import Network

@@ -1,4 +1,4 @@
-"""What a network writes of heat; nothing without a heat balance."""
+"""Text that a network writes for heat; none without a heat balance."""
 
 from collections.abc import Iterator
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from vvdp.base.errors import NetworkError
 from vvdp.base.kinds import PRESSURE_LEVEL, Kind
-from vvdp.base.params import Params, field_kinds, field_names
+from vvdp.base.params import Params, field_kinds
 from vvdp.base.signal import Signal, constant, signal_value
 from vvdp.base.tables import nearest
 from vvdp.fluid.oil import Oil, modulus_at
@@ -275,18 +275,6 @@ class Network:
         pieces = {piece for name, group in self.groups.items() if name in names for piece in group.parts}
         return tuple(name for name in self.parts if name in names or name in pieces)
 
-    def is_whole_in(self, other: "Network") -> bool:
-        """Whether another network has all its nodes and components, joined in the same way and with equal values, and
-        nothing else is joined to its nodes there, but to tanks."""
-        (nodes, parts), (other_nodes, other_parts) = _drawing_of(self), _drawing_of(other)
-        own = {name for name, kind in nodes.items() if kind is not Tank}
-        beside = (each[2].values() for name, each in other_parts.items() if name not in parts)
-        return (
-            nodes.items() <= other_nodes.items()
-            and all(other_parts.get(name) == part for name, part in parts.items())
-            and own.isdisjoint(node for ends in beside for node in ends)
-        )
-
     def start_value(self, start: Start) -> float:
         """The number of a start value. Raises NetworkError where its path leads nowhere."""
         if not isinstance(start, str):
@@ -362,19 +350,6 @@ class Network:
             raise NetworkError(f"{name} joins nodes of different oils: {ends}")
         if len({oil.reference_pressure for oil in oils.values()}) > 1:
             raise NetworkError(f"{name} joins oils of different reference pressures: {ends}")
-
-
-def _drawing_of(network: Network) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What a network is drawn of: the type of each node; type, values and nodes of each component."""
-    nodes = {name: type(node) for name, node in network.nodes.items()}
-    parts = {part.name: (part.component, _own_values(part), dict(part.nodes)) for part in network.parts.values()}
-    return nodes, parts
-
-
-def _own_values(part: Part) -> list[dict[str, Any]]:
-    """The values of a component by the classes that it takes; a table may hold more."""
-    pairs = zip(part.component.params, part.values, strict=True)
-    return [{name: getattr(values, name) for name in field_names(cls)} for cls, values in pairs]
 
 
 def _signal(name: str, source: object) -> Source:

@@ -21,20 +21,20 @@ class Chamber(Params):
 
 
 class Rotor(Params):
-    """What turns with a shaft beside the components that it joins."""
+    """Inertia on a shaft beside that of the components that it joins."""
 
     inertia: AddedInertia
 
 
 class Load(Params):
-    """What moves with a rod beside the components that it joins."""
+    """Mass on a rod beside that of the components that it joins."""
 
     mass: Mass
 
 
 @dataclass(frozen=True)
 class Connection:
-    """What `function` makes of signals, parameter classes and paths such as "spool.speed", in this order."""
+    """Result of `function` of signals, parameter classes and paths such as "spool.speed", in this order."""
 
     function: Callable[..., float]
     sources: tuple[Signal | Params | str, ...]
@@ -140,7 +140,7 @@ def can_boil(node: Node) -> bool:
 
 
 def kind_of_node(node: Node | type[Node]) -> str:
-    """What a message calls a node, or a class of nodes."""
+    """The word of messages for a node, or for a class of nodes."""
     cls = node if isinstance(node, type) else type(node)
     words: dict[type[Any], str] = {OilVolume: "volume", PressureSource: "pressure source", DrivenShaft: "driven shaft"}
     return words.get(cls, cls.__name__.lower())

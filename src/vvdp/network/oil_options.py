@@ -40,7 +40,7 @@ def air_lines(text: Text) -> Iterator[str]:
 
 
 def part_flows(part: Part) -> dict[str, str]:
-    """What a part gives to the nodes at its ports [tank volumes]."""
+    """Oil that a part gives to the nodes at its ports [tank volumes]."""
     component, found = part.component, dict[str, str]()
     for number, port in enumerate(component.hydraulic_ports):
         if port in component.ends:

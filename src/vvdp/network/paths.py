@@ -63,7 +63,7 @@ class Attachment:
 
 
 class Places:
-    """What the writer asks of a network again and again."""
+    """Lookup of nodes, parts and paths of a network for the writer of its circuit."""
 
     def __init__(self, network: Network) -> None:
         self.network = network
@@ -128,7 +128,7 @@ class Places:
                     yield met.part.name
 
     def _read_by(self, where: str, sources: Iterable[Source]) -> Iterator[str]:
-        """What has to be calculated before what reads `sources`."""
+        """Names that have to be calculated before a reader of `sources`."""
         found = (self.quantity(path, where).needs for source in sources for path in paths_of(source))
         yield from filter(None, found)
 
@@ -267,7 +267,7 @@ class Places:
         return StartValue(name, self.network.start_value(start), kind, path)
 
     def quantity(self, path: str, where: str) -> "Quantity":
-        """What a path leads to. Raises NetworkError, which names `where` it is asked for, if that is nothing."""
+        """The quantity that a path leads to. Raises NetworkError, which names `where` it is read, if there is none."""
         name, _, what = path.partition(".")
         net = self.network
         found: dict[str, Quantity] = {}
@@ -416,7 +416,7 @@ def takes_surplus(part: Part) -> bool:
 
 
 def sources_of(node: Node) -> tuple[Source, ...]:
-    """What prescribes a node."""
+    """The sources that prescribe a node."""
     match node:
         case Tank() | PressureSource():
             return (node.pressure,)

@@ -44,5 +44,5 @@ class ProgramType:
 
     @property
     def defaults(self) -> Mapping[str, float]:
-        """What the fields of its reading are that need not be given [SI]."""
+        """Values of the fields of its reading that need not be given [SI]."""
         return self.reading._field_defaults  # type: ignore[attr-defined, no-any-return]

@@ -31,7 +31,7 @@ EXACT, DIFFERENCED = 1e-9, 1e-5
 
 @dataclass(frozen=True)
 class Instant:
-    """What a component meets: ports, inputs and time by name, and what is its own."""
+    """Surroundings of a component: ports, inputs and time by name, and what is its own."""
 
     values: Mapping[str, Any]
     state: Any

@@ -68,7 +68,7 @@ class WrittenProgram:
 
     @cached_property
     def settings(self) -> Any:
-        """What its step works with: its settings, beside those of the instruments where there are any."""
+        """Settings of its step, beside those of the instruments where there are any."""
         own = NOTHING if self.part.settings is None else self.part.settings
         if not self._has_instruments:
             return own

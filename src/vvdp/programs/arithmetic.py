@@ -25,7 +25,7 @@ from vvdp.programs.quantities import (
 
 
 class Summands(NamedTuple):
-    """What is added: two to four values of one quantity."""
+    """Summands: two to four values of one quantity."""
 
     first: Input
     second: Input
@@ -34,7 +34,7 @@ class Summands(NamedTuple):
 
 
 class Weights(Params):
-    """What each summand is multiplied by."""
+    """Weights of the summands."""
 
     first_weight: Plain = 1.0
     second_weight: Plain = 1.0
@@ -56,7 +56,7 @@ def _sum_quantity(read: Sequence[Kind], values: Written) -> Kind:
 
 
 class Factors(NamedTuple):
-    """What is multiplied."""
+    """Factors of the product."""
 
     first: Input
     second: Second

@@ -226,7 +226,7 @@ def turned_phase(place: Turned) -> Phase:
 def sight_of(
     signal: AxialReading, phase: Phase, stage: Stage, flow: float, pressure: float, margin: float
 ) -> AxialSeen:
-    """What an observer sees at a sample. A sensor that is dark, or of a drive not homed yet, shows nothing.
+    """Inputs of an observer at a sample. A sensor that is dark, or of a drive not homed yet, shows nothing.
 
     flow      into the drive, as it is known [m^3/s]
     pressure  of its chamber, 0 where it has none [Pa, absolute]

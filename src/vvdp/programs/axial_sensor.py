@@ -62,7 +62,7 @@ _KEYS = {
 
 
 class AxialSignal(NamedTuple):
-    """What the axial sensor shows."""
+    """Output of the axial sensor."""
 
     position: Position
     light: Fraction

@@ -38,7 +38,7 @@ from vvdp.sensing.instrument import InstrumentMemory
 
 
 class ChamberLoop(Params):
-    """What the control of a chamber drive works with; `wanted` is the position [m].
+    """Settings of the control of a chamber drive; `wanted` is the position [m].
 
     A velocity that no observer gives goes through a first-order filter of the `velocity_rate`.
     """
@@ -65,7 +65,7 @@ class BacksteppingLoop(ChamberLoop):
 
 
 class LoopMemory(NamedTuple):
-    """What the loop carries from sample to sample; `reading` is what its law received last."""
+    """Memory of the loop from sample to sample; `reading` is what its law received last."""
 
     sensor: InstrumentMemory
     observer: AxialMemory

@@ -1,4 +1,4 @@
-"""What a law of the chamber drive adds to the results: errors of spool and estimate, storage, reach, figures."""
+"""Report of a law of the chamber drive: errors of spool and estimate, storage, reach, figures."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from types import MappingProxyType
@@ -109,7 +109,7 @@ class ChamberLawReport(SpoolReport):
         return {key: value for key, value in numbers.items() if np.isfinite(value)}
 
     def warnings(self, found: Mapping[str, float | bool]) -> Iterator[str]:
-        """What limits the control, and a storage that rose."""
+        """Limits of the control, and a storage that rose."""
         if self.law is None:
             return
         reach = reach_numbers(self.law.drive, self.helix_length)["axial_reach_m"]

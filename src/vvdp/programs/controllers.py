@@ -41,7 +41,7 @@ class Pid(Pi):
 
 
 class Controlled(NamedTuple):
-    """What is measured, its reference, and what is added to the command."""
+    """Measured value, its reference, and an addition to the command."""
 
     reads: Input
     reference: Input
@@ -49,7 +49,7 @@ class Controlled(NamedTuple):
 
 
 class Value(NamedTuple):
-    """What a program gives."""
+    """Output of a program."""
 
     value: Output
 

@@ -61,7 +61,7 @@ class SeenEdges(NamedTuple):
 
 
 class EncoderSettings(Params):
-    """What the program of an encoder works with."""
+    """Settings of the program of an encoder."""
 
     encoder: Encoder
     angle: Angle
@@ -131,7 +131,7 @@ class AdaptedFilter(WheelFilter):
 
 
 class ThresholdSettings(Params):
-    """What the program of a threshold works with."""
+    """Settings of the program of a threshold."""
 
     adaptation: ThresholdAdaptation
     threshold: SignalLevel

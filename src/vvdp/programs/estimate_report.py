@@ -1,4 +1,4 @@
-"""What an event filter adds to the results: how good its estimate of a shaft is, and what a run says of it."""
+"""Report of an event filter: errors of its estimate of a shaft, and sentences on them."""
 
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, NamedTuple

@@ -75,7 +75,7 @@ class Sections(Params):
 
 
 class Switching(NamedTuple):
-    """What is averaged, and the speed that gives the length of the period."""
+    """Averaged value, and the speed that gives the length of the period."""
 
     reads: Input
     speed: Speed

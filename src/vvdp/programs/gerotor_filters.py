@@ -41,13 +41,13 @@ class LumpedTable(BelievedDrive):
 
 
 class LumpedSettings(DriveWatch):
-    """What the program of the lumped filter works with."""
+    """Settings of the program of the lumped filter."""
 
     observer: LumpedObserver
 
 
 class LumpedBelief(NamedTuple):
-    """What the lumped filter carries from sample to sample."""
+    """Memory of the lumped filter from sample to sample."""
 
     filter: LumpedMemory
     drive: DriveStage
@@ -92,13 +92,13 @@ class GeneratorTable(BelievedDrive):
 
 
 class GeneratorSettings(DriveWatch):
-    """What the program of the signal generator works with."""
+    """Settings of the program of the signal generator."""
 
     observer: GeneratorObserver
 
 
 class GeneratorBelief(NamedTuple):
-    """What the signal generator carries from sample to sample."""
+    """Memory of the signal generator from sample to sample."""
 
     filter: GeneratorMemory
     drive: DriveStage

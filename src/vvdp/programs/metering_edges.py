@@ -142,7 +142,7 @@ class EdgeDemand(NamedTuple):
 
 
 def edge_demand(t: float, memory: LoopMemory, seen: CylinderReading, settings: EdgeLoop) -> EdgeDemand:
-    """What is asked of the edges at a sample, as `one_way_step`."""
+    """Commands of the edges at a sample, as `one_way_step`."""
     loop = settings.loop
     kept = next_memory(t, memory, seen, loop)
     found = one_way_actuation(kept, seen.position, loop)

@@ -1,4 +1,4 @@
-"""Which pistons of a pump deliver: a program that is called for each one.
+"""Choice of the pistons of a pump that deliver: a program that is called for each one.
 
 Source  ours, docs/circuits-compared.md
 """

@@ -64,7 +64,7 @@ class LoopTable(Params):
 
 
 class PositionLaw(Params):
-    """What a position loop knows of its plant, and its table.
+    """Model of the plant in a position loop, and its table.
 
     `valve_conductance` is that of an edge of the valve that moves the cylinder, or of the throttle in its return;
     `largest_flow` what the pump can give.
@@ -92,7 +92,7 @@ class PositionLoop(PositionLaw):
 
 
 class CylinderReading(NamedTuple):
-    """What a loop sees: the rod, both chambers, and what feeds them, absolute."""
+    """Inputs of a loop: the rod, both chambers, and what feeds them, absolute."""
 
     position: Position
     pressure_a: Pressure
@@ -116,7 +116,7 @@ class Joint(NamedTuple):
 
 
 class LoopMemory(NamedTuple):
-    """What a loop carries from sample to sample: its reference, filtered pressures, and how the circuit is joined."""
+    """Memory of a loop from sample to sample: its reference, filtered pressures, and how the circuit is joined."""
 
     reference: Reference
     pressures: Pressures

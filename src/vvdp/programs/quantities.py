@@ -43,7 +43,7 @@ QUANTITIES = (
 )
 """What a command may be, by its unit; another unit is a quantity without a name."""
 DIFFERENCES = {PRESSURE_LEVEL: SIGNED_PRESSURE, TEMPERATURE: TEMPERATURE_DIFFERENCE}
-"""What the difference of two levels is."""
+"""Kinds of the difference of two levels."""
 
 INPUT = Kind("value of what is read", "Pa", -LARGEST, LARGEST, "100 bar")
 SECOND = Kind("value of what is read second", "K", -LARGEST, LARGEST, "5 K")

@@ -1,4 +1,4 @@
-"""What a law that moves a spool adds to the results: errors of spool and estimate, and figures."""
+"""Report of a law that moves a spool: errors of spool and estimate, and figures."""
 
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType

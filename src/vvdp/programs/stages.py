@@ -32,7 +32,7 @@ from vvdp.programs.quantities import (
 ROUNDING = 1e-9
 """By how much earlier a time counts as reached, since sample times are rounded [s]."""
 CONDITIONS = 4
-"""What a sequence reads."""
+"""Inputs of a sequence."""
 YES = 0.5
 """Above this a condition holds."""
 
@@ -47,7 +47,7 @@ class Levels(Params):
 
 
 class LevelMemory(NamedTuple):
-    """What was given last, and since when the other level is reached [s]; -1 while it is not."""
+    """The last output, and since when the other level is reached [s]; -1 while it is not."""
 
     value: Fraction
     since: Number
@@ -170,7 +170,7 @@ def _stage_quantity(read: Sequence[Kind], values: Written) -> Kind:
 
 
 class Watched(NamedTuple):
-    """What is watched."""
+    """Supervised values."""
 
     first: Input
     second: Second = 0.0

@@ -27,19 +27,19 @@ class UnloadingSettings(Params):
 
 
 class UnloadingReading(NamedTuple):
-    """What the program measures."""
+    """Measured value of the program."""
 
     pilot_pressure: Pressure
 
 
 class UnloadingMemory(NamedTuple):
-    """What the program remembers: 1 while the pump is unloaded."""
+    """Memory of the program: 1 while the pump is unloaded."""
 
     unloaded: Fraction
 
 
 class UnloadingCommand(NamedTuple):
-    """What the program commands: 1 while the pump is to be unloaded."""
+    """Command of the program: 1 while the pump is to be unloaded."""
 
     unloaded: Fraction
 

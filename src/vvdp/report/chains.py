@@ -1,4 +1,4 @@
-"""Which symbols form a block: those on one shaft or rod stand in a row, the others alone."""
+"""Symbols that form a block: those on one shaft or rod stand in a row, the others alone."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""What makes the charts of a page live: their data, packed, and the scripts that draw them in a browser.
+"""Parts that make the charts of a page live: their data, packed, and the scripts that draw them in a browser.
 
 The page stays one file that works from a disk without network. Printed, or where scripts do not run, it shows the
 still figures. Numbers are packed in the unit in which they are shown:
@@ -45,7 +45,7 @@ SCRIPTS = (
 VIEWER = "solids.js"
 """Turns solids; only in pages that have some."""
 MOTION = "motion.js"
-"""What diagrams in motion have in common; only in pages that have some."""
+"""Common parts of diagrams in motion; only in pages that have some."""
 STYLES = ("uPlot.min.css", "charts.css")
 
 

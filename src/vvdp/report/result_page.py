@@ -212,7 +212,7 @@ def _anchor(section: Section) -> str:
 
 
 def _part(page: Page, drawn: Mapping[str, Drawn], name: str, count: int) -> str:
-    """What a section shows under a name."""
+    """The content of a section under a name."""
     result = page.result
     if name in page.ready:
         return page.ready[name]

@@ -1,4 +1,4 @@
-"""Which symbol a component has, and at which of its terminals each port ends."""
+"""The symbol of a component, and the terminal at which each of its ports ends."""
 
 import re
 from collections.abc import Callable, Mapping

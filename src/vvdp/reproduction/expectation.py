@@ -1,4 +1,4 @@
-"""What is expected of each row, fixed before: its verdict, its kind of evidence, the arithmetic of its tolerance.
+"""Expectations of each row, fixed before: its verdict, its kind of evidence, the arithmetic of its tolerance.
 
 `expected.csv` of each chapter has a line for every statement: its item, what it is about, its verdict, what it rests
 on, and the width of its tolerance in SI units as arithmetic.

@@ -1,1 +1,1 @@
-"""What every study of vvdp leaves: one kind of result, on disk and back, as numbers, tables and figures as data."""
+"""Results of every study of vvdp: one kind, on disk and back, as numbers, tables and figures as data."""

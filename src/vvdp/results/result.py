@@ -1,4 +1,4 @@
-"""What a study found: numbers, tables, findings and figures as data, each with its kind.
+"""Result of a study: numbers, tables, findings and figures as data, each with its kind.
 
 A kind gives the unit, so nothing is read back from a key; a key ends with the SI unit of its kind all the same
 (`base.display.key_suffix`), since files outlive their context, and a key that contradicts its kind is refused.
@@ -149,7 +149,7 @@ class Section:
 
 @dataclass(frozen=True, kw_only=True)
 class Result:
-    """What a study found. `references` are keys of the bibliography; `command` is what a user types to have it again.
+    """Result of a study. `references` are keys of the bibliography; `command` is what a user types to have it again.
 
     `verb` names what made it, as on the command line. `sections` order the page; what none of them shows is data only.
     """

@@ -1,4 +1,4 @@
-"""What a source states beside what was found, and the verdict: one set of words for it, everywhere."""
+"""Statements of a source beside what was found, and the verdict: one set of words for it, everywhere."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -28,7 +28,7 @@ class Verdict(StrEnum):
 
 
 class Evidence(StrEnum):
-    """What a statement rests on, and so what it proves if it holds."""
+    """Evidence of a statement, and so what it proves if it holds."""
 
     INPUT = "input"
     IDENTITY = "identity"
@@ -42,7 +42,7 @@ class Evidence(StrEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class Statement:
-    """What a source states, and what was found. `number_statement` and its kin make one.
+    """A statement of a source, and what was found. `number_statement` and its kin make one.
 
     It holds if `found` [SI] lies between `low` and `high`, or outside by `tolerance` at most; `because` says where
     the tolerance comes from. `source` and `result` are words that stand for the numbers. `other` is what a second run
@@ -89,7 +89,7 @@ class Statement:
 
     @property
     def source_text(self) -> str:
-        """What the source says, as people read it."""
+        """The statement of the source, as people read it."""
         if self.source or (math.isinf(self.low) and math.isinf(self.high)):
             return self.source
         if self.low == self.high:
@@ -102,7 +102,7 @@ class Statement:
 
     @property
     def found_text(self) -> str:
-        """What was found, as people read it."""
+        """The finding, as people read it."""
         return self.result or with_unit(self.found, self.kind)
 
     @property
@@ -117,7 +117,7 @@ class Statement:
 
     @property
     def remark(self) -> str:
-        """What there is to say about the verdict."""
+        """Notes on the verdict."""
         assumed = f"assumed: {self.assumption}" if self.assumption else ""
         second = "" if self.other is None else f"a second run finds {with_unit(self.other, self.kind)}"
         calibrated = f"chosen by it: {self.calibration}" if self.calibration else ""

@@ -1,4 +1,4 @@
-"""What a test was made under, in words: fluid, temperature, operating points."""
+"""Conditions of a test in words: fluid, temperature, operating points."""
 
 from collections.abc import Iterator, Sequence
 
@@ -49,7 +49,7 @@ def fluid(stand: Stand) -> str:
 
 
 def limit_findings(stand: Stand) -> Iterator[Finding]:
-    """What of the system no quasi-steady average knows, a warning each."""
+    """Effects in the system that no quasi-steady average contains, a warning each."""
     for limit in stand.bench.unit.average_limits():
         yield Finding(
             text=f"The averages do not hold: {limit}.",

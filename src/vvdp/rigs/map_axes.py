@@ -63,7 +63,7 @@ class Axes:
 
 
 class _Range(NamedTuple):
-    """What the values of an axis may be [SI]: above `lowest`, up to `highest`."""
+    """Limits of the values of an axis [SI]: above `lowest`, up to `highest`."""
 
     kind: Kind
     lowest: float
@@ -76,7 +76,7 @@ class _Range(NamedTuple):
 
     @property
     def expectation(self) -> str:
-        """What is allowed, in words."""
+        """The limits, in words."""
         if np.isfinite(self.highest):
             return f"numbers from {self.words(self.lowest)} to {self.words(self.highest)}"
         return f"numbers above {self.words(self.lowest)}"

@@ -185,7 +185,7 @@ NOTES = {
     "*": "* above the motor's rated power.",
     "†": "† the ripple of the load pressure reaches the relief valve; simulate these points.",
 }
-"""What the marks of a listing mean."""
+"""Meaning of the marks of a listing."""
 
 
 def _ripple_flag(found: PumpMap) -> tuple[str, ...]:

@@ -318,7 +318,7 @@ class _Wanted(NamedTuple):
 
 
 def _points_done(stand: Stand, batch: Sequence[_Wanted], cores: int) -> list[Finished]:
-    """What comes of a batch, where it is run."""
+    """Results of a batch, in the process that runs it."""
     digest = link(stand.model, stand.bench.case).digest
     check_same(_key(stand, batch[0].point, digest), batch[0].key)
     states = steady_states([(stand, each.point) for each in batch], cores=cores)
@@ -372,7 +372,7 @@ def _require_map(directory: Path, verb: str) -> None:
 
 
 def _key(stand: Stand, point: SetPoint, digest: str) -> str:
-    """What a point is known by: everything that its result depends on."""
+    """The identity of a point: everything that its result depends on."""
     tolerance = min(stand.stepping.relative_tolerance, TOLERANCE)
     solver = (LIMIT, DISTANCE, tolerance, HELD, stand.stepping.method)
     found = hashlib.sha256(repr((VERSION, digest, solver, tuple(point))).encode())

@@ -113,7 +113,7 @@ def linearity(duty_ratios: Array, flow: Array) -> tuple[float, float]:
 
 
 def control_numbers(found: PumpMap) -> dict[str, float]:
-    """What a user of a controlled pump asks for: dead band, gain, linearity, sensitivity to the load pressure.
+    """Characteristics of a controlled pump for its user: dead band, gain, linearity, sensitivity to the load pressure.
 
     At the highest pump speed and the first temperature; dead band and linearity are the worst of all pressures.
     """

@@ -1,4 +1,4 @@
-"""What a run of a test rig of the rotary valve shows beside what any run does."""
+"""Additions of a run of a test rig of the rotary valve to those of any run."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
@@ -126,7 +126,7 @@ def _difference(loss: Loss) -> float:
 
 
 def analytic_words(run: RecordedRun, bench: RotaryBench) -> Iterator[str]:
-    """What is to be said of the analytic losses beside the simulated ones."""
+    """Notes on the analytic losses beside the simulated ones."""
     if "analytic_loss_total_W" not in run.summary:
         needs = (
             "they need a running pump, a load pressure above the tank's, a spool that the flow alone turns, and "

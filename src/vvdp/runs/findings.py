@@ -1,4 +1,4 @@
-"""What a reader has to know before the numbers of a run: is it to be trusted, and what lies outside its bounds."""
+"""Findings to read before the numbers of a run: is it to be trusted, and what lies outside its bounds."""
 
 from collections.abc import Iterator
 
@@ -8,7 +8,15 @@ from vvdp.base.display import number, percent, plain, with_unit
 from vvdp.base.kinds import DURATION, MEAN_POWER
 from vvdp.evaluation.bench import RotaryBench
 from vvdp.evaluation.bench_validity import efficiency_doubt
-from vvdp.evaluation.overview import expects_steady_state, impossible_part, loss_lines, node_lines, power_lines
+from vvdp.evaluation.overview import (
+    COMPLETE,
+    expects_steady_state,
+    impossible_part,
+    loss_lines,
+    node_lines,
+    other_drawing,
+    power_lines,
+)
 from vvdp.evaluation.summary import is_closed
 from vvdp.evaluation.validity import broken_bounds
 from vvdp.results.result import Badge, Finding, Grade, sentences
@@ -44,7 +52,7 @@ def badges(run: RecordedRun) -> Iterator[Badge]:
 
 
 def warnings(run: RecordedRun) -> Iterator[Finding]:
-    """What may be wrong with the run of any circuit, gravest first."""
+    """Warnings about the run of any circuit, gravest first."""
     if "trusted" in run.summary and not is_closed(run.summary):
         energy, mass = (number(run.number(f"{name}_residual"), 3) for name in ("energy", "mass"))
         tolerance = plain(float(run.meta["relative_tolerance"]))
@@ -75,13 +83,7 @@ def warnings(run: RecordedRun) -> Iterator[Finding]:
         )
     yield from _range_warnings(run)
     yield from _fault_warnings(run)
-    for sentence in travel_warnings(run.system):
-        yield Finding(
-            grade=Grade.WARNING,
-            title="Travel of the spool",
-            text=f"{sentence[:1].upper()}{sentence[1:]}.",
-            remedy="The numbers are those of the drive and helix as given. Make end stops, helix and [geometry] agree.",
-        )
+    yield from _drawing_warnings(run)
     if not run.has("settled") and expects_steady_state(run.system, run.summary):
         yield _settling_warning()
 
@@ -115,6 +117,23 @@ def _fault_warnings(run: RecordedRun) -> Iterator[Finding]:
         )
 
 
+def _drawing_warnings(run: RecordedRun) -> Iterator[Finding]:
+    for sentence in travel_warnings(run.system):
+        yield Finding(
+            grade=Grade.WARNING,
+            title="Travel of the spool",
+            text=f"{sentence[:1].upper()}{sentence[1:]}.",
+            remedy="The numbers are those of the drive and helix as given. Make end stops, helix and [geometry] agree.",
+        )
+    if other := other_drawing(run.system):
+        yield Finding(
+            grade=Grade.WARNING,
+            title="Another circuit than the file names",
+            text=f"{other[:1].upper()}{other[1:]}.",
+            remedy=f"{COMPLETE[:1].upper()}{COMPLETE[1:]}.",
+        )
+
+
 def _range_warnings(run: RecordedRun) -> Iterator[Finding]:
     for sentence in broken_bounds(run.system, run.summary):
         yield Finding(
@@ -126,7 +145,7 @@ def _range_warnings(run: RecordedRun) -> Iterator[Finding]:
 
 
 def bench_warnings(run: RecordedRun, bench: RotaryBench) -> Iterator[Finding]:
-    """What may be wrong with the run of a test rig of the rotary valve."""
+    """Warnings about the run of a test rig of the rotary valve."""
     if run.has("motor_overloaded"):
         power, rated = run.number("input_power_W"), run.number("motor_rated_power_W")
         yield Finding(

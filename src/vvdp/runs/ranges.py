@@ -66,7 +66,7 @@ def kept_ranges(run: RecordedRun) -> Ranges | None:
 def _outcomes(
     system: System, variants: Sequence[System], stop: Callable[[], bool], say: Callable[[str], None]
 ) -> list[Outcome | str]:
-    """What the runs of all variants come to, or why they do not end; those of another shape run alone.
+    """Results of the runs of all variants, or why they do not end; those of another shape run alone.
 
     Raises KeyboardInterrupt where the user stops.
     """
@@ -94,7 +94,7 @@ def _numbers(variant: System, done: Outcome | str) -> Mapping[str, float | bool]
 
 
 def _alone(variant: System, stop: Callable[[], bool]) -> Outcome | str:
-    """What one run comes to, or why it does not end."""
+    """Result of one run, or why it does not end."""
     try:
         done = simulate(variant.model, variant.case, variant.stepping, stop=stop)
     except RunError as problem:

@@ -187,6 +187,6 @@ def _sections(run: RecordedRun, bench: RotaryBench | None, course: list[Chart], 
 
 
 def remarks(run: RecordedRun) -> tuple[str, ...]:
-    """What the simulation itself remarked."""
+    """Notes of the simulation itself."""
     failed = [run.meta["failed"]] if "failed" in run.meta else []
     return tuple(map(str, [*run.meta.get("remarks", ()), *failed]))

@@ -77,7 +77,7 @@ class RecordedRun:
 
     @property
     def network(self) -> Network:
-        """What was simulated."""
+        """The network that was simulated."""
         return self.system.circuit.network
 
     @property
@@ -92,7 +92,7 @@ class RecordedRun:
 
     @property
     def period(self) -> str:
-        """What passes between two marks."""
+        """The word for the interval between two marks."""
         return period(self.system)
 
     def number(self, key: str) -> float:
@@ -117,7 +117,7 @@ class RecordedRun:
         return _member(self.record.commands, path, "command").values
 
     def memory(self, path: str) -> Array:
-        """What a program remembered, as "program.field", over `times` [SI]."""
+        """Values that a program remembered, as "program.field", over `times` [SI]."""
         return self.record.memory[path].values
 
     @property

@@ -26,7 +26,7 @@ from vvdp.systems.resolved import resolved_text
 from vvdp.systems.system import System, built_system
 
 FLAGS = ("energy_residual", "mass_residual", "second_law", "within_validity", "trusted")
-"""What of a summary says whether a run is to be trusted."""
+"""Keys of a summary that say whether a run is to be trusted."""
 
 
 def run_system(

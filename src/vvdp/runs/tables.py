@@ -67,7 +67,7 @@ def without_dust(value: float, largest: float) -> float:
 
 
 def screen_listings(run: RecordedRun) -> tuple[Listing, ...]:
-    """What the screen shows: the overview that the system brings along; else nodes, components, losses, programs."""
+    """Tables on the screen: the overview that the system brings along; else nodes, components, losses, programs."""
     extras = run.system.extras
     own = (overview(run, extras),) if extras is not None and extras.OVERVIEW else ()
     if own and extras is not None and extras.IS_ALL:
@@ -77,7 +77,7 @@ def screen_listings(run: RecordedRun) -> tuple[Listing, ...]:
 
 
 def valve_listing(run: RecordedRun) -> tuple[Listing, ...]:
-    """What the rotary valves of a drawn circuit do; empty where it has none."""
+    """Table of the rotary valves of a drawn circuit; empty where it has none."""
     numbers, forms = dict(valve_quantities(run.system)), dict(placed_form_quantities(run.system))
     shown = numbers | {key: forms[key] for key in forms if key in run.summary}
     rows = tuple(Row(label, kind, (run.number(key),)) for key, (kind, label) in shown.items())
@@ -114,7 +114,7 @@ def component_listing(run: RecordedRun) -> Listing:
 
 
 def loss_listing(run: RecordedRun) -> Listing:
-    """What the components dissipate, what is stored, and what comes from outside."""
+    """Losses of the components, rate of stored energy, and powers from outside."""
     powers = [power for _, power in power_lines(run.system, run.summary)]
     put_in, given = sum(p for p in powers if p > 0.0), -sum(p for p in powers if p < 0.0)
     stored, largest = run.number("stored_power_W"), max(map(abs, powers), default=0.0)
@@ -138,7 +138,7 @@ def loss_listing(run: RecordedRun) -> Listing:
 
 
 def circuit_loss_listings(run: RecordedRun) -> dict[str, Listing]:
-    """What the parts that are circuits of their own dissipate, by name; none where the circuit has none."""
+    """Losses of the parts that are circuits of their own, by name; none where the circuit has none."""
     rows, powers = [], dict(circuit_power_lines(run.system, run.summary))
     for line in circuit_loss_lines(run.system, run.summary):
         name = line.component.replace("_", " ")

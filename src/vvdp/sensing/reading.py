@@ -1,4 +1,4 @@
-"""What an acquisition shows an estimator."""
+"""Output of a data acquisition to an estimator."""
 
 from typing import NamedTuple
 

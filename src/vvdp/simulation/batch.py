@@ -35,7 +35,7 @@ MOST_ROWS = 512
 
 @dataclass(frozen=True)
 class BatchRun:
-    """What a batch has left: a row for every case, columns in the order of the state.
+    """Result of a batch: a row for every case, columns in the order of the state.
 
     Marks are those from `average_from` on, of which `kept_marks` are held; a case without any has NaN. `reasons` says
     why a case could not be carried to the end, None where it was; the row of such a case holds what it had reached.

@@ -1,4 +1,4 @@
-"""What is wrong with a model and its case, said before they run: the functions are tried in plain Python."""
+"""Faults of a model and its case, found before they run: the functions are tried in plain Python."""
 
 import re
 import traceback

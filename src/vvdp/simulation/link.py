@@ -88,7 +88,7 @@ _REMEMBERED = Remembered[Linked]()
 
 
 class ModelAssemblies:
-    """What a model is compiled in: its circuit, and a sensor and a step for each program."""
+    """Units in which a model is compiled: its circuit, and a sensor and a step for each program."""
 
     def __init__(self, model: Model, case: Case, *, checked: bool = False) -> None:
         parts = [rates_part(model, case), stop_part(model, case), events_part(model, case)]

@@ -1,4 +1,4 @@
-"""What is simulated: a circuit, the programs that watch and command it, and the values that they start from."""
+"""A model to simulate: a circuit, the programs that watch and command it, and the values that they start from."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields

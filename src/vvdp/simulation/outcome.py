@@ -1,4 +1,4 @@
-"""What the numbers of a run are calculated from, whether it ran alone or in a batch."""
+"""Basis of the numbers of a run, whether it ran alone or in a batch."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -206,12 +206,12 @@ def _results(case: Case) -> str:
 
 
 def example_outputs(model: Model, case: Case) -> Any:
-    """What the circuit shows at the start."""
+    """Outputs of the circuit at the start."""
     return model.circuit(0.0, case.state, case.command, case.params)[1]
 
 
 def example_reading(model: Model, program: Program, case: Case) -> Any:
-    """What the program measures at the start."""
+    """Measured values of the program at the start."""
     return program.measure(0.0, case.state, example_outputs(model, case), case.params)
 
 

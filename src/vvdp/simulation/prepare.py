@@ -1,4 +1,4 @@
-"""What a run needs before its first step: a checked and linked case as flat vectors, and the compiled loop."""
+"""Preparation of a run for its first step: a checked and linked case as flat vectors, and the compiled loop."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

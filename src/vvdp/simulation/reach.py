@@ -1,4 +1,4 @@
-"""Which functions and constants a plain function reaches, and the words for them that a hash is taken of."""
+"""Functions and constants that a plain function reaches, and the words for them that a hash is taken of."""
 
 import dis
 import enum

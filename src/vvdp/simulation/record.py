@@ -56,12 +56,12 @@ class Record:
 
     @property
     def groups(self) -> dict[str, Mapping[str, Series]]:
-        """What is recorded over time, by group."""
+        """Recorded quantities over time, by group."""
         return {name: getattr(self, name) for name in GROUPS}
 
 
 def record_of(run: Run) -> Record:
-    """What a run in memory has recorded."""
+    """Record of a run in memory."""
     paths = [(path, kind) for path, _, kind in leaves(run.case.state)]
     marks = {path: _series(path, run.mark_states[:, place], kind) for place, (path, kind) in enumerate(paths)}
     return Record(

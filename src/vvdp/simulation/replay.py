@@ -25,7 +25,7 @@ Step = Callable[[Any, Any, Any], tuple[Any, Any]]
 
 
 class Replayed(NamedTuple):
-    """What a step has left: its memory after the last row, and what it showed at each."""
+    """Outcome of a step over a record: its memory after the last row, and its output at each."""
 
     memory: Any
     shown: Array  # (rows, m)
@@ -88,7 +88,7 @@ def replay_digest(step: Step, memory: Any, reading: Any, settings: Any) -> str:
 
 
 def _trial_output(step: Step, memory: Any, reading: Any, settings: Any) -> Any:
-    """What a step shows at these values. Raises RunError where it returns another memory than it takes."""
+    """Output of a step at these values. Raises RunError where it returns another memory than it takes."""
     after, shown = step(memory, reading, settings)
     before, found = [path for path, _, _ in leaves(memory)], [path for path, _, _ in leaves(after)]
     if before != found or flat(memory).size != flat(after).size:

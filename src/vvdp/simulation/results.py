@@ -33,7 +33,7 @@ MEASURED = ("relative_tolerance", "sample_period_s", "until_s", "seconds")
 
 @dataclass(frozen=True)
 class Results:
-    """What a result directory holds: the text of the system, the numbers of the run, its origin and its record."""
+    """Content of a result directory: the text of the system, the numbers of the run, its origin and its record."""
 
     directory: Path
     system: str
@@ -43,7 +43,7 @@ class Results:
 
 
 def origin(run: Run) -> dict[str, Any]:
-    """What meta.json says of how a run was computed."""
+    """Entries of meta.json on how a run was computed."""
     from vvdp.generator import binding
 
     found = {

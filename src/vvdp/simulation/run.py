@@ -49,7 +49,7 @@ MANY_JUMPS = 5
 
 @dataclass(frozen=True)
 class Run:
-    """What a run has left: recorded states, marks, extremes, counts. Rows and vectors are in the order of the state.
+    """Result of a run: recorded states, marks, extremes, counts. Rows and vectors are in the order of the state.
 
     A record on a sample has the command and the memory that were held until then.
     """
@@ -112,7 +112,7 @@ class Run:
 
     @property
     def final_memory(self) -> Mapping[str, Any]:
-        """What each program remembers at the end."""
+        """Memory of each program at the end."""
         return as_memory(self.case, self.reached.memory)
 
     @property
@@ -127,7 +127,7 @@ class Run:
 
     @property
     def readings(self) -> dict[str, Any]:
-        """What the sensors of each program would show at the recorded times, an array at each leaf."""
+        """Readings of the sensors of each program at the recorded times, an array at each leaf."""
         state, found = self.state, self.outputs
         with np.errstate(all="ignore"):
             return {
@@ -369,7 +369,7 @@ def _counts(before: Reached, reached: Reached) -> dict[str, Any]:
 
 
 def remarks(clock: Array) -> tuple[str, ...]:
-    """What a user should know of a run that went to its end."""
+    """Notes for a user on a run that went to its end."""
     found = []
     if (jumps := int(clock[places.JUMPS])) >= MANY_JUMPS:
         first = clock[places.JUMP_TIME]

@@ -113,7 +113,7 @@ PLAIN: dict[Op, Callable[..., Any]] = {
 
 
 def dependencies(graph: Graph, p: Sequence[float] | None = None) -> NDArray[np.bool_]:
-    """Which states each output depends on, shape (outputs, states); also where it only jumps with one.
+    """The states that each output depends on, shape (outputs, states); also where it only jumps with one.
 
     p  parameters that hold wherever this is used: what they switch off, or multiply by zero, is no dependency
     """

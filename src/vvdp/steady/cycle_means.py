@@ -41,7 +41,7 @@ CLOSE = 1e-12
 
 
 class CyclePoint(NamedTuple):
-    """What a valve works under: pressures absolute, `flow` what the pump displaces.
+    """Conditions of a valve: pressures absolute, `flow` what the pump displaces.
 
     The relief valve passes its rated flow at its override; with an override of 0 it is ideal.
     """

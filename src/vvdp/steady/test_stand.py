@@ -27,7 +27,7 @@ SMALLEST_SHARE = 2e-3
 
 
 class SetPoint(NamedTuple):
-    """What a test rig holds: the pressure is the mean at the load, absolute."""
+    """Setpoint of a test rig: the pressure is the mean at the load, absolute."""
 
     duty_ratio: DutyRatio
     load_pressure: Pressure
@@ -67,7 +67,7 @@ class Stand:
 
     @property
     def reference(self) -> float:
-        """What gauge pressures count from [Pa]."""
+        """Zero of gauge pressures [Pa]."""
         return self.bench.reference
 
     @property
@@ -182,7 +182,7 @@ class Stand:
         return cycle_means(self.cycle_point(point), self.bench.valve)
 
     def leakage(self, point: SetPoint) -> float:
-        """What the load region loses to the tank [m^3/s]; arrays of many points pass through as well."""
+        """Flow from the load region to the tank [m^3/s]; arrays of many points pass through as well."""
         conductance = leakage_conductance(self.film_viscosity(point), self.bench.valve)
         return conductance * (point.load_pressure - self.tank_pressure)
 

@@ -1,4 +1,4 @@
-"""What happens within one period of a periodic state, at equal intervals, and its harmonics."""
+"""Course of one period of a periodic state, at equal intervals, and its harmonics."""
 
 from dataclasses import dataclass, replace
 

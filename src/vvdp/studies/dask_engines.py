@@ -44,7 +44,7 @@ CONNECTING = 15.0
 
 @dataclass
 class DaskEngine(ABC):
-    """What the engines on Dask have in common.
+    """Common parts of the engines on Dask.
 
     Workers are started for every call of `run_all`; within `with engine:` they are kept. `say` is informed of a wait.
     """

@@ -106,7 +106,7 @@ def _is_at_work(path: Path) -> bool:
 
 
 def read_index(directory: Path) -> dict[str, tuple[Stamp, list[Row]]]:
-    """What the index of `directory` knows: stamp and cases by the name of the file; nothing where it is of no use."""
+    """Content of the index of `directory`: stamp and cases by the name of the file; nothing where it is of no use."""
     path = directory / NAME
     if not is_own_index(path) or companions(path):
         return {}

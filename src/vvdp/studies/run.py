@@ -185,7 +185,7 @@ def _places(numbers: list[int]) -> str:
 
 
 def _key(system: System, digest: str, stepping: str) -> str:
-    """What a case is known by: every resolved number, and everything else that its results depend on."""
+    """The identity of a case: every resolved number, and everything else that its results depend on."""
     found = hashlib.sha256(repr((VERSION, digest, system.circuit.digest, stepping)).encode())
     case = system.case
     programs = (*case.memory.values(), *case.settings.values())
@@ -241,7 +241,7 @@ def _check_outputs(study: Study, base: System) -> None:
 
 
 def _finished_batch(base: System, version: str, batch: Sequence[_Planned], cores: int) -> list[Finished]:
-    """What comes of a batch, where it is run."""
+    """Results of a batch, in the process that runs it."""
     systems = [_build_system(base, case.settings) for case in batch]
     one = systems[0]
     cases = [system.case for system in systems]

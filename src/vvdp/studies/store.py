@@ -1,4 +1,4 @@
-"""What a study keeps on disk: `study.json`, which says what it is, and a file of finished cases for every batch.
+"""A study on disk: `study.json`, which says what it is, and a file of finished cases for every batch.
 
     study.json          format, version, resolved base system, number of cases
     cases-<hash>.json   finished cases by key: what was set, results, or why it failed; and the SHA-256 of that

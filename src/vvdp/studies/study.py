@@ -1,4 +1,4 @@
-"""What a study is: a system, what is varied in it, and which results are wanted; from Python or from a file.
+"""A study: a system, what is varied in it, and which results are wanted; from Python or from a file.
 
 system = "prototype"                      # a shipped system, or a file beside this one
 until = "0.5 s"                           # optional, as are [settings] and the title

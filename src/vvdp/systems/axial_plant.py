@@ -1,4 +1,4 @@
-"""What moves along its axis in a system, linear about the middle of its travel: mass, stiffness, damping, oil."""
+"""Axial motion in a system, linear about the middle of its travel: mass, stiffness, damping, oil."""
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 

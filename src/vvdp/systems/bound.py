@@ -26,7 +26,7 @@ class Bound:
 
     @property
     def sentence(self) -> str:
-        """What is the matter where it does not."""
+        """The sentence for a number that lies outside."""
         under = self.low < self.least
         value, limit = (self.low, self.least) if under else (self.high, self.most)
         least, most, found = (with_unit(number, self.kind) for number in (self.least, self.most, value))

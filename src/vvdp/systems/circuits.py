@@ -1,4 +1,4 @@
-"""What a system file may name as its circuit: an entry point, or a function in a module of your own."""
+"""Circuits that a system file may name: an entry point, or a function in a module of your own."""
 
 import importlib
 import inspect
@@ -35,7 +35,7 @@ def _entry_points() -> tuple[EntryPoint, ...]:
 
 
 def _load(point: EntryPoint) -> Any:
-    """What an entry point names. Raises ParameterError if its package does not load."""
+    """The object that an entry point names. Raises ParameterError if its package does not load."""
     try:
         return point.load()
     except Exception as problem:  # code of another package

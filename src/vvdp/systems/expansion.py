@@ -92,7 +92,7 @@ class Expansion:
     def __init__(self, circuit: DrawnCircuit) -> None:
         self.circuit = circuit
         self.carried: dict[tuple[str, str], str] = {}
-        """What a port carries, by the prefix of its part and its name."""
+        """The content of a port, by the prefix of its part and its name."""
 
     def draw(self, scope: Scope) -> None:
         """Draw one file: what stands in it first, then its parts, then what it changes inside of them."""

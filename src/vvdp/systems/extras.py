@@ -1,4 +1,4 @@
-"""What a system may bring along beyond others: numbers, lines on the console, warnings, figures."""
+"""Additions of a system: numbers, lines on the console, warnings, figures."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
@@ -34,7 +34,7 @@ class Line(NamedTuple):
 
 
 class LoadedSystem(Protocol):
-    """What extras, bounds and messages read of a system (`systems.system.System`), which is built on them."""
+    """Interface of a system (`systems.system.System`) for extras, bounds and messages, on which it is built."""
 
     @property
     def name(self) -> str:
@@ -62,20 +62,20 @@ class LoadedSystem(Protocol):
 
     @property
     def extras(self) -> "Extras | None":
-        """What the system brings along beyond others; None where that is nothing."""
+        """The additions of the system; None where there are none."""
 
     def with_tables(self, tables: Mapping[str, object]) -> "LoadedSystem":
         """The same system drawn from other tables."""
 
 
 class Extras:
-    """What a system brings along beyond others: nothing, unless a subclass says more.
+    """Additions of a system: none, unless a subclass says more.
 
     A circuit names its own with `net.extras = MyExtras`; it is made with the system.
     """
 
     PERIOD = "period"
-    """What passes between two marks of a run."""
+    """Word for the interval between two marks of a run."""
     STEADY = True
     """Whether a user expects means of a steady state from a run."""
     OVERVIEW: tuple[Line, ...] = ()
@@ -83,7 +83,7 @@ class Extras:
     IS_ALL = True
     """Whether these lines are all that a user is shown; else they stand below nodes and components."""
     OVERVIEW_NOTE = ""
-    """What a reader has to know of these lines, in sentences."""
+    """Notes on these lines, in sentences."""
 
     HEADLINE: tuple[str, ...] = ()
     """Keys of the numbers whose ranges are reported where values have one; without, pressures and speeds."""
@@ -116,11 +116,11 @@ class Extras:
         return {}
 
     def warnings(self, found: Mapping[str, float | bool]) -> Iterator[str]:  # noqa: ARG002
-        """What a user has to know before the numbers of a summary, each in one line."""
+        """Warnings to read before the numbers of a summary, each in one line."""
         yield from ()
 
     def merits(self, found: Mapping[str, float | bool]) -> Iterator[str]:  # noqa: ARG002
-        """What the numbers of a summary show to be right, each in one line."""
+        """Merits that the numbers of a summary show, each in one line."""
         yield from ()
 
     def bounds(self, found: Mapping[str, float | bool]) -> Iterator[Bound]:  # noqa: ARG002

@@ -271,7 +271,7 @@ def _refuse_wiring(where: str, origin: Table) -> None:
 
 
 def _disturbance(given: Mapping[str, object], kind: Kind | None, still: str, *, has_range: bool = False) -> Disturbance:
-    """What is wrong with a signal of a kind; `still` is the word for one that does not change any more."""
+    """The fault of a signal of a kind; `still` is the word for one that does not change any more."""
     match given:
         case {"frozen": True, **rest} if still == "frozen" and not rest:
             return Frozen()

@@ -1,4 +1,4 @@
-"""What fails in a system, and when: sensors and actuators of programs, what turns or slides, values that are others.
+"""Faults of a system and their times: sensors and actuators of programs, what turns or slides, values that are others.
 
 A fault changes the circuit alone. What programs know and believe stays as the tables without faults have it.
 
@@ -36,11 +36,11 @@ class Window:
 
 
 class Disturbance(Protocol):
-    """What is wrong with a signal."""
+    """The fault of a signal."""
 
     @property
     def words(self) -> str:
-        """What is wrong, for a user."""
+        """The fault in words, for a user."""
         ...
 
     def on(self, healthy: Instrument, window: Window) -> Instrument:
@@ -95,7 +95,7 @@ class ReadingFault:
 
     @property
     def words(self) -> str:
-        """What is wrong, for a user."""
+        """The fault in words, for a user."""
         return f"what {self.program} reads as {self.field} {self.disturbance.words}"
 
     def apply(self, network: Network) -> None:
@@ -116,7 +116,7 @@ class CommandFault:
 
     @property
     def words(self) -> str:
-        """What is wrong, for a user."""
+        """The fault in words, for a user."""
         return f"what {self.program} commands as {self.field} {self.disturbance.words}"
 
     def apply(self, network: Network) -> None:
@@ -141,7 +141,7 @@ class InstrumentFault:
 
     @property
     def words(self) -> str:
-        """What is wrong, for a user."""
+        """The fault in words, for a user."""
         return f"what {self.program}.{self.path} shows {self.disturbance.words}"
 
     def apply(self, network: Network) -> None:
@@ -160,7 +160,7 @@ class MissedEdges:
 
     @property
     def words(self) -> str:
-        """What is wrong, for a user."""
+        """The fault in words, for a user."""
         return f"{self.program}.{self.path} misses {100.0 * self.share:.3g} % of the edges"
 
     def apply(self, network: Network) -> None:
@@ -245,7 +245,7 @@ class NamedFault:
 
     @property
     def sentence(self) -> str:
-        """What fails, and when, for a user."""
+        """The fault and its time in words, for a user."""
         window = self.window
         until = f"from {window.begin:g} s" + (f" to {window.end:g} s" if window.end < FOR_GOOD else " on")
         when = "all the time" if window == Window() else until

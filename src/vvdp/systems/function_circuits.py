@@ -72,7 +72,7 @@ def read_tables(
 
 
 def own_tables(function: NetworkFunction, content: Entries) -> dict[str, dict[str, Any]]:
-    """What of a file a circuit takes: its tables, with the keys that it knows."""
+    """The entries of a file that a circuit takes: its tables, with the keys that it knows."""
     known = {name: set().union(*map(keys_of, slot.classes)) for name, slot in table_slots(function).items()}
     return {
         name: {key: value for key, value in content[name].items() if key in keys}

@@ -1,4 +1,4 @@
-"""What a user wants to know of a component or program of the library, collected from the code.
+"""Descriptions of the components and programs of the library for users, collected from the code.
 
 Meanings of words are those of docs/nomenclature.md, which the package carries.
 """
@@ -284,7 +284,7 @@ def _called_functions(function: Callable[..., Any]) -> Iterator[Callable[..., An
 
 
 def _rules(classes: Sequence[type[Params]]) -> Iterator[str]:
-    """What values of the classes must keep, read from the calls of `base.rules` in their checks."""
+    """Rules that values of the classes must keep, read from the calls of `base.rules` in their checks."""
     checks = {
         vars(cls)["check"] for each in classes for cls in each.__mro__ if "check" in vars(cls) and cls is not Params
     }
@@ -303,7 +303,7 @@ def _rules(classes: Sequence[type[Params]]) -> Iterator[str]:
 
 
 def _warnings(classes: Sequence[type[Params]]) -> Iterator[str]:
-    """What a run warns of for values of the classes."""
+    """Warnings of a run about values of the classes."""
     if any("transition_pressure" in field_kinds(cls) for cls in classes):
         limit = value_text(LARGEST_TRANSITION, PRESSURE_DIFFERENCE)
         yield f"`transition_pressure` above {limit}: the flow would be laminar up to this pressure drop"

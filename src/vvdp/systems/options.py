@@ -1,4 +1,4 @@
-"""What options of a command change in a system file before it is read."""
+"""Changes that options of a command make in a system file before it is read."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -11,7 +11,7 @@ from vvdp.base.units import parse
 
 
 def option_keys(settings: Sequence[str]) -> set[str]:
-    """What settings of the form table.key=value set."""
+    """The keys and values that settings of the form table.key=value set."""
     return {setting.partition("=")[0].strip() for setting in settings}
 
 

@@ -11,10 +11,10 @@ from vvdp.base.tables import ORIGIN, Table, fault_at
 from vvdp.systems.part_files import GROUPS, PARTS, PartFile
 
 Entries: TypeAlias = Mapping[str, Any]
-"""What stands in a table of a file, by key."""
+"""Entries of a table of a file, by key."""
 PATH = re.compile(r"[a-z]\w*(\.\w+)*")
 TIME = "t"
-"""What every program may read besides the quantities of the circuit."""
+"""Names that every program may read besides the quantities of the circuit."""
 UNNAMED = frozenset((*ORIGIN, "type", "oil", "at", "range"))
 """Keys whose texts are not names of the circuit."""
 

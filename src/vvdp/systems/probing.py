@@ -91,7 +91,7 @@ class Probing:
             self._build_together(batch)
 
     def _reach(self, probes: Sequence[Probe]) -> Mask:
-        """Which numbers change at the ends of a range."""
+        """The numbers that change at the ends of a range."""
         ends = [self.find(probes[at]).numbers for at in (0, -1)]
         reach: Mask = (np.stack(ends) != self.numbers).any(axis=0) & self.counted
         return reach

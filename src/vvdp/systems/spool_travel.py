@@ -101,7 +101,7 @@ def require_rotary_valve(system: LoadedSystem, verb: str) -> RotaryValve:
 
 
 def stop_travel(network: Network) -> Travel | None:
-    """What the end stops of the spool leave it [m]; None without any.
+    """The travel that the end stops of the spool leave [m]; None without any.
 
     They are on the rod that gives the valve its axial position, or in the drive that does; without a valve in the
     network the only ones that there are.
@@ -148,7 +148,7 @@ def first_position(system: LoadedSystem) -> float | None:
 
 
 def _value(source: Any, of_signal: Any, known: Mapping[str, float]) -> Any:
-    """What a source gives, with what is taken of its signals and what is `known` at its paths."""
+    """The value of a source, with what is taken of its signals and what is `known` at its paths."""
     if isinstance(source, Signal):
         return of_signal(source)
     if isinstance(source, str):

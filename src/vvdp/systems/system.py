@@ -33,6 +33,7 @@ from vvdp.geometry.shape_tables import NAME as SHAPE
 from vvdp.geometry.shape_tables import read_shape
 from vvdp.network.build import Circuit
 from vvdp.network.build import build as build_circuit
+from vvdp.network.likeness import lacks
 from vvdp.network.network import Network
 from vvdp.network.sense import check_sense
 from vvdp.simulation.model import Case, Model
@@ -151,25 +152,26 @@ class System:
 
     @cached_property
     def extras(self) -> Extras | None:
-        """What the system brings along beyond others; None where that is nothing."""
+        """The additions of the system; None where there are none."""
         drawn = self.counterpart or self
         extras = drawn.circuit.network.extras
         found: Extras | None = extras and extras(self, drawn.tables)
         return found or reported_programs(self, self.stepping.sample_period)
 
-    @cached_property
+    @property
     def counterpart(self) -> "System | None":
         """The circuit that a drawn file names, as its function draws it from the tables of the file; None where it
         names none, and where that is not what the file draws, apart from more that no node of it joins."""
-        if self.function is not None or "circuit" not in self.content:
-            return None
-        try:
-            own = own_tables(network_function(self.content["circuit"], self.folder), self.content)
-            kept = {name: table for name, table in self.content.items() if name in (*HEADINGS, *OF_ANY_CIRCUIT)}
-            found = built_system(Table(self.name, own | kept, {}), self.name, self.folder)
-        except (ConfigError, ParameterError):
-            return None
-        return found if found.circuit.network.is_whole_in(self.circuit.network) else None
+        return self._named_circuit[0]
+
+    @property
+    def lacking(self) -> str:
+        """The first thing that the drawing lacks to contain the circuit that its file names; empty if there is none."""
+        return self._named_circuit[1]
+
+    @cached_property
+    def _named_circuit(self) -> tuple["System | None", str]:
+        return named_circuit(self) if self.function is None and "circuit" in self.content else (None, "")
 
     @cached_property
     def shape(self) -> ValveShape | None:
@@ -182,7 +184,7 @@ class System:
 
     @property
     def circuit_name(self) -> str:
-        """What the file names as its circuit; where it draws it itself, how many parts it has."""
+        """The name of the circuit in the file; where it draws it itself, how many parts it has."""
         network = self.circuit.network
         count = f"{len(network.nodes)} nodes, {len(network.parts)} components"
         return f"drawn, {count}" if self.function is None else str(self.content["circuit"])
@@ -199,7 +201,7 @@ class System:
 
     @property
     def table(self) -> Table:
-        """What it was read from, settings included."""
+        """The text that it was read from, settings included."""
         return Table(self.name, self.content, {})
 
     def read_from(self, table: Table) -> "System":
@@ -225,6 +227,20 @@ class System:
     def __reduce__(self) -> tuple[Any, ...]:
         """A system travels to other processes as its text: its functions are written again where it arrives."""
         return _build_network, (self.table, self.name, self.folder.absolute(), self.tables if self.redrawn else None)
+
+
+def named_circuit(drawn: System) -> tuple[System | None, str]:
+    """The circuit that a drawn file names, if the file draws all of it; else the first thing that is missing."""
+    try:
+        own = own_tables(network_function(drawn.content["circuit"], drawn.folder), drawn.content)
+        kept = {name: table for name, table in drawn.content.items() if name in (*HEADINGS, *OF_ANY_CIRCUIT)}
+        found = built_system(Table(drawn.name, own | kept, {}), drawn.name, drawn.folder)
+    except ConfigError as problem:
+        return None, f"{problem.faults[0].key}: {problem.faults[0].message}"
+    except ParameterError as problem:
+        return None, str(problem)
+    missing = next(lacks(drawn.circuit.network, found.circuit.network), "")
+    return (None if missing else found), missing
 
 
 def _build_network(table: Table, name: str, folder: Path, tables: Mapping[str, object] | None) -> System:
@@ -410,7 +426,7 @@ def _draw(
     folder: Path,
     before: System | None,
 ) -> Drawing:
-    """What a file draws, through its function or by itself."""
+    """The drawing of a file, by its function or by itself."""
     if function is not None:
         known = None if before is None else ReadBefore(before.content, before.own_tables, before.rows)
         values, rows = read_tables(function, content, table, faults, known)
@@ -429,7 +445,7 @@ def _fail(
     faults: list[Fault],
     folder: Path,
 ) -> tuple[Drawing, tuple[NamedFault, ...]]:
-    """What a file draws with what it says that fails in it."""
+    """The drawing of a file with the faults that it states."""
     if drawing.network is None or FAULTS not in table.content or faults:
         return drawing, ()
     reader = FaultReader(drawing.network, None if function is None else drawing.tables, table, faults)

@@ -198,7 +198,7 @@ def branch_flow(pressure_drop: float, opening: float, density: float, valve: Rot
 
 
 def closed_flow(pressure_drop: float, law: BranchLaw) -> BranchFlow:
-    """What `law_flow` comes to for a closed port: no flow, and the whole drop over the nozzles [m^3/s, 1].
+    """Result of `law_flow` for a closed port: no flow, and the whole drop over the nozzles [m^3/s, 1].
 
     pressure_drop  from inlet rail to outlet port, either sign [Pa]
     """

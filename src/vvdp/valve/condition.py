@@ -1,4 +1,4 @@
-"""What the valve works against while it switches."""
+"""Conditions under which the valve switches."""
 
 from typing import NamedTuple
 

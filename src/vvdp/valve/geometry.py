@@ -127,7 +127,7 @@ EVEN = JetSkews(0.0, 0.0)
 
 
 def jet_skews(spool_angle: float, axial_position: float, asymmetry: float, shape: PortShape) -> JetSkews:
-    """What the asymmetry of the jets adds to the openings [1]; an odd function about the middle of each wedge.
+    """Contribution of the asymmetry of the jets to the openings [1]; an odd function about the middle of each wedge.
 
     eps_j a (1 - a) while the load's barrier closes over the nozzle, - eps_j a (1 - a) while it opens, nothing where it
     covers both sides alike.

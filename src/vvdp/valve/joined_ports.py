@@ -1,4 +1,4 @@
-"""What flows while barriers narrower than the nozzles let both ports be open at once, in closed form.
+"""Flows while barriers narrower than the nozzles let both ports be open at once, in closed form.
 
 Derived in docs/models/rotary-valve.md, "Losses". One port closes while the other opens, their open fractions adding up
 to 1 - lambda, lambda the lap ratio. Flows are counted in parts of the pump flow, so that a port of open fraction a
@@ -72,7 +72,7 @@ def _conductance(opening: float, ends: Ends) -> float:
 
 
 def _capacity(tank_opening: float, whole: float, ends: Ends) -> float:
-    """What both ports pass at the relief setting [1]: concave, and the relief valve is open where it is below 1."""
+    """Flow of both ports at the relief setting [1]: concave, and the relief valve is open where it is below 1."""
     load: float = _conductance(whole - tank_opening, ends) * np.sqrt(ends.relief_over_load)
     tank: float = _conductance(tank_opening, ends) * np.sqrt(ends.relief_over_tank)
     return load + tank
@@ -109,7 +109,7 @@ def _newton(tank_opening: float, whole: float, ends: Ends) -> float:
 
 
 def _at(tank_opening: float, whole: float, ends: Ends) -> JoinedPorts:
-    """What flows at one instant, and what is lost in excess of the fully open valve.
+    """Flows at one instant, and the loss in excess of that of the fully open valve.
 
     With the relief valve open the inlet is x above its setting, x = o (1 - q_L - q_T). With it close, y the root of the
     inlet over the tank and D the load over the tank, g_L root(y^2 - D) + g_T y = 1, a quadratic equation; below the

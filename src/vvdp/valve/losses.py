@@ -239,7 +239,7 @@ def friction_loss(spool_speed: float, friction_coefficient: float) -> float:
 
 
 def range_warnings(duty_ratio: float, at: Condition, valve: RotaryValve) -> tuple[str, ...]:
-    """What puts the closed form of the transition loss in doubt at an operating point, in sentences; empty if nothing.
+    """Doubts about the closed form of the transition loss at an operating point, in sentences; empty without any.
 
     duty_ratio  [1]
     """

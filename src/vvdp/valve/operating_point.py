@@ -62,7 +62,7 @@ class SetPoint(NamedTuple):
     pump_leakage: Conductance = 0.0
 
     def condition(self, oil: Oil) -> Condition:
-        """What the valve switches against."""
+        """The conditions under which the valve switches."""
         return Condition(
             flow=self.flow,
             load_pressure=self.load_pressure,
@@ -187,7 +187,7 @@ def operating_point(set_point: SetPoint, inlet_volume: float, oil: Oil, valve: R
 
 
 def _mean_transition_loss(cycle: CycleMean, open_loss: float) -> float:
-    """What a PWM period loses on the mean beyond the pump's leakage and the fully open valve [W].
+    """Mean loss over a PWM period beyond the pump's leakage and the fully open valve [W].
 
     open_loss  of the fully open valve [W]
     """

@@ -259,7 +259,7 @@ def fit_friction_area(pwm_frequency: float, flow: float, density: float, viscosi
 
 
 class SpoolSurface(Params):
-    """What of the spool's surface runs close to the sleeve.
+    """The part of the spool's surface that runs close to the sleeve.
 
     `bearing_length` is plain land; over `pocket_length` the fraction `pocket_coverage` of the circumference is cut
     back by `pocket_depth`. `pocket_drag_factor` is the shear on the sleeve relative to plane Couette flow over the

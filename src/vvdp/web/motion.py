@@ -1,4 +1,4 @@
-"""What of a circuit diagram moves with a run: lines with their node and flow, ports, shafts and rods."""
+"""Moving parts of a circuit diagram: lines with their node and flow, ports, shafts and rods."""
 
 from collections.abc import Iterator
 from typing import Any

@@ -1,4 +1,4 @@
-"""Which recorded number each column of a report's table of series is, so that a page can draw it again."""
+"""The recorded number behind each column of a report's table of series, so that a page can draw it again."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace

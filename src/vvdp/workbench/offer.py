@@ -1,4 +1,4 @@
-"""Which systems the page may open: the shipped ones, and the system files of one folder."""
+"""Systems that the page may open: the shipped ones, and the system files of one folder."""
 
 from contextlib import suppress
 from dataclasses import dataclass, replace

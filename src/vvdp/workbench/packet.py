@@ -1,4 +1,4 @@
-"""What travels to a page: a description in JSON, then columns of numbers, in the unit in which they are shown.
+"""Messages to a page: a description in JSON, then columns of numbers, in the unit in which they are shown.
 
 8 bytes length of the description, the description, padding to 8 bytes, the columns. Times have 64 bits, all others 32.
 """

@@ -1,4 +1,4 @@
-"""What a circuit may be drawn from: each type with its symbol, its ports, and the lines that a file needs of it."""
+"""Parts of a drawn circuit: each type with its symbol, its ports, and the lines that a file needs of it."""
 
 from collections.abc import Iterator, Mapping
 from functools import cache
@@ -17,7 +17,7 @@ from vvdp.systems.part_files import shipped_part, shipped_parts
 from vvdp.systems.part_offers import part_ports, part_values
 
 OIL, SHAFT, ROD = "oil", "shaft", "rod"
-"""What can be joined: a port to a node of the same word."""
+"""Words for what can be joined: a port to a node of the same word."""
 ROLES = {Role.PORT: OIL, Role.SHAFT: SHAFT, Role.SHAFT_SPEED: SHAFT, Role.ROD: ROD}
 NODE_KINDS: Mapping[str, tuple[NodeKind, str]] = {
     "volume": (NodeKind.VOLUME, OIL),

@@ -1,4 +1,4 @@
-"""What the server calculates for a page: values, diagram, drafts and whole runs."""
+"""Calculations of the server for a page: values, diagram, drafts and whole runs."""
 
 import math
 import shlex

@@ -102,7 +102,7 @@ class SpoolCovariance(NamedTuple):
 
 
 class SpoolBelief(NamedTuple):
-    """What is believed of the spool."""
+    """Belief of the filter about the spool."""
 
     mean: SpoolMotion
     covariance: SpoolCovariance

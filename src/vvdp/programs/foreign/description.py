@@ -1,4 +1,4 @@
-"""What the description of a foreign FMU says: it is text from anyone, read without running anything."""
+"""Description of a foreign FMU: it is text from anyone, read without running anything."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

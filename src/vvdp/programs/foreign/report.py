@@ -1,4 +1,4 @@
-"""What a program with a foreign FMU adds to the results: what its exchange creates or loses."""
+"""Report of a program with a foreign FMU: energy that its exchange creates or loses."""
 
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType

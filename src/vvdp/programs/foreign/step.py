@@ -37,7 +37,7 @@ class StepText:
 
     @property
     def reading(self) -> type:
-        """What it reads."""
+        """Inputs of the FMU."""
         return named_tuple("ForeignReading", {joint.name: Annotated[float, joint.kind] for joint in self.inputs})
 
     @property

@@ -23,7 +23,7 @@ OWN_FIELDS = (TIME, MADE, THROUGHPUT)
 
 
 class FieldError(ParameterError):
-    """What is wrong with a key of the table of a program."""
+    """The fault of a key of the table of a program."""
 
     def __init__(self, key: str, message: str) -> None:
         super().__init__(message)

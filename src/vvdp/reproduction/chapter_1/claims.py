@@ -1,4 +1,4 @@
-"""What chapter 1 claims of the valve, as `vvdp rig claims` calculates it for the prototype."""
+"""Claims of chapter 1 about the valve, as `vvdp rig claims` calculates them for the prototype."""
 
 from functools import cache
 

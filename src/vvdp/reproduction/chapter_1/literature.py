@@ -1,4 +1,4 @@
-"""What section 1.2 reports other circuits, valves and sensors, and whether its numbers go together."""
+"""Reports of section 1.2 about other circuits, valves and sensors, and whether their numbers go together."""
 
 from typing import NamedTuple
 
