@@ -4,8 +4,7 @@ import os
 from collections.abc import Callable
 from statistics import median
 
-import numpy as np
-
+from benchmarks.displacement import sample_times
 from benchmarks.measure import (
     ROUNDS,
     empty_caches,
@@ -16,14 +15,9 @@ from benchmarks.measure import (
     run_as_command,
     spread,
 )
-from vvdp.machines.inner_loop import LedPlace, led_step
-from vvdp.programs.axial_loop import PROGRAM, AxialCommand
-from vvdp.programs.chamber_loop import WatchedLoop, WatchedMemory
-from vvdp.simulation.replay import Replay
 from vvdp.simulation.run import Run, simulate
 from vvdp.systems.system import System, load_system
 
-SAMPLES = 20_000
 SAMPLE_TARGET, RATIO_TARGET, REAL_TIME_TARGET, COMPILE_TARGET = 3.0, 1.5, 30.0, 1.6
 COMPILE = """
 import time
@@ -40,31 +34,18 @@ def main(short: bool) -> None:
     """Samples, runs and compilations, each beside what it is compared with."""
     rounds = 2 if short else ROUNDS
     controlled = load_system("vvdp-duty-control", (), "0.05 s" if short else "1 s")
-    cost_per_sample(load_system("displacement-control"), SAMPLES // (100 if short else 1), rounds)
+    cost_per_sample(controlled, rounds)
     against_prototype(controlled, load_system("prototype", (), "0.05 s" if short else "1 s"), rounds)
     if not short:
         compiling(3)
 
 
-def sampled_step(memory: WatchedMemory, place: LedPlace, settings: WatchedLoop) -> tuple[WatchedMemory, AxialCommand]:
-    """The step of the program, as a record is gone through."""
-    return led_step(place.time, memory, place, settings)
-
-
-def cost_per_sample(system: System, samples: int, rounds: int) -> None:
-    """Encoder, event filter, observer and law over places of a spool that turns at 25 turns a second, held still."""
-    program = system.circuit.network.programs[PROGRAM]
-    settings = program.settings
-    memory = program.type.start(settings)
-    time = 1e-3 * np.arange(samples)
-    pressure = np.where(time < 0.4, 101325.0, 14.6e5)
-    held = [np.full(samples, each) for each in (157.0, 0.010)]
-    place = np.column_stack([time, 157.0 * time, *held, pressure, held[1], np.ones(samples)])
-    replay = Replay(sampled_step, memory, LedPlace(*place[0]), settings)
-    times = interleaved({"axial control": lambda: replay(memory, place, settings)}, rounds)
-    taken = times["axial control"]
-    met = median(taken) * 1e6 / samples < SAMPLE_TARGET
-    report("encoder, filter, observer, law: one sample", spread(taken, "us", 1e6 / samples), f"{SAMPLE_TARGET:g}", met)
+def cost_per_sample(system: System, rounds: int) -> None:
+    """All programs of the control: encoder, event filter, sensor, observer, reference and law."""
+    run = simulate(system.model, system.case, system.stepping)
+    taken = [sum(each) for each in zip(*sample_times(system, run, rounds).values(), strict=True)]
+    met = median(taken) * 1e6 < SAMPLE_TARGET
+    report("encoder, filter, observer, law: one sample", spread(taken, "us", 1e6), f"{SAMPLE_TARGET:g}", met)
 
 
 def against_prototype(controlled: System, plain: System, rounds: int) -> None:

@@ -105,15 +105,20 @@ def evaluating(machine: System, plain: System, done: dict[str, Run], rounds: int
 
 
 def sampling(machine: System, run: Run, rounds: int) -> None:
-    """A sample of each program of the machine, as the compiled loop calls it."""
-    ready, sample = prepare(machine.model, machine.case, machine.stepping), compiled(samples, SAMPLES)
+    """A sample of each program of the machine."""
+    for name, taken in sample_times(machine, run, rounds).items():
+        report(f"a sample of the program {name}", spread(taken, "us", 1e6), listed=True)
+
+
+def sample_times(system: System, run: Run, rounds: int) -> dict[str, list[float]]:
+    """The time of a sample of each program of a system, as the compiled loop calls it at the end of a run [s]."""
+    ready, sample = prepare(system.model, system.case, system.stepping), compiled(samples, SAMPLES)
     state, params, variants = run.states[-1].copy(), ready.vectors.params, dict[str, Callable[[], object]]()
-    for which, name in enumerate(machine.model.programs, 1):
+    for which, name in enumerate(system.model.programs, 1):
         command, memory = run.commands[-1].copy(), run.memories[-1].copy()
         given = (ready.linked.sample, which, CALLS, state, command, memory, params, command.copy())
         variants[name] = lambda given=given: sample(*given)  # type: ignore[misc]
-    for name, taken in interleaved(variants, rounds).items():
-        report(f"a sample of the program {name}", spread(taken, "us", 1e6 / CALLS), listed=True)
+    return {name: [each / CALLS for each in taken] for name, taken in interleaved(variants, rounds).items()}
 
 
 def compiling(rounds: int) -> None:

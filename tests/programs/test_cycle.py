@@ -6,32 +6,36 @@ from tests.words import wording
 
 from vvdp.base.errors import ConfigError, ParameterError
 from vvdp.base.tables import parsed_table
-from vvdp.programs.pulses import Cycle, Now, cycle_step, cycle_value
+from vvdp.programs.pulses import CycleTable, Now, cycle_of, cycle_step, cycle_value
 from vvdp.simulation.run import simulate
 from vvdp.systems.system import built_system
 
-TRIANGLE = Cycle(lower_end=0.05, stroke=0.216, stroke_time=4.0)
-POINTS = Cycle(times=(0.0, 4.0, 8.0), values=(0.05, 0.05 + 0.216, 0.05))
+TRIANGLE = CycleTable(lower_end=0.05, stroke=0.216, stroke_time=4.0)
+POINTS = CycleTable(times=(0.0, 4.0, 8.0), values=(0.05, 0.05 + 0.216, 0.05))
 TIMES = np.linspace(0.0, 20.0, 1001)
 
 
 def test_a_triangle_is_its_points():
     """To the last bit; 21.6 cm in 4 s are 5.4 cm after 1 s and on the way back after 7 s."""
-    assert [cycle_value(float(t), TRIANGLE) for t in TIMES] == [cycle_value(float(t), POINTS) for t in TIMES]
-    assert [cycle_value(t, TRIANGLE) for t in (1.0, 4.0, 7.0, 8.0)] == pytest.approx([0.104, 0.266, 0.104, 0.05])
+    assert [cycle_value(float(t), cycle_of(TRIANGLE)) for t in TIMES] == [
+        cycle_value(float(t), cycle_of(POINTS)) for t in TIMES
+    ]
+    assert [cycle_value(t, cycle_of(TRIANGLE)) for t in (1.0, 4.0, 7.0, 8.0)] == pytest.approx(
+        [0.104, 0.266, 0.104, 0.05]
+    )
 
 
 @pytest.mark.parametrize("cycle", [TRIANGLE, POINTS], ids=["triangle", "points"])
 def test_it_is_followed_once_and_read_ahead(cycle):
     values = {name: getattr(cycle, name) for name in ("times", "values", "lower_end", "stroke", "stroke_time")}
-    once, early = Cycle(**values, repeats=0.0), Cycle(**values, preview=0.5)
+    once, early = cycle_of(CycleTable(**values, repeats=0.0)), cycle_of(CycleTable(**values, preview=0.5))
     assert [cycle_value(t, once) for t in (1.0, 8.5, 100.0)] == pytest.approx([0.104, 0.05, 0.05])
-    assert cycle_value(0.5, early) == cycle_value(1.0, cycle)
+    assert cycle_value(0.5, early) == cycle_value(1.0, cycle_of(cycle))
 
 
 def test_a_value_that_holds_is_that_of_the_middle():
-    held = Cycle(lower_end=0.05, stroke=0.216, stroke_time=4.0, preview=1.0, sample_period=0.2)
-    _, command = cycle_step(0.0, (), Now(2.0), held)
+    held = CycleTable(lower_end=0.05, stroke=0.216, stroke_time=4.0, preview=1.0, sample_period=0.2)
+    _, command = cycle_step(0.0, (), Now(2.0), cycle_of(held))
     assert command.value == pytest.approx(0.05 + 0.216 * 3.1 / 4.0)
     assert command.start == pytest.approx(0.104)  # at time 0, read ahead
 
@@ -50,7 +54,7 @@ def test_a_value_that_holds_is_that_of_the_middle():
 )
 def test_what_is_no_cycle_is_refused(values, message):
     with pytest.raises(ParameterError, match=message):
-        Cycle(**values)
+        CycleTable(**values)
 
 
 TEXT = """

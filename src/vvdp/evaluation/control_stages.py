@@ -17,6 +17,8 @@ from vvdp.programs.axial_loop import HOME, LEARN, AxialSequence, Stage
 from vvdp.programs.chamber_laws import ChamberLaw
 from vvdp.programs.chamber_loop import ChamberLoop
 from vvdp.programs.chamber_report import static_reach_of
+from vvdp.programs.machine.checks import machine_loop_of
+from vvdp.programs.machine.loop import MachineCommand
 from vvdp.programs.report import origin
 from vvdp.simulation.outcome import Outcome
 from vvdp.systems.bound import Bound
@@ -101,9 +103,12 @@ def range_asked(network: Network, source: Source) -> tuple[float, float] | None:
     """
     if isinstance(source, Signal):
         return source.extremes
-    program = origin(network, source)[0]
+    program, field = origin(network, source)
     if program is None or program.type.step is table_step:
         return None
+    if isinstance(program.type.command, MachineCommand) and field == "spool_position":
+        spool = machine_loop_of(program.settings).spool
+        return spool.rest_position, spool.highest_position
     followed = [program.reads["reads"]] if "reads" in program.reads else [*program.reads.values()]
     if len(followed) > 1 and program.type.step is not product_step:
         return None

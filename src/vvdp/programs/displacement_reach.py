@@ -18,7 +18,7 @@ from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.hydraulics.friction import RodFriction, rod_friction_force
 from vvdp.network.network import Network, Part, ProgramPart
 from vvdp.network.nodes import Chamber, OilVolume, Rod, Source
-from vvdp.programs.pulses import Cycle, cycle_points
+from vvdp.programs.pulses import Cycle
 from vvdp.programs.report import origin
 
 Values = TypeVar("Values", bound=Params)
@@ -99,8 +99,8 @@ def refuse_empty_chambers(network: Network, law: ProgramPart) -> None:
 def refuse_stroke(network: Network, rod: Rod, cycle: ProgramPart, cylinder: Cylinder) -> None:
     """Raises ParameterError where a cycle, or the position at which a run begins, lies outside the cylinder."""
     assert isinstance(cycle.settings, Cycle)
-    _, positions = cycle_points(cycle.settings)
-    low, high = ("values", "values") if cycle.settings.values else ("lower_end", "stroke")
+    positions = cycle.settings.values
+    low, high = ("lower_end", "stroke") if cycle.settings.stroke_time > 0.0 else ("values", "values")
     for path, position in (
         (f"nodes.{rod.name}.position", network.start_value(rod.position)),
         (f"programs.{cycle.name}.{low}", min(positions)),
@@ -116,10 +116,9 @@ def refuse_stroke(network: Network, rod: Rod, cycle: ProgramPart, cylinder: Cyli
 def moves_of(cycle: ProgramPart) -> list[Move]:
     """The lines of a cycle along which something moves."""
     assert isinstance(cycle.settings, Cycle)
-    times, positions = cycle_points(cycle.settings)
-    is_triangle = not cycle.settings.values
+    is_triangle = cycle.settings.stroke_time > 0.0
     path = f"programs.{cycle.name}.{'stroke_time' if is_triangle else 'times'}"
-    speeds = enumerate(np.diff(positions) / np.diff(times), 2)
+    speeds = enumerate(np.diff(cycle.settings.values) / np.diff(cycle.settings.times), 2)
     return [Move(float(v), path, "" if is_triangle else f"row {row}: ") for row, v in speeds if v != 0.0]
 
 

@@ -6,13 +6,13 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from vvdp.base.kinds import TIME, DutyRatio, Fraction, Frequency, Kind, Time
-from vvdp.base.params import Params
+from vvdp.base.params import Params, field_kinds
 from vvdp.base.rules import refuse, refuse_rows, refuse_together, require_positive, require_rising
 from vvdp.base.select import clip, maximum, minimum, select
 from vvdp.network.program import ProgramType
 from vvdp.numerics.piecewise import line_through
 from vvdp.programs.generic import GenericProgram, Written
-from vvdp.programs.quantities import OUTPUT, Output, OutputChange, written_quantity
+from vvdp.programs.quantities import OUTPUT, Output, OutputChange, with_kinds, written_quantity
 
 SHORTEST = 1e-9
 """Share of a period below which pulses have no width."""
@@ -20,7 +20,7 @@ NEXT = 0.999
 """How near to the next whole number a count comes before its edge: rounding is not to carry it over."""
 
 
-class Cycle(Params):
+class CycleTable(Params):
     """Points that straight lines join, or a triangle: from `lower_end` over a `stroke` and back, each way in
     `stroke_time`.
 
@@ -54,6 +54,17 @@ class Cycle(Params):
             refuse_rows(self, "times", f"begin at {self.times[0]:g} s; expected 0 s")
 
 
+class Cycle(Params):
+    """The points of a cycle, and how they are read; the `stroke_time` is 0 unless they are a triangle's."""
+
+    times: Annotated[tuple[float, ...], TIME]
+    values: Annotated[tuple[float, ...], OUTPUT]
+    repeats: Fraction = 1.0
+    preview: Time = 0.0
+    sample_period: Time = 0.0
+    stroke_time: Time = 0.0
+
+
 class Now(NamedTuple):
     """The time."""
 
@@ -67,24 +78,21 @@ class Course(NamedTuple):
     start: Output
 
 
+def cycle_of(table: CycleTable) -> Cycle:
+    """The points of a cycle as its step takes them; those of a triangle are its ends."""
+    times, values = table.times, table.values
+    if not values:
+        upper = table.lower_end + table.stroke
+        times, values = (0.0, table.stroke_time, 2.0 * table.stroke_time), (table.lower_end, upper, table.lower_end)
+    kinds = field_kinds(type(table))
+    made: type[Cycle] = with_kinds(Cycle, {OUTPUT: kinds["values"] or OUTPUT})
+    rest = {key: getattr(table, key) for key in ("repeats", "preview", "sample_period", "stroke_time")}
+    return made(times=times, values=values, **rest)
+
+
 def cycle_value(time: float, cycle: Cycle) -> float:
     """What a cycle asks for at a time [s], in the unit of its values."""
-    ahead = time + cycle.preview
-    if cycle.stroke_time <= 0.0:
-        return line_through(ahead, cycle.times, cycle.values, cycle.repeats)
-    way, lower, upper = cycle.stroke_time, cycle.lower_end, cycle.lower_end + cycle.stroke
-    within = ahead % (2.0 * way) if cycle.repeats > 0.0 else minimum(ahead, 2.0 * way)
-    if within < way:
-        return lower + within / way * (upper - lower)
-    return upper + (within - way) / way * (lower - upper)
-
-
-def cycle_points(cycle: Cycle) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Times [s] and values of the points of a cycle; those of a triangle are its ends."""
-    if cycle.values:
-        return cycle.times, cycle.values
-    upper = cycle.lower_end + cycle.stroke
-    return (0.0, cycle.stroke_time, 2.0 * cycle.stroke_time), (cycle.lower_end, upper, cycle.lower_end)
+    return line_through(time + cycle.preview, cycle.times, cycle.values, cycle.repeats)
 
 
 def cycle_step(t: float, memory: NamedTuple, reading: Now, settings: Cycle) -> tuple[NamedTuple, Course]:
@@ -146,5 +154,5 @@ def _first_pulse(settings: Pulses, reading: Duty) -> Switched:
     return Switched(pulse_command(reading, settings))
 
 
-CYCLE = GenericProgram(ProgramType(cycle_step, Now, Course(0.0, 0.0), Cycle), _cycle_quantity)
+CYCLE = GenericProgram(ProgramType(cycle_step, Now, Course(0.0, 0.0), CycleTable), _cycle_quantity, made=cycle_of)
 PWM = GenericProgram(ProgramType(pwm_step, Duty, Switched(0.0), Pulses, level=pulse_count), first=_first_pulse)

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from functools import cache
-from typing import Any
 
 import numpy as np
 
@@ -41,8 +40,8 @@ def machine_run() -> Run:
 @cache
 def nominal_settings() -> DisplacementSettings:
     """What the controller of the model works with."""
-    loop: Any = vvdp.load(MODEL).circuit.network.programs["control"].settings
-    found: DisplacementSettings = loop.control
+    found = vvdp.load(MODEL).circuit.network.programs["control"].settings
+    assert isinstance(found, DisplacementSettings)
     return found
 
 
