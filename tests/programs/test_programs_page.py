@@ -18,7 +18,10 @@ def row(name, program):
     values = [
         f"`{each.name}` {each.example.replace(chr(34), '')}" + (f" ({each.usual})" if each.usual else "")
         for each in page.values
+        if "." not in each.name
     ]
+    tables = dict.fromkeys(each.name.partition(".")[0] for each in page.values if "." in each.name)
+    values += [f"`[{table}]`" for table in tables]
     cells = [does, ", ".join(reads), ", ".join(type(own.command)._fields), ", ".join(values)]
     return re.sub(" +", " ", f"| `{name}` | " + " | ".join(cells) + " |")
 

@@ -6,11 +6,12 @@ from typing import Any
 
 from vvdp.base.display import value_text
 from vvdp.base.kinds import Kind
-from vvdp.base.params import default_values, field_kinds
+from vvdp.base.params import Params, default_values, field_kinds
 from vvdp.base.slots import inner_slots
 from vvdp.components.library import COMPONENTS
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Component
+from vvdp.network.program import ProgramType
 from vvdp.programs.generic import GenericProgram
 from vvdp.programs.library import PROGRAMS
 from vvdp.programs.quantities import PLAIN, replacements, written_quantity
@@ -92,11 +93,7 @@ def _kind(group: str, word: str, keys: Sequence[str]) -> tuple[Kind | None, Any]
         own = found.type if isinstance(found, GenericProgram) else found
         if len(keys) == 1 and key in (kinds := field_kinds(own.reading)):
             return kinds[key], own.defaults.get(key)
-        classes = (own.settings,) if own.settings else ()
-        for name in keys[:-1]:
-            classes = tuple(
-                each for cls in classes if name in inner_slots(cls) for each in inner_slots(cls)[name].classes
-            )
+        classes = _table_classes(own, keys[:-1])
     if group == "nodes" and word in NODES:
         classes = (NODES[word].table,)
     elif group == "components" and (component := COMPONENTS.get(word)):
@@ -111,6 +108,15 @@ def _kind(group: str, word: str, keys: Sequence[str]) -> tuple[Kind | None, Any]
         if key in (kinds := field_kinds(cls)):
             return kinds[key], default_values(cls).get(key)
     return None, None
+
+
+def _table_classes(program: ProgramType, names: Sequence[str]) -> tuple[type[Params], ...]:
+    """The classes that the table of these names, each inside the one before, may have in the values of a program."""
+    classes: tuple[type[Params], ...] = (program.settings,) if program.settings else ()
+    for name in names:
+        slots = [slot for cls in classes if (slot := inner_slots(cls).get(name))]
+        classes = tuple(each for slot in slots for each in slot.classes)
+    return classes
 
 
 def _text(entry: Any, kind: Kind | None) -> str:

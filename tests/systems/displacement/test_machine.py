@@ -201,7 +201,7 @@ def test_working_pressures_by_hand():
     parts = system_of(prescribed_text(SPRING), "1 s").circuit.network.parts
     cylinder, friction, valve = (parts[name].values[0] for name in ("cylinder", "friction", "directional_valve"))
     duty = CylinderDuty(-1000.0, -1000.0, 0.054, 0.8)
-    found = working_pressures(duty, cylinder, friction, valve)
+    found = working_pressures(duty, cylinder, friction, valve.return_conductance)
     back_b, back_a = (10.77e-4 * 0.054 / 0.96e-7) ** 2, (20.26e-4 * 0.054 / 0.96e-7) ** 2
     assert back_b == pytest.approx(3.67e5, rel=1e-3)
     assert found.extending == pytest.approx((1000.0 + 108.0 + back_b * 10.77e-4) / 20.26e-4, rel=1e-12)

@@ -6,9 +6,8 @@ Source  ours, docs/models/whole-machine.md
 from typing import Any, NamedTuple, TypeVar
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.params import Params
+from vvdp.base.params import Params, field_names
 from vvdp.base.signal import Signal
-from vvdp.components.directional_valves import ThrottledDirectionalValve
 from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.hydraulics.friction import RodFriction
 from vvdp.hydraulics.relief_valve import ReliefValve
@@ -39,20 +38,22 @@ class WorkingPressures(NamedTuple):
 
 
 def working_pressures(
-    duty: CylinderDuty, cylinder: Cylinder, friction: RodFriction, valve: ThrottledDirectionalValve
+    duty: CylinderDuty, cylinder: Cylinder, friction: RodFriction, return_conductance: float
 ) -> WorkingPressures:
     """Supply pressures at the most that a cylinder needs to move steadily [Pa], none below zero.
 
     P_s A_s = F + b v + F_c + P_r A_r with the return at P_r = (A_r v / (u K_r))^2, F what the load takes that way.
 
+    return_conductance  K_r of the return valve, fully open [m^3/(s Pa^0.5)]
+
     >>> duty = CylinderDuty(-1000.0, -1000.0, 0.054, 0.8)
-    >>> print([round(pressure / 1e5, 1) for pressure in working_pressures(duty, cylinder, friction, valve)])  # bar
+    >>> print([round(pressure / 1e5, 1) for pressure in working_pressures(duty, cylinder, friction, 1.2e-7)])  # bar
     [7.4, 16.1]
     """
     resistance = friction.viscous_friction * duty.speed + friction.coulomb_friction
 
     def supply(load: float, area: float, other: float) -> float:
-        back = (other * duty.speed / (duty.opening * valve.return_conductance)) ** 2
+        back = (other * duty.speed / (duty.opening * return_conductance)) ** 2
         return max((load + resistance + back * other) / area, 0.0)
 
     return WorkingPressures(
@@ -82,8 +83,8 @@ def refuse_machine(network: Network, name: str) -> None:
     loop = machine_loop_of(program.settings)
     rod, line = (str(program.reads[each]).partition(".")[0] for each in ("position", "line_pressure"))
     cylinders, frictions = joined(network, rod, Cylinder), joined(network, rod, RodFriction)
-    valves, reliefs = joined(network, line, ThrottledDirectionalValve), _relief_valves(network)
-    if len(cylinders) != 1 or len(frictions) != 1 or len(valves) != 1:
+    returns, reliefs = return_conductances(network, line), _relief_valves(network)
+    if len(cylinders) != 1 or len(frictions) != 1 or len(returns) != 1:
         return
     cylinder: Cylinder = cylinders[0].values
     for stops in joined(network, rod, EndStop):
@@ -98,7 +99,7 @@ def refuse_machine(network: Network, name: str) -> None:
 
     def pressures(opening: float) -> WorkingPressures:
         duty = CylinderDuty(least, greatest, speed, opening)
-        return working_pressures(duty, cylinder, frictions[0].values, valves[0].values)
+        return working_pressures(duty, cylinder, frictions[0].values, returns[0])
 
     if reliefs and forces:
         refuse_load(f"components.{forces[0].name}.force", pressures(1.0), max(reliefs) - tank)
@@ -112,6 +113,15 @@ def refuse_machine(network: Network, name: str) -> None:
 def machine_loop_of(settings: Any) -> MachineLoop:
     """The values of the stages and laws of a machine, whatever leads its cylinder."""
     return settings if isinstance(settings, MachineLoop) else settings.machine
+
+
+def return_conductances(network: Network, line: str) -> list[float]:
+    """Those of the throttles in the return of valves at a line [m^3/(s Pa^0.5)]."""
+    return [each.values.return_conductance for each in joined(network, line, Params) if _is_throttled(each.values)]
+
+
+def _is_throttled(values: Params) -> bool:
+    return "return_conductance" in field_names(type(values))
 
 
 def _relief_valves(network: Network) -> list[float]:
