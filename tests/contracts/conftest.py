@@ -54,6 +54,7 @@ def value_classes() -> list[type]:
 
     packages = ("fluid", "valve", "hydraulics", "sensing", "geometry", "estimation", "estimation.baselines")
     packages += ("control", "network", "components", "programs", "systems", "evaluation", "machines", "rivals")
+    packages += ("programs.machine",)
     modules = [m for p in packages for m in modules_of(p)] + [conservation, stepping]
     return [c for m in modules for c in own_classes(m) if issubclass(c, Params) or hasattr(c, "_fields")]
 

@@ -69,7 +69,7 @@ class ProgramReport:
         """Figures, each over the columns of a table."""
         return ()
 
-    def completed(self, chart: Chart, record: "Record") -> Chart:  # noqa: ARG002
+    def complete(self, chart: Chart, record: "Record") -> Chart:  # noqa: ARG002
         """A figure of any program of the circuit with what this one adds to it."""
         return chart
 

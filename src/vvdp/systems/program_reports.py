@@ -88,7 +88,7 @@ class ReportedPrograms(Extras):
             for chart, table in report.charts(record):
                 found = replace(chart, name=_words(prefix, "-") + chart.name, table=prefix + chart.table)
                 for _, other in self.reports:
-                    found = other.completed(found, record)
+                    found = other.complete(found, record)
                 yield found, table
 
 

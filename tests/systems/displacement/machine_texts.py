@@ -42,7 +42,7 @@ def prescribed_text(circuit: str, **commands: str) -> str:
         for old, new in (('"gerotor.position"', '"slide.position"'), ("components.gerotor.", "components.slide.")):
             text = text.replace(old, new)
         text = re.sub(r"(?ms)^\[(gerotor|characteristic)\]\n.*?(?=^\[)", "", text)
-        text = re.sub(r'(?m)^("?gerotor\.|characteristic).*\n', "", text)
+        text = re.sub(r'(?m)^"?(gerotor\.|characteristic).*\n', "", text)
     return text
 
 

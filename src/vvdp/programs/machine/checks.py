@@ -69,7 +69,7 @@ class Values(NamedTuple):
     values: Any
 
 
-def joined(network: Network, node: str, cls: type[V]) -> list[Values]:
+def values_at(network: Network, node: str, cls: type[V]) -> list[Values]:
     """The values of a class of all components at a node."""
     parts = (part for part in network.parts.values() if node in part.nodes.values())
     return [Values(part.name, each) for part in parts for each in part.values if isinstance(each, cls)]
@@ -82,17 +82,17 @@ def refuse_machine(network: Network, name: str) -> None:
     program = network.programs[name]
     loop = machine_loop_of(program.settings)
     rod, line = (str(program.reads[each]).partition(".")[0] for each in ("position", "line_pressure"))
-    cylinders, frictions = joined(network, rod, Cylinder), joined(network, rod, RodFriction)
+    cylinders, frictions = values_at(network, rod, Cylinder), values_at(network, rod, RodFriction)
     returns, reliefs = return_conductances(network, line), _relief_valves(network)
     if len(cylinders) != 1 or len(frictions) != 1 or len(returns) != 1:
         return
     cylinder: Cylinder = cylinders[0].values
-    for stops in joined(network, rod, EndStop):
+    for stops in values_at(network, rod, EndStop):
         refuse_stops(cylinder, stops)
     forces = [
         p for p in network.parts.values() if rod in p.nodes.values() and isinstance(p.inputs.get("force"), Signal)
     ]
-    pull = sum(weight_force(each.values) for each in joined(network, rod, Weight))
+    pull = sum(weight_force(each.values) for each in values_at(network, rod, Weight))
     ends: list[Any] = [part.inputs["force"] for part in forces]
     least, greatest = (pull + sum(force.extremes[n] for force in ends) for n in (0, 1))
     speed, tank = fastest(loop.points), loop.law.cylinder.tank_pressure
@@ -116,8 +116,8 @@ def machine_loop_of(settings: Any) -> MachineLoop:
 
 
 def return_conductances(network: Network, line: str) -> list[float]:
-    """Those of the throttles in the return of valves at a line [m^3/(s Pa^0.5)]."""
-    return [each.values.return_conductance for each in joined(network, line, Params) if _is_throttled(each.values)]
+    """Those of the meter-out throttles of valves at a line [m^3/(s Pa^0.5)]."""
+    return [each.values.return_conductance for each in values_at(network, line, Params) if _is_throttled(each.values)]
 
 
 def _is_throttled(values: Params) -> bool:

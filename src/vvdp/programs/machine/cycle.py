@@ -76,7 +76,7 @@ def refuse_fast_points(cycle: Triangle | OwnCycle, fastest: float, longest_gap: 
     if np.any(speeds > fastest):
         row = int(np.argmax(speeds > fastest)) + 2
         raise ParameterError(
-            f"MachineTable.cycle: row {row}: {1e3 * speeds[row - 2]:.4g} mm/s are asked for; pump and cylinder reach "
+            f"cycle: row {row}: {1e3 * speeds[row - 2]:.4g} mm/s are asked for; pump and cylinder reach "
             f"{1e3 * fastest:.4g} mm/s"
         )
     usual = float(np.median(intervals))
@@ -84,7 +84,7 @@ def refuse_fast_points(cycle: Triangle | OwnCycle, fastest: float, longest_gap: 
     if np.any(gaps):
         row = int(np.argmax(gaps)) + 2
         raise ParameterError(
-            f"MachineTable.cycle: row {row}: {intervals[row - 2]:.4g} s after the row before, where {usual:.4g} s are "
+            f"cycle: row {row}: {intervals[row - 2]:.4g} s after the row before, where {usual:.4g} s are "
             "usual; expected no gap"
         )
 

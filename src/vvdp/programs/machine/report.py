@@ -99,6 +99,6 @@ class MachineReport(ProgramReport):
         """Pressures, what is asked of the drives."""
         return machine_charts(record, self.program, self.loop.law.bounds)
 
-    def completed(self, chart: Chart, record: "Record") -> Chart:
+    def complete(self, chart: Chart, record: "Record") -> Chart:
         """A figure over time with the phases of the machine."""
         return with_phases(chart, record, self.program.name)

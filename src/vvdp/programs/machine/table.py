@@ -20,7 +20,7 @@ from vvdp.base.kinds import (
     TemperatureSignal,
     Time,
 )
-from vvdp.base.params import Params
+from vvdp.base.params import Params, field_names
 from vvdp.control.adaptation import Adaptation
 from vvdp.control.capacities import CylinderBelief, CylinderEnds, CylinderModel, LineBelief, cylinder_model
 from vvdp.control.cylinder_force import ForceGains
@@ -125,7 +125,12 @@ class MachineTable(KnownUnit, CylinderEnds):
     sample_period: Time
 
     def check(self) -> None:
-        machine_loop(self)
+        try:
+            machine_loop(self)
+        except ParameterError as problem:
+            key = str(problem).partition(":")[0]
+            owner = f"{type(self).__name__}." if key in field_names(type(self)) else ""
+            raise ParameterError(f"{owner}{problem}") from None
 
 
 def machine_loop(table: MachineTable) -> MachineLoop:
@@ -161,11 +166,11 @@ def machine_loop(table: MachineTable) -> MachineLoop:
         spool=spool_range(table),
         load_force=table.belief.load_force,
         first_direction=first_direction(table.cycle),
-        supervised=supervised(table, model),
+        supervised=supervision_of(table, model),
     )
 
 
-def supervised(table: MachineTable, model: CylinderModel) -> Supervised:
+def supervision_of(table: MachineTable, model: CylinderModel) -> Supervised:
     """What is watched."""
     spring = NO_SPRING
     if table.spring is not None:
@@ -193,7 +198,7 @@ def spool_range(unit: KnownUnit) -> SpoolRange:
     highest, end = HIGHEST_DUTY * length, unit.highest_spool_position
     if highest > end:
         raise ParameterError(
-            f"MachineTable.highest_spool_position: {1e3 * end:.4g} mm; the stroke ends below {1e3 * highest:.4g} mm, "
+            f"highest_spool_position: {1e3 * end:.4g} mm; the stroke ends below {1e3 * highest:.4g} mm, "
             f"where the duty ratio is {HIGHEST_DUTY:g} and all flow goes to the line"
         )
     return SpoolRange(
@@ -226,7 +231,7 @@ def refuse_cycle(cycle: Triangle | OwnCycle, cylinder: CylinderEnds, largest_flo
     low, high = min(positions), max(positions)
     if low < cylinder.lowest_position or high > cylinder.highest_position:
         raise ParameterError(
-            f"MachineTable.cycle: {1e3 * low:.4g} to {1e3 * high:.4g} mm are asked for; the cylinder goes from "
+            f"cycle: {1e3 * low:.4g} to {1e3 * high:.4g} mm are asked for; the cylinder goes from "
             f"{1e3 * cylinder.lowest_position:.4g} to {1e3 * cylinder.highest_position:.4g} mm"
         )
     refuse_fast_points(cycle, largest_flow / max(cylinder.area_a, cylinder.area_b))
