@@ -9,12 +9,14 @@ import pytest
 
 from vvdp.base.conservation import Books, Stored
 from vvdp.base.params import Params, field_kinds, field_types
+from vvdp.base.slots import slot_of
 
 NO_QUANTITY = {"Stepping.method"}  # a choice
 
 
 def is_nested(hint) -> bool:
-    return isinstance(hint, type) and (issubclass(hint, Params) or hasattr(hint, "_fields") or is_dataclass(hint))
+    is_record = isinstance(hint, type) and (hasattr(hint, "_fields") or is_dataclass(hint))
+    return is_record or slot_of(hint) is not None
 
 
 def leaf_fields(classes):
