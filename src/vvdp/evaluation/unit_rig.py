@@ -21,8 +21,10 @@ from vvdp.hydraulics.pump import Pump
 from vvdp.hydraulics.relief_valve import ReliefValve
 from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
+from vvdp.network.component import Component
 from vvdp.network.network import Part
 from vvdp.network.nodes import Chamber, DrivenShaft, Node, OilVolume
+from vvdp.simulation.values import names
 from vvdp.systems.part_scopes import Entries
 from vvdp.systems.short_paths import with_full_paths
 from vvdp.systems.spool_travel import spool_source
@@ -54,6 +56,12 @@ def unit_on_rig(system: System, verb: str, part: str = "") -> System:
     rig = _Rig(system, placed, valve_unit(system, verb, placed.name))
     rig.refuse_others(verb)
     return built_system(Table(system.name, rig.content, {}), f"{system.name}-{placed.name}", system.folder)
+
+
+def is_meter(component: Component) -> bool:
+    """Whether a component acts on none of its nodes, but shows something of them."""
+    acts = {"flow", *component.ports} & set(names(component.result))
+    return not acts and component.walls is None and component.stored is None and component.inertia is None
 
 
 class _File(NamedTuple):
@@ -111,7 +119,7 @@ class _Rig:
         others = [
             part.name
             for part in self.network.parts.values()
-            if part.name not in own and ends & {*part.nodes.values()} and part.component.offered
+            if part.name not in own and ends & {*part.nodes.values()} and not is_meter(part.component)
         ]
         if others:
             message = (

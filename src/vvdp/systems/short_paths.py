@@ -189,7 +189,7 @@ def _refuse_unknown_keys(
 
 def _leads_inside(outer: str, path: str) -> bool:
     """Whether a name of the file stands for a table inside of a program, `gains = "programs.displacement.gains"`."""
-    return "." not in outer and path.count(".") == 2
+    return "." not in outer and path.startswith("programs.") and path.count(".") == 2
 
 
 def _has(content: Entries, path: str) -> bool:
