@@ -13,10 +13,10 @@ from vvdp.components.axial_drive import (
     ChamberDrive,
     PilotJoints,
     add_chamber_drive,
-    add_gerotor_drive,
     check_stroke,
 )
 from vvdp.components.directional_valves import ThreeWayProportionalValve
+from vvdp.components.gerotor_drives import CALIBRATED_GEROTOR_DRIVE, GEROTOR_DRIVE
 from vvdp.components.library import UsualOil
 from vvdp.components.resistances import ORIFICE
 from vvdp.components.rods import PLUNGER, ROD_FRICTION, SPRING
@@ -24,7 +24,7 @@ from vvdp.fluid.mixture import fluid_state
 from vvdp.hydraulics.chamber_drive import holding_pressure, oil_stiffness, static_reach
 from vvdp.hydraulics.cylinder import Plunger
 from vvdp.hydraulics.friction import RodFriction
-from vvdp.hydraulics.gerotor_drive import GerotorCalibration, GerotorDrive, GerotorMap
+from vvdp.hydraulics.gerotor_drive import GerotorCalibration, GerotorDrive, GerotorMap, GerotorState
 from vvdp.hydraulics.orifice import Orifice
 from vvdp.hydraulics.rod import EndStop, Spring
 from vvdp.network.build import Circuit, build
@@ -225,7 +225,8 @@ ROWS = GerotorCalibration(commands=(-1.0, -0.08, 0.06, 1.0), flows=(-2.7e-5, 0.0
 
 def gerotor_run(command: Signal, until: float, characteristic: Any = MAP) -> Run:
     net = Network(UsualOil())
-    assert add_gerotor_drive(net, DRIVE, characteristic, command, 0.0) == "gerotor.position"
+    component = GEROTOR_DRIVE if isinstance(characteristic, GerotorMap) else CALIBRATED_GEROTOR_DRIVE
+    net.add("gerotor", component, DRIVE, characteristic, start=GerotorState(0.0, 0.0), command=command)
     return run_of(build(net), until, tolerance=1e-9)
 
 
@@ -267,8 +268,3 @@ def test_gerotor_takes_what_its_passages_and_the_friction_lose():
     squares = t - 2.0 * tau * -np.expm1(-t / tau) + 0.5 * tau * -np.expm1(-2.0 * t / tau)
     lost = 3e-5**2 * squares * (1.0 / DRIVE.conductance + FRICTION / DRIVE.area**2)
     assert run.final_state.books.supplied.gerotor == pytest.approx(lost, rel=1e-6)
-
-
-def test_start_beyond_an_end_is_refused():
-    with pytest.raises(ParameterError, match=r"30 mm must lie within the stroke, -6.2 to 27 mm"):
-        add_gerotor_drive(Network(UsualOil()), DRIVE, MAP, constant(0.0), 0.03)

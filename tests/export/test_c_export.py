@@ -225,7 +225,7 @@ COLUMNS = re.compile(r"(?<=\| )[\d]+(?= \|)")
     [
         ("accumulator-charging", "unloading"),
         pytest.param(("speed-from-edges", "speed"), marks=pytest.mark.thorough),
-        pytest.param(("displacement-control", "axial"), marks=pytest.mark.thorough),
+        pytest.param(("displacement-control", "axial_observer"), marks=pytest.mark.thorough),
         pytest.param(("transmission-speed-control", "speed_control"), marks=pytest.mark.thorough),
     ],
 )
