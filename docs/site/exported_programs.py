@@ -6,6 +6,7 @@ The second table needs `arm-none-eabi-gcc` and `qemu-system-arm`; without them i
 from collections.abc import Iterator
 from pathlib import Path
 
+from vvdp.base.errors import RunError
 from vvdp.export.c_folder import c_files, c_part, facade_text, facts
 from vvdp.export.c_parts import CPart, Precision
 from vvdp.export.c_precision import growing, in_single
@@ -49,14 +50,18 @@ def size_row(name: str, program: str) -> str:
 
 
 def target_rows(name: str, program: str) -> str:
-    """The rows of the second table: a Cortex-M7 in double and, where the step allows it, a Cortex-M4 in single."""
+    """The rows of the second table: a Cortex-M7 in double and, where the step allows it and its samples agree with those
+    in double within a thousandth, a Cortex-M4 in single."""
     system = loaded(name)
     made = c_part(system, program)
     rows = _target_row(system, made, core=1)
     assert made.program is not None
     if next(growing(made.program, made.entries[0].blocks), ""):
         return rows
-    return _target_row(system, in_single(made), core=0) + rows
+    try:
+        return _target_row(system, in_single(made), core=0) + rows
+    except RunError:
+        return rows
 
 
 def _target_row(system: System, part: CPart, core: int) -> str:
