@@ -31,6 +31,7 @@ from tests.systems.chapter6_cases import (
 from tests.words import wording
 
 from vvdp.base.errors import ConfigError
+from vvdp.control.reference import ReferenceFilter, reference_at_rest, reference_step
 from vvdp.programs.tracking import MODES, share_key
 from vvdp.simulation.record import record_of
 from vvdp.simulation.run import simulate
@@ -152,6 +153,15 @@ def test_against_the_printed_equations(end):
     own = run.state.rod.position[rows[:-1]] - run.command.reference.value[rows[1:]]
     assert np.max(np.abs(own)) == pytest.approx(error, rel=0.03)
     assert np.mean(run.command.control.direction[rows[1:]] != other[:-1, 6]) < 2e-3
+
+
+def test_the_reference_begins_at_rest_where_the_cycle_does():
+    """5 cm at the first sample; then it follows what the cycle asks for in the middle of each sample, 27 um on."""
+    _, run = ran()
+    first, second = run.command.reference.value[sample_rows(run)[1:3]]
+    assert first == 0.05
+    settings = ReferenceFilter(filter_rate=12.0)
+    assert second == reference_step(reference_at_rest(0.05), 0.05 + 0.054 * 0.5e-3, 1e-3, settings).position > first
 
 
 def test_tank_volumes_make_little_difference():
