@@ -77,7 +77,7 @@ def test_a_cycle_of_ones_own(vvdp, here):
     [
         (("--cycle", "triangel"), wording.files.did_you_mean.format(name="triangle")),
         (("--circuit", "hydraulic"), "hydraulic"),
-        (("--valve", "throttle-control"), "throttle-control: valve: " + wording.compare.no_such_table),
+        (("--valve", "throttle-control"), "throttle-control: valve: " + wording.compare.not_one_valve),
         (("--circuit", "throttle", "--error", "0 mm"), "0 mm must be greater than 0"),
         (("--own-cycle", "none.csv"), "none.csv: " + wording.files.cannot_read),
     ],

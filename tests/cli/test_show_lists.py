@@ -1,4 +1,4 @@
-"""`vvdp show --json` of every shipped system, also of those with empty lists of values."""
+"""`vvdp show --json` of every shipped system, and what `vvdp list` finds."""
 
 import json
 
@@ -13,9 +13,7 @@ def test_every_shipped_system_is_shown_as_json(vvdp, name):  # noqa: F811
     answer = vvdp("show", name, "--json")
     assert answer.code == 0
     shown = json.loads(answer.out)["parameters"]
-    empty = [entry for entry in shown.values() if entry["value"] == []]
-    assert all(entry["low"] is entry["high"] is None for entry in empty)
-    assert empty or name != "axial-chamber"
+    assert shown and all(entry["value"] != [] for entry in shown.values())
 
 
 def test_a_word_lists_what_has_it_in_its_name(vvdp):  # noqa: F811

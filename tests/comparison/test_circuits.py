@@ -369,9 +369,10 @@ def test_a_run_whose_control_is_left_is_no_run(steady):
 
 def test_another_valve_is_that_of_the_machine():
     wider = machine_with_valve("prototype")
-    tables = system_for(wider, duty("triangle")).tables
-    assert tables["valve"] == load_system("prototype").tables["valve"]
-    with pytest.raises(ConfigError, match=wording.compare.no_such_table):
+    systems = system_for(wider, duty("triangle")), load_system("prototype")
+    machine, prototype = (each.circuit.network.parts["valve"].values[0] for each in systems)
+    assert machine == prototype
+    with pytest.raises(ConfigError, match=wording.compare.not_one_valve):
         machine_with_valve("throttle-control")
 
 

@@ -129,8 +129,8 @@ def test_the_verb_writes_a_circuit_that_runs(vvdp, tmp_path, monkeypatch):  # no
     assert float(written["discharge_coefficient"]["value"]) == pytest.approx(0.65, rel=1e-6)
     assert vvdp("show", "fit/fitted.toml").code == 0
     assert vvdp("fit", "bench.csv", "--law", "orifice", "--on", "mine.toml").code == 2
-    in_code = vvdp("fit", "bench.csv", "--law", "orifice", "--on", "displacement-control", "--component", "load")
-    assert in_code.code == 2 and in_code.err.startswith("--on: displacement-control: its file has no [components]")
+    other = vvdp("fit", "bench.csv", "--law", "orifice", "--on", "displacement-control", "--component", "load")
+    assert other.code == 2 and other.err.startswith("'load' is no component of displacement-control; it has pilot_valve")
     assert "feed_a, drain_b, orifice" in vvdp(
         "fit", "bench.csv", "--law", "orifice", "--on", "mine.toml", "--component", "load"
     ).err  # fmt: skip
