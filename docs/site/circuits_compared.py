@@ -91,8 +91,9 @@ def drag(circuit: RivalCircuit, duty: Duty, torque: float) -> float:
 
 def pump_speed(system: System) -> float:
     """Speed of the pump of a circuit [rad/s]; that of the others where it has no shaft."""
-    shaft, operation = system.circuit.network.nodes.get("pump_shaft"), system.tables.get("operation")
-    speed = operation.pump_speed if operation else shaft.speed if isinstance(shaft, DrivenShaft) else None
+    network = system.circuit.network
+    shaft, motor = network.nodes.get("pump_shaft"), network.parts.get("pump_motor")
+    speed = motor.inputs["rated_speed"] if motor else shaft.speed if isinstance(shaft, DrivenShaft) else None
     return float(speed.extremes[0]) if isinstance(speed, Signal) else FULL_SPEED
 
 
