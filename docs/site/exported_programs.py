@@ -50,8 +50,8 @@ def size_row(name: str, program: str) -> str:
 
 
 def target_rows(name: str, program: str) -> str:
-    """The rows of the second table: a Cortex-M7 in double and, if the step allows it and its samples agree with those in
-    double within a thousandth, a Cortex-M4 in single."""
+    """The rows of the second table: a Cortex-M7 in double; a Cortex-M4 in single if the step allows it and its samples
+    agree with those in double within a thousandth."""
     system = loaded(name)
     made = c_part(system, program)
     rows = _target_row(system, made, core=1)
