@@ -85,6 +85,14 @@ def test_new_copies_with_comments_and_another_title(vvdp, here):
     assert load_system("mine.toml").tables == load_system("prototype").tables
 
 
+def test_new_copies_the_system_whose_name_a_program_has_too(vvdp, here):
+    assert vvdp("new", "mine", "--from", "displacement-control").code == 0
+    source, text = shipped_systems()["displacement-control"].splitlines(), (here / "mine.toml").read_text().splitlines()
+    assert [line for line in text if line not in source] == ['title = "mine"'] and len(text) == len(source)
+    assert vvdp("new", "example", "--from", "period-average").code == 0
+    assert (here / "example.toml").read_text().count("\n") == 158  # as docs/programs.md says
+
+
 def test_new_from_a_file(vvdp, here):
     vvdp("new", "first", "--from", "prototype-constant-load")
     assert vvdp("new", "second.toml", "--from", "first.toml").code == 0

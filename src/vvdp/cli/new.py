@@ -32,10 +32,10 @@ def new(
     from vvdp.cli.screen import print_json
     from vvdp.systems.library_examples import example_text
     from vvdp.systems.part_files import shipped_parts
-    from vvdp.systems.system import load_system, source_text
+    from vvdp.systems.system import load_system, shipped_systems, source_text
 
     parts = shipped_parts()
-    shown = parts.get(source) or example_text(source)
+    shown = parts.get(source) or (None if source in shipped_systems() else example_text(source))
     if shown is None:
         load_system(source)  # a copy of something broken helps no one
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
