@@ -5,8 +5,8 @@ import pytest
 from tests.words import wording
 
 from vvdp.base.errors import ConfigError
+from vvdp.evaluation.axial_plant import AxialPlant, AxialSight, axial_plant, axial_sight
 from vvdp.fluid.mixture import fluid_state
-from vvdp.systems.axial_plant import AxialPlant, AxialSight, axial_plant, axial_sight
 from vvdp.systems.system import load_system
 
 SPOOL = """

@@ -42,7 +42,7 @@ def observability(
     from vvdp.base.files import result_directory
     from vvdp.design.observability import observability as worked_out
     from vvdp.estimation.observability import check_noise
-    from vvdp.systems.axial_plant import axial_plant, axial_sight
+    from vvdp.evaluation.axial_plant import axial_plant, axial_sight
     from vvdp.systems.resolved import resolved_text
 
     loaded = case.load()

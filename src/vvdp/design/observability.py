@@ -24,9 +24,9 @@ from vvdp.estimation.observability import (
     scaled_dynamics,
     unobservable_speeds,
 )
+from vvdp.evaluation.axial_plant import AxialPlant
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke, shades
 from vvdp.results.result import Column, Finding, Grade, Result, Table, numbers_of
-from vvdp.systems.axial_plant import AxialPlant
 
 TURN = 2.0 * np.pi
 SPOOL_SPEED = Kind("spool speed", "rad/s", 0.0, 1e5, "22.5 rev/s", units=kinds.SPEED_UNITS)
