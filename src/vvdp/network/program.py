@@ -23,6 +23,7 @@ class ProgramType:
     partner  what its step exchanges values with outside of compiled code
     ramps    fields NAME of its command that go on between samples, from its field `time` on at its field `NAME_rate`
     is_bounded  no number of it grows with the time for which it runs, so that single precision is enough
+    is_drawn  whether figures show its commands; not if they are raw material of a program, or its report draws them
     report   report(network, name, sample period [s]) -> what it adds to the results, as `programs.report.ProgramReport`
     instruments  instruments(values of the file) -> the sensors before fields of its reading, by their names
     refuse   refuse(network, name): raises ParameterError("TABLE.NAME.KEY: ...") if the drawn network cannot do what the
@@ -41,6 +42,7 @@ class ProgramType:
     partner: Partner | None = None
     ramps: frozenset[str] = frozenset()
     is_bounded: bool = False
+    is_drawn: bool = True
 
     @property
     def defaults(self) -> Mapping[str, float]:

@@ -181,7 +181,7 @@ def _first_estimate(settings: EventFilter, reading: NamedTuple) -> WatchedAngle:
 NO_EDGE = SeenEdges(**dict.fromkeys(SeenEdges._fields, 0.0))
 NOTHING_KNOWN = WatchedAngle(**dict.fromkeys(WatchedAngle._fields, 0.0))
 ENCODER = GenericProgram(
-    ProgramType(encoder_program_step, WatchedShaft, NO_EDGE, ShaftEncoder, encoder_program_start),
+    ProgramType(encoder_program_step, WatchedShaft, NO_EDGE, ShaftEncoder, encoder_program_start, is_drawn=False),
     made=encoder_settings,
 )
 EVENT_FILTER = GenericProgram(

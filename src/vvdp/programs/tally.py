@@ -192,4 +192,6 @@ class TallyReport(ProgramReport):
         return motion_charts(record, {**self.program.reads, "error": f"{self.program.name}.error"})
 
 
-TALLY = ProgramType(tally_step, CylinderTruth, TrackingError(0.0), TallySettings, tally_start, report=TallyReport)
+TALLY = ProgramType(
+    tally_step, CylinderTruth, TrackingError(0.0), TallySettings, tally_start, report=TallyReport, is_drawn=False
+)

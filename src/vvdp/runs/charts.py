@@ -47,8 +47,8 @@ def run_charts(run: RecordedRun, series: Table) -> Iterator[Chart]:
     moved = [(what, [key for key in series.columns if key.startswith(f"{what}_")]) for what in MOTIONS]
     if (shown := _moving_panels(series, moved)).panels:
         yield _chart("motion", "Shafts and rods over the whole run." + shown.flat, shown.panels)
-    for program in run.network.programs:
-        yield from _program_chart(program, series)
+    for name, program in run.network.programs.items():
+        yield from _program_chart(name, series) if program.type.is_drawn else ()
 
 
 def loss_chart(table: Table, caption: str) -> Chart:
