@@ -21,9 +21,8 @@ from vvdp.control.reference import ReferenceFilter
 from vvdp.fluid.mixture import compression_energy_per_volume
 from vvdp.machines.axial_control import known_drive
 from vvdp.machines.axial_tally import AxialTruth, TallySettings, tally_of, tally_start, tally_step
-from vvdp.machines.chamber_bench import controlled_circuit, seeded_case
+from vvdp.machines.chamber_bench import controlled_circuit, rows_under_control, seeded_case
 from vvdp.programs.axial_loop import LEARN, RUN
-from vvdp.programs.loop_report import rows_under_control
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.run import simulate
 from vvdp.studies.engine import ThisProcess

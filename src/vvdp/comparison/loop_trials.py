@@ -15,9 +15,8 @@ from vvdp.comparison.controllers import Controller
 from vvdp.comparison.loop_scenarios import UNTIL, LoopScenario
 from vvdp.comparison.loop_scores import LoopScore, loop_score, loop_summary
 from vvdp.machines.axial_tally import tally_of
-from vvdp.machines.chamber_bench import controlled_circuit, seeded_case
+from vvdp.machines.chamber_bench import controlled_circuit, rows_under_control, seeded_case
 from vvdp.network.build import Circuit
-from vvdp.programs.loop_report import rows_under_control
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.link import quiet
 from vvdp.simulation.prepare import prepare

@@ -13,17 +13,20 @@ from vvdp.base.kinds import SpeedSignal, TemperatureSignal
 from vvdp.base.params import Params, field_kinds
 from vvdp.base.tables import build as build_table
 from vvdp.components.axial_drive import ChamberDrive
+from vvdp.control.chamber import ChamberReading
+from vvdp.control.reference import Reference
 from vvdp.machines.axial_control import AxialControl, add_chamber_control, add_drive, chamber_loop, known_drive
 from vvdp.machines.axial_tables import InitialChamber, PilotSupply
 from vvdp.machines.axial_tally import TallySettings, add_tally
 from vvdp.network.build import Circuit, build
 from vvdp.network.network import Network
-from vvdp.programs.axial_loop import PROGRAM
+from vvdp.programs.axial_loop import PROGRAM, RUN
+from vvdp.programs.axial_numbers import Controlled
 from vvdp.programs.axial_sensor import AxialSensorTable
 from vvdp.programs.chamber_loop import ChamberLoop
 from vvdp.sensing.axial_sensor import AxialSensor, Pollution
 from vvdp.simulation.model import Case, initial_case
-from vvdp.simulation.run import Stepping
+from vvdp.simulation.run import Run, Stepping
 from vvdp.systems.system import System
 
 COMPONENTS = {
@@ -143,3 +146,23 @@ def turn_pollution(pollution: Pollution, angle: float) -> Pollution:
     """The periodic sensor error of a spool whose end is turned by an angle [rad]."""
     phases = tuple(phase + (g + 1.0) * angle for g, phase in enumerate(pollution.phases))
     return replace(pollution, phases=phases)
+
+
+def rows_under_control(run: Run, period: float) -> Controlled:
+    """The rows of a run on a bench at samples, every `period` [s], at which its drive is controlled.
+
+    A row at a sample shows what was commanded before it: what is commanded there stands in the row of the next sample.
+    Samples whose next one is not recorded are left out.
+    """
+    at_sample = np.flatnonzero(np.abs(run.times / period - np.round(run.times / period)) < 1e-6)
+    now, after = at_sample[:-1], at_sample[1:]
+    shown, state = run.command.axial, run.state
+    is_next = np.abs(run.times[after] - run.times[now] - period) < 1e-6 * period
+    is_used = is_next & (shown.stage[after] == RUN)
+    now, after = now[is_used], after[is_used]
+    return Controlled(
+        times=run.times[now],
+        true=ChamberReading(state.slide.position[now], state.slide.velocity[now], state.pilot_chamber[now]),
+        shown=type(shown)(*(column[after] for column in shown)),
+        reference=Reference(*(column[after] for column in run.memory[PROGRAM].reference)),
+    )
