@@ -143,6 +143,24 @@ def test_the_law_of_the_page(tmp_path):
     assert any("not passive" in words for words in system.extras.warnings(found))
 
 
+@pytest.mark.thorough
+def test_the_law_of_the_page_in_the_whole_machine(tmp_path):
+    """One word of the file; the numbers of the page, beside those of the shipped law."""
+    code = next(each for each in re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL) if "cascade_step" in each)
+    (tmp_path / "my_law.py").write_text(code)
+    text, found = shipped_systems()["displacement-control"], []
+    for law in ("my_law:LAW", "passivity"):
+        path = tmp_path / "machine.toml"
+        path.write_text(text.replace('type = "passivity"', f'type = "{law}"'))
+        system = load_system(str(path))
+        found.append(summary(system, simulate(system.model, system.case, system.stepping)))
+    shown = re.search(
+        r"error of ([\d.]+) mm rms \(([\d.]+)\), and its\s+cylinder follows within ([\d.]+) mm \(([\d.]+)", PAGE
+    )
+    keys = ("spool_position_error_rms_m", "tracking_error_max_m")
+    assert [f"{1e3 * each[key]:.3f}" for key in keys for each in found] == [*shown.groups()]
+
+
 UNIT = """
 [nodes.motor]
 type = "driven-shaft"
