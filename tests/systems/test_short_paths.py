@@ -142,6 +142,12 @@ def test_a_fault_finds_the_value(own):
     assert system.circuit.network.parts["load"].values[0].discharge_coefficient == 0.8
 
 
+def test_a_fault_of_a_misspelt_value_names_the_paths_of_the_file():
+    text = SHORT + '\n[faults.worn]\nvalue = "edges.discharge_coeficient"\nbecomes = "0.8"\n'
+    (told,) = faults_of(text)
+    assert told.endswith("did you mean 'edges.discharge_coefficient'?")
+
+
 def test_what_stands_twice_is_refused_with_its_line():
     text = SHORT.replace('b = "tank" }', 'b = "tank", transition_pressure = "1 bar" }')
     (told,) = faults_of(text)

@@ -6,6 +6,7 @@ alone, and [values] gives a path of the file's own to any entry.
 it has a table [check_valve] with values of the valve. These are the paths by which values are set, ranged and listed.
 """
 
+import re
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -22,6 +23,8 @@ from vvdp.systems.drawn_parts import FAULTS
 from vvdp.systems.part_files import GROUPS, VALUES, targets_of
 from vvdp.systems.part_scopes import Entries, as_table
 
+FULL_PATH = re.compile(rf"\b(?:{'|'.join((*GROUPS, 'oils'))})\.\w+(?:\.\w+)*")
+"""A path of a value in the text of a message."""
 OWN = {"oil": UsualOil, "operation": Temperature, "heat": HeatBalance, "limits": Limits}
 """Tables of any drawn circuit, whose keys mean something there as well."""
 
@@ -56,8 +59,11 @@ class FullTable:
         return rest if rest.partition(".")[0] in self.written.content else full
 
     def locate(self, fault: Fault) -> Fault:
-        """A fault at the path that the file has."""
-        return replace(fault, key=self.path_of(fault.key))
+        """A fault at the path that the file has; what is said of an entry of [faults] names that path as well."""
+        message = fault.message
+        if fault.key.startswith(f"{FAULTS}."):
+            message = FULL_PATH.sub(lambda found: self.path_of(found[0]), message)
+        return replace(fault, key=self.path_of(fault.key), message=message)
 
     def rows(self, rows: Sequence[Sourced]) -> tuple[Sourced, ...]:
         """Values under the paths that the file has, each once; with short paths, in the order of the file's tables."""
