@@ -59,7 +59,7 @@ class FullTable:
         return rest if rest.partition(".")[0] in self.written.content else full
 
     def locate(self, fault: Fault) -> Fault:
-        """A fault at the path that the file has; what is said of an entry of [faults] names that path as well."""
+        """A fault at the path that the file has; the message of an entry of [faults] names that path as well."""
         message = fault.message
         if fault.key.startswith(f"{FAULTS}."):
             message = FULL_PATH.sub(lambda found: self.path_of(found[0]), message)
