@@ -141,6 +141,14 @@ def test_end_stops_on_the_rod_of_the_spool_are_its_travel():
     assert list(travel_warnings(system)) == []
 
 
+def test_a_start_beyond_the_stops_is_told():
+    """Of both drives; a hundredth of a millimetre beyond the stop, where the spring presses it in, is none."""
+    for name in ("displacement-control", "displacement-control-gerotor"):
+        told = [*travel_warnings(load_system(name, ["initial.axial_position=30 mm"]))]
+        assert told == ["the spool starts at 30 mm, it goes from −6.2 mm to 27 mm"]
+        assert [*travel_warnings(load_system(name, ["initial.axial_position=-6.21 mm"]))] == []
+
+
 def test_drive_helix_and_solids_that_disagree_are_all_told():
     told = list(travel_warnings(moved("-6.2 mm", "20 mm", stroke_ratio="1")))
     assert len(told) == 2

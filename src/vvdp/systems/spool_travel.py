@@ -50,6 +50,13 @@ def helix_conflicts(stops: Travel, valve: RotaryValve) -> Iterator[str]:
         yield f"the spool stops at {_length(stops.high)}, duty ratio 1 needs {_length(needed.high)}{why}"
 
 
+def start_conflicts(stops: Travel, first: float | None, valve: RotaryValve) -> Iterator[str]:
+    """Whether the spool starts beyond its end stops, in a sentence with numbers; `first` is where it starts [m]."""
+    slack = SLACK * valve.helix_length
+    if first is not None and not stops.low - slack <= first <= stops.high + slack:
+        yield f"the spool starts at {_length(first)}, it goes from {_length(stops.low)} to {_length(stops.high)}"
+
+
 def solid_conflicts(moved: Travel, valve: RotaryValve, shape: ValveShape) -> Iterator[str]:
     """Where a spool is let go further than its solids allow, in sentences with numbers."""
     allowed, slack = travel(shape, valve), SLACK * valve.helix_length
@@ -79,6 +86,7 @@ def travel_warnings(system: LoadedSystem) -> Iterator[str]:
     stops = stop_travel(network)
     if stops is not None:
         yield from helix_conflicts(stops, valves[0])
+        yield from start_conflicts(stops, first_position(system), valves[0])
     if shape is not None:
         moved = stops or prescribed_travel(network)
         yield from () if moved is None else solid_conflicts(moved, valves[0], shape)
