@@ -16,6 +16,7 @@ from tests.attack import trees
 from tests.attack.cage import Reading
 from tests.attack.meanings import Meaning, columns_meaning, misreading, study_meaning, system_meaning
 from tests.logs.files import mutate
+from tests.systems.table_texts import tables_alone
 
 from vvdp.base.display import key_suffix
 from vvdp.base.errors import ConfigError, Fault, VvdpError
@@ -145,7 +146,7 @@ def _weighted(path: Path) -> Meaning:
 
 
 DRAWN = tuple(text for text in shipped_systems().values() if "\n[nodes" in text)
-NAMED = tuple(text for text in shipped_systems().values() if "\n[nodes" not in text)
+NAMED = (tables_alone("prototype"),)
 FAULTS = """
 [faults.frozen]
 sensor = "axial_observer.pressure"

@@ -195,5 +195,6 @@ def test_every_step_that_allows_it_is_close_in_single_precision(tmp_path):
         "axial-gerotor drive_law", "digital-pump-control pistons", "prototype estimate",
         "transmission-speed-control forward", "vvdp-duty-control estimate", "vvdp-duty-control asked",
         "vvdp-duty-control-gerotor estimate", "vvdp-duty-control-gerotor asked",
-        "vvdp-duty-control-gerotor position_control",
+        "vvdp-duty-control-gerotor position_control", "displacement-control estimate",
+        "displacement-control-gerotor estimate", "displacement-control-gerotor position_control",
     }  # fmt: skip

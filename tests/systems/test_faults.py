@@ -2,21 +2,19 @@
 
 import dataclasses
 import pickle
-import re
 
 import numpy as np
 import pytest
 from tests.systems.axial_texts import run_of, system_of
 from tests.systems.drawn_orifice import ORIFICE
+from tests.systems.table_texts import tables_alone
 from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.signal import pulse, signal_stop, signal_value
 from vvdp.evaluation.summary import summary
-from vvdp.machines.rotary_bench import orifice_load
 from vvdp.simulation.run import simulate
 from vvdp.simulation.values import flat
-from vvdp.systems.circuits import table_slots
 from vvdp.systems.resolved import resolved_text
 from vvdp.systems.system import shipped_systems
 
@@ -259,13 +257,6 @@ def test_bad_faults_are_refused_with_their_line(name):
     (told,) = refused.value.faults
     assert expected in str(told) and told.key.startswith("faults.own")
     assert first <= told.line <= first + len(fault)
-
-
-def tables_alone(name: str) -> str:
-    """A shipped system of the rig without its drawing: its circuit draws it from its tables."""
-    parts = re.split(r"(?m)^(?=\[)", shipped_systems()[name])
-    kept = [part for part in parts[1:] if part[1 : part.index("]")] in (*table_slots(orifice_load), "run")]
-    return parts[0] + "".join(kept)
 
 
 OF_TABLES = {

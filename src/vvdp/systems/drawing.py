@@ -1,13 +1,13 @@
 """Networks that a system file draws itself: its tables [nodes], [components] and [programs]."""
 
 import dataclasses
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cache, partial
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from functools import cache, lru_cache, partial
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Annotated, Any, NamedTuple, get_type_hints
+from typing import Annotated, Any, NamedTuple, cast, get_type_hints
 
-from vvdp.base.errors import Fault, NetworkError, ParameterError
+from vvdp.base.errors import ConfigError, Fault, NetworkError, ParameterError
 from vvdp.base.kinds import (
     AddedInertia,
     Angle,
@@ -186,6 +186,32 @@ NODES: Mapping[str, NodeType] = {
 }
 
 
+class GivenTable:
+    """What a file gives under a path; equal to another one with the same text."""
+
+    def __init__(self, part: Mapping[str, object]) -> None:
+        self.part, self.text = part, repr(part)
+
+    def __hash__(self) -> int:
+        return hash(self.text)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, GivenTable) and self.text == other.text
+
+
+@lru_cache(maxsize=4096)
+def sound_table(cls: Any, path: str, given: GivenTable) -> tuple[Any, list[Sourced]]:
+    """The values of a table and where each comes from, read once however often a circuit is drawn with other values.
+
+    Raises ConfigError where something is wrong with it.
+    """
+    faults: list[Fault] = []
+    found = build(cls, given.part, path, Table("", {}, {}), faults)
+    if faults:
+        raise ConfigError(faults)
+    return found
+
+
 class Drawing(NamedTuple):
     """What a file draws: the network, where each value comes from, and tables that are not part of the circuit."""
 
@@ -273,7 +299,10 @@ class Drawer(ProgramDrawer):
         self.faults.append(fault_at(self.origin, path, message))
 
     def _table(self, cls: type[Any], path: str, part: Any) -> Any:
-        found, rows = build(cls, part, path, self.origin, self.faults)
+        try:
+            found, rows = sound_table(cast("Hashable", cls), path, GivenTable(part))
+        except ConfigError:
+            found, rows = build(cls, part, path, self.origin, self.faults)
         self.rows += rows
         return found
 

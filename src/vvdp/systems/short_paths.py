@@ -76,7 +76,10 @@ class FullTable:
         return tuple(sorted(named.values(), key=lambda row: places.get(row.table.partition(".")[0], 0)))
 
     def _rename(self, row: Sourced) -> Sourced:
-        table, _, key = self.path_of(row.setting).rpartition(".")
+        setting = self.path_of(row.setting)
+        if setting == row.setting and not row.idle_at:
+            return row
+        table, _, key = setting.rpartition(".")
         return replace(row, table=table, key=key, idle_at=tuple(map(self.path_of, row.idle_at)))
 
 
