@@ -1,5 +1,7 @@
 """Figures that can be read: no series flat beside another, flags as bars."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from tests.report.browser import running
@@ -47,7 +49,8 @@ class TestRun:
 
     class _Run:
         def __init__(self, times):
-            self.times, self.network, self.is_fine = times, type("", (), {"programs": ("law",)})(), True
+            law = SimpleNamespace(type=SimpleNamespace(is_drawn=True))
+            self.times, self.network, self.is_fine = times, SimpleNamespace(programs={"law": law}), True
             self.system = type("", (), {"stepping": type("", (), {"record_interval": 1e-3})()})()
             self.fine_interval, self.period = 1e-3, "period"
 

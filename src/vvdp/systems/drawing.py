@@ -301,7 +301,7 @@ class Drawer(ProgramDrawer):
     def _table(self, cls: type[Any], path: str, part: Any) -> Any:
         try:
             found, rows = sound_table(cast("Hashable", cls), path, GivenTable(part))
-        except ConfigError:
+        except (ConfigError, ValueError):  # a number of thousands of digits has no text
             found, rows = build(cls, part, path, self.origin, self.faults)
         self.rows += rows
         return found
