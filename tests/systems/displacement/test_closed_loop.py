@@ -111,7 +111,9 @@ def test_phases_come_in_order_and_are_drawn_under_every_course():
     system = load_system(SPRING)
     drawn = list(system.extras.charts(record_of(run)))
     charts, machine = [chart for chart, _ in drawn], drawn[0][1]
-    assert {"machine-motion", "machine-pressures", "machine-actuation", "axial-control"} <= {c.name for c in charts}
+    assert {"displacement-motion", "machine-pressures", "machine-actuation", "passivity-axial-control"} <= {
+        c.name for c in charts
+    }
     for chart in charts:
         if chart.name != "axial-pollution":
             lines, table = chart.panels[-1].lines, machine
