@@ -59,7 +59,7 @@ def unit_on_rig(system: System, verb: str, part: str = "") -> System:
 
 
 def is_meter(component: Component) -> bool:
-    """Whether a component acts on none of its nodes, but shows something of them."""
+    """Whether a component only measures: it acts on none of its nodes."""
     acts = {"flow", *component.ports} & set(names(component.result))
     return not acts and component.walls is None and component.stored is None and component.inertia is None
 

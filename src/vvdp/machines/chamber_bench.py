@@ -151,8 +151,8 @@ def turn_pollution(pollution: Pollution, angle: float) -> Pollution:
 def rows_under_control(run: Run, period: float) -> Controlled:
     """The rows of a run on a bench at samples, every `period` [s], at which its drive is controlled.
 
-    A row at a sample shows what was commanded before it: what is commanded there stands in the row of the next sample.
-    Samples whose next one is not recorded are left out.
+    A row at a sample has the command of the sample before, so that commands are read from the next row. Samples whose
+    next one is not recorded are left out.
     """
     at_sample = np.flatnonzero(np.abs(run.times / period - np.round(run.times / period)) < 1e-6)
     now, after = at_sample[:-1], at_sample[1:]

@@ -200,16 +200,16 @@ class GivenTable:
 
 
 @lru_cache(maxsize=4096)
-def sound_table(cls: Any, path: str, given: GivenTable) -> tuple[Any, list[Sourced]]:
+def sound_table(cls: Any, path: str, given: GivenTable) -> tuple[Any, tuple[Sourced, ...]]:
     """The values of a table and where each comes from, read once however often a circuit is drawn with other values.
 
     Raises ConfigError where something is wrong with it.
     """
     faults: list[Fault] = []
-    found = build(cls, given.part, path, Table("", {}, {}), faults)
+    found, rows = build(cls, given.part, path, Table("", {}, {}), faults)
     if faults:
         raise ConfigError(faults)
-    return found
+    return found, tuple(rows)
 
 
 class Drawing(NamedTuple):
@@ -302,7 +302,8 @@ class Drawer(ProgramDrawer):
         try:
             found, rows = sound_table(cast("Hashable", cls), path, GivenTable(part))
         except (ConfigError, ValueError):  # a number of thousands of digits has no text
-            found, rows = build(cls, part, path, self.origin, self.faults)
+            found, own = build(cls, part, path, self.origin, self.faults)
+            rows = tuple(own)
         self.rows += rows
         return found
 
