@@ -13,9 +13,8 @@ from vvdp.base.signal import Signal
 from vvdp.network.network import Network
 from vvdp.network.nodes import Source
 from vvdp.programs.arithmetic import product_step, table_step
-from vvdp.programs.axial_loop import HOME, LEARN, AxialSequence, Stage
+from vvdp.programs.axial_stages import HOME, LEARN, AxialSequence, Stage
 from vvdp.programs.chamber_laws import ChamberLaw
-from vvdp.programs.chamber_loop import ChamberLoop
 from vvdp.programs.chamber_report import static_reach_of
 from vvdp.programs.machine.checks import machine_loop_of
 from vvdp.programs.machine.loop import MachineCommand
@@ -75,16 +74,15 @@ def reach_bounds(system: LoadedSystem) -> Iterator[Bound]:
     network = system.circuit.network
     travel = stop_travel(network)
     for name, program in network.programs.items():
-        loop: Any = getattr(program.settings, "loop", program.settings)
-        wanted = loop.wanted if isinstance(loop, ChamberLoop) else program.reads.get("reference")
+        settings, wanted = program.settings, program.reads.get("reference")
         if wanted is None or (ends := range_asked(network, wanted)) is None:
             continue
         asked = ends[1]
         limits = {}
-        if isinstance(loop, ChamberLoop | ChamberLaw):
+        if isinstance(settings, ChamberLaw):
             words = "the pilot supply does not hold the spool there against the spring"
-            limits[words] = static_reach_of(loop.drive)
-        if travel is not None and program.type.report is not None and "reference" in program.reads:
+            limits[words] = static_reach_of(settings.drive)
+        if travel is not None and program.type.report is not None:
             limits["the drive ends there"] = travel.high
         for words, most in limits.items():
             yield Bound(
