@@ -10,14 +10,12 @@ from typing import Any
 
 from vvdp.base.kinds import DURATION, POSITION
 from vvdp.base.signal import Signal
-from vvdp.network.network import Network
+from vvdp.network.network import Network, ProgramPart
 from vvdp.network.nodes import Source
 from vvdp.programs.arithmetic import product_step, table_step
 from vvdp.programs.axial_stages import HOME, LEARN, AxialSequence, Stage
 from vvdp.programs.chamber_laws import ChamberLaw
 from vvdp.programs.chamber_report import static_reach_of
-from vvdp.programs.machine.checks import machine_loop_of
-from vvdp.programs.machine.loop import MachineCommand
 from vvdp.programs.report import origin
 from vvdp.simulation.outcome import Outcome
 from vvdp.systems.bound import Bound
@@ -97,16 +95,22 @@ def reach_bounds(system: LoadedSystem) -> Iterator[Bound]:
 
 def range_asked(network: Network, source: Source) -> tuple[float, float] | None:
     """The lowest and highest value of a reference; None unless it consists of signals and products of them, which may
-    pass through filters. A factor may have either sign, so each end of a product is that of a pair of ends.
+    pass through filters and limits, or a program limits it itself (`command_range` of its settings). A factor may have
+    either sign, so each end of a product is that of a pair of ends.
     """
     if isinstance(source, Signal):
         return source.extremes
     program, field = origin(network, source)
     if program is None or program.type.step is table_step:
         return None
-    if isinstance(program.type.command, MachineCommand) and field == "spool_position":
-        spool = machine_loop_of(program.settings).spool
-        return spool.rest_position, spool.highest_position
+    limited = getattr(program.settings, "command_range", {}).get(field, (-math.inf, math.inf))
+    low, high = _followed_range(network, program) or (-math.inf, math.inf)
+    found = min(max(low, limited[0]), limited[1]), max(min(high, limited[1]), limited[0])
+    return found if all(map(math.isfinite, found)) else None
+
+
+def _followed_range(network: Network, program: ProgramPart) -> tuple[float, float] | None:
+    """The range of a command that passes on what a program reads, or the product of it; None of any other."""
     followed = [program.reads["reads"]] if "reads" in program.reads else [*program.reads.values()]
     if len(followed) > 1 and program.type.step is not product_step:
         return None

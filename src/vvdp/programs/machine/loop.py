@@ -117,6 +117,11 @@ class MachineLoop(Params):
     first_direction: SignedFraction
     supervised: Supervised
 
+    @property
+    def command_range(self) -> dict[str, tuple[float, float]]:
+        """Between which positions the spool is asked to be [m]."""
+        return {"spool_position": (self.spool.rest_position, self.spool.highest_position)}
+
 
 class MachineMemory(NamedTuple):
     """What is carried from sample to sample; `wanted` is the raw position, held once a stop is asked for, `begin` when
