@@ -372,7 +372,7 @@ def _as_written(entry: Any, message: str) -> str:
 
 
 def read_sourced(name: str, key: str, kind: Kind | None, known: Any, entry: Any) -> Sourced:
-    """What stands under a key, with its origin. Raises ParameterError."""
+    """Value under a key, with its origin. Raises ParameterError."""
     if kind is None:
         raise TypeError(f"{name}.{key} has no kind")
     fields = dict(entry) if isinstance(entry, Mapping) else {"value": entry}

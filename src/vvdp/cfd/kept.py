@@ -63,8 +63,8 @@ class KeptStudy:
 
     @property
     def grid_index(self) -> float:
-        """What the three finest grids leave open of the drop of this part of the valve, over it: the convergence index,
-        or the spread where drops swing. nan where no study of its grids is kept.
+        """Uncertainty of the drop by the three finest grids of this part of the valve, over the drop: the convergence
+        index, or the spread if drops do not converge monotonically. nan if no study of its grids is kept.
         """
         grids = f"{PARTS.get(self.name.split('-')[0])}-grids"
         study = self if self.name.endswith("-grids") else kept_study(grids) if grids in kept_studies() else None

@@ -60,7 +60,8 @@ APPROACHES: Mapping[str, Approach] = {
     "k-omega SST": Approach(SHEAR_STRESS, SCHEMES["second-order"]),
     "laminar": Approach(LAMINAR, SCHEMES["second-order"]),
 }
-"""What each part is solved by; the first is what all other studies use, the second is that of the source."""
+"""Turbulence model and schemes of each approach; the first is the one of all other studies, the second that of the
+source."""
 
 
 def models_result(order: RailOrder, part: OnGrids, flows: Sequence[float], about: Told) -> Result:

@@ -20,11 +20,11 @@ END = b"* //"
 
 
 PIECES = "cellToRegion"
-"""What checkMesh leaves beside the start where a mesh is in pieces; no solver writes it."""
+"""File that checkMesh leaves beside the start if a mesh is in pieces; no solver writes it."""
 
 
 class Monitor(NamedTuple):
-    """What a function object wrote: an iteration and a row of values at a time; `area` of its patch [m^2], or nan."""
+    """Table of a function object: an iteration and a row of values at a time; `area` of its patch [m^2], or nan."""
 
     iterations: Array
     values: Array
@@ -35,7 +35,7 @@ EMPTY = Monitor(np.zeros(0), np.zeros((0, 1)), float("nan"))
 
 
 def read_monitor(case: Path, name: str, table: str = "surfaceFieldValue.dat") -> Monitor:
-    """What a function object wrote over all parts of a run, into the table `table`; no rows where it has not begun.
+    """Rows of a function object over all parts of a run, from the table `table`; no rows if it has not begun.
 
     Where a run went on from an earlier state, its rows take the place of those that an earlier part has beyond it.
     """

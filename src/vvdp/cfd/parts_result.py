@@ -1,4 +1,4 @@
-"""What parts of the valve come to beside the whole of which they are parts: the valve, or its sleeve without spool."""
+"""Comparison of parts of the valve with the whole that they make up: the valve, or its sleeve without spool."""
 
 import math
 from collections.abc import Iterator, Sequence

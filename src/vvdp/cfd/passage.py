@@ -84,7 +84,8 @@ def passage_case(passage: Passage) -> Case:
 
 
 def _zone(passage: Passage) -> tuple[Mapping[str, str], tuple[tuple[str, ...], ...], tuple[str, ...]]:
-    """What makes the zone of cells that turn: files, programs, and the patches at its edge where the mesh is parted."""
+    """Zone of cells that turn: files and programs that make it, and the patches at its edge where the mesh is
+    parted."""
     if passage.fine.ring:
         return parting_files(), (*PARTING_PROGRAMS, ORDERING), RING_PATCHES
     return zone_files(passage.radius), (ORDERING, ZONE_PROGRAM), ()

@@ -82,7 +82,7 @@ def sleeve_case(order: RailOrder, domain: Domain) -> Case:
 
 
 def port_turbulence(flow: float, shape: ValveShape) -> Inflow:
-    """What enters by the port of the rail."""
+    """Turbulence of the flow that enters by the port of the rail."""
     diameter = shape.rail_port_diameter
     return duct_turbulence(flow / (0.25 * math.pi * diameter**2), diameter)
 
@@ -93,7 +93,8 @@ def near_nozzles(radius: float) -> Cylinder:
 
 
 def near_mouths(valve: RotaryValve) -> tuple[Sphere, ...]:
-    """What holds a mouth each, where they are no patches: as fine as those, so that they keep their area."""
+    """Refined spheres, each around a mouth, for mouths that are no patches: as fine as patches, so that mouths keep
+    their area."""
     angles = TURN + 2.0 * math.pi / valve.sections * np.arange(round(valve.sections))
     reach = 0.55 * nozzle_length(valve)
     radius = valve.spool_radius

@@ -80,7 +80,7 @@ QUANTITIES = {
 
 
 class Told(NamedTuple):
-    """What is stated of an order beside its numbers: names of system and grid, the oil in words, origins of lengths."""
+    """Texts of an order beside its numbers: names of system and grid, the oil in words, origins of lengths."""
 
     system: str
     grid: str

@@ -18,7 +18,7 @@ def rotor_patches(domain: Domain) -> tuple[str, ...]:
 
 
 def zone_files(radius: float) -> dict[str, str]:
-    """What makes a zone of the cells within a radius [m] of the axis, by `ZONE_PROGRAM`."""
+    """Files for a zone of the cells within a radius [m] of the axis, made by `ZONE_PROGRAM`."""
     cells, far = f"{ROTOR}Cells", FAR * radius
     within: Mapping[str, Entry] = {
         "source": "cylinderToCell",
@@ -34,7 +34,7 @@ def zone_files(radius: float) -> dict[str, str]:
 
 
 def motion_files(speed: float) -> dict[str, str]:
-    """What turns the mesh of the zone [rad/s]."""
+    """File for the rotation of the mesh of the zone [rad/s]."""
     motion: Mapping[str, Entry] = {
         "dynamicFvMesh": "dynamicMotionSolverFvMesh",
         "motionSolverLibs": ("fvMotionSolvers",),

@@ -28,7 +28,7 @@ CASE = "case"
 """Folder of the first case in the directory of a result; others have a number behind it."""
 CASES = re.compile(rf"{CASE}(-\d+)?")
 OF_CASE = re.compile(r"log\.\w+|processor\d+|constant|system|postProcessing|state\.json|progress\.json|lock|stop")
-"""What vvdp and OpenFOAM write into the folder of a case, but for the folders of times."""
+"""Files that vvdp and OpenFOAM write into the folder of a case, except the folders of times."""
 MIDDLE = "middle"
 """The section that is cut through every flow."""
 

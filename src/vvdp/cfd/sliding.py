@@ -28,7 +28,7 @@ class Side(NamedTuple):
 
 
 def parting_files() -> dict[str, str]:
-    """What splits the mesh along its ring, by `PARTING_PROGRAMS`: two patches that see each other."""
+    """Files that split the mesh along its ring, by `PARTING_PROGRAMS`, into two coupled patches."""
     seeing: Mapping[str, Entry] = {
         "type": "cyclicAMI",
         "transform": "noOrdering",
@@ -42,7 +42,7 @@ def parting_files() -> dict[str, str]:
 
 
 def meeting_files(one: Side, other: Side) -> dict[str, str]:
-    """What lets two patches of one mesh see each other where they meet, by `MEETING_PROGRAMS`.
+    """Files that couple two patches of one mesh where they meet, by `MEETING_PROGRAMS`.
 
     Each face of a patch becomes two: one that is open as far as the other side covers it, one that is closed for the
     rest (cyclicACMI).
@@ -77,7 +77,7 @@ def _open_and_closed(side: Side, facing: Side) -> Mapping[str, Entry]:
 
 
 def _baffle_files(zones: Mapping[str, Mapping[str, Entry]], *, inside: bool) -> dict[str, str]:
-    """What makes patches of zones of faces, `inside` the mesh or on its surface."""
+    """File that makes patches of zones of faces, `inside` the mesh or on its surface."""
     baffles: Mapping[str, Entry] = {
         name: {"type": "faceZone", "zoneName": name, "patches": patches} for name, patches in zones.items()
     }

@@ -103,7 +103,7 @@ def meshing_files(domain: Domain, kinds: Mapping[str, str], fine: Refinement) ->
 
 
 PROGRAMS = (("blockMesh",), ("surfaceFeatureExtract",), ("snappyHexMesh", "-overwrite"))
-"""What makes the mesh, one after the other."""
+"""Programs that make the mesh, one after the other."""
 ORDERING = ("renumberMesh", "-overwrite")
 """Then it is solved faster."""
 
@@ -152,7 +152,7 @@ def _near(fine: Refinement) -> dict[str, Cylinder | Sphere]:
 
 
 def _parting(ring: Ring | None) -> Mapping[str, Entry]:
-    """What makes the faces on a ring a zone, and the cells within another."""
+    """Entry that makes the faces on a ring a zone, and the cells within it another."""
     if ring is None:
         return {}
     level = ring.cylinder.level

@@ -101,7 +101,7 @@ def _history(case: Case, folder: Path) -> History:
 
 
 class _State:
-    """What is done of a case, kept in its folder."""
+    """Progress of a case, kept in its folder."""
 
     def __init__(self, folder: Path, case: Case) -> None:
         self.path = folder / STATE

@@ -16,7 +16,7 @@ class ClockedProgress(Progress):
     """A bar that moves by itself where its task has `seconds` to last."""
 
     def get_renderables(self) -> Iterable[RenderableType]:
-        """What is shown, once the tasks that go by the clock have moved."""
+        """Content of the progress display, once the tasks that go by the clock have moved."""
         for task in self.tasks:
             if seconds := task.fields["seconds"]:
                 task.completed = min(task.elapsed or 0.0, FULLEST * seconds)

@@ -1,4 +1,5 @@
-"""What the verbs of `vvdp cfd` share: their options, the order of a system's valve, and where it is carried out."""
+"""Common code of the subcommands of `vvdp cfd`: their options, the order of a system's valve, and the place where it is
+carried out."""
 
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress

@@ -91,7 +91,7 @@ def _with_one_valve(case: RigCase) -> "System":
 
 
 def _order(loaded: "System", solids: Solids, settings: list[str]) -> "Order":
-    """What is to be made. Raises ParameterError where the spool would stand outside its stroke."""
+    """Order of the solids to make. Raises ParameterError if the spool would stand outside its stroke."""
     from vvdp.base.kinds import ANGLE
     from vvdp.geometry.domains import require_within_stroke
     from vvdp.geometry.product import Order

@@ -76,7 +76,7 @@ def systems(
 
 
 def _name_others(chosen: Mapping[str, Listed], shown: Collection[str]) -> None:
-    """What else has one of the words in its name, in a line."""
+    """Line with the other names that contain one of the words."""
     from vvdp.cli.screen import tell
 
     others = dict.fromkeys(str(row[0]) for each in chosen.values() for row in each.rows if row[0] not in shown)

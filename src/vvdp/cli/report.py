@@ -14,7 +14,7 @@ RUN, CFD = ("report", "write_report"), ("cfd_report", "write_cfd_report")
 FLOW = "case/state.json"
 """The file by which a computed flow is known."""
 WRITERS = {"geometry.toml": GEOMETRY, "result.json": RESULT}
-"""What writes the report of a directory by a file that vvdp wrote there: module and function."""
+"""Writer of the report of a directory, by a file that vvdp wrote there: module and function."""
 
 
 def report(
@@ -55,7 +55,7 @@ def report(
 
 
 def dressing(command: str) -> Callable[..., Any]:
-    """What makes the page of a run interactive; `command` is the line that repeats the run."""
+    """Function that makes the page of a run interactive; `command` is the line that repeats the run."""
     from functools import partial
 
     from vvdp.cli.screen import say

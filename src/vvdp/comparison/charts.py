@@ -10,7 +10,7 @@ from vvdp.results.chart import Chart, Colour, Dots, Line, Lines
 from vvdp.results.result import Table
 
 BEFORE, AFTER = 0.05, 0.35
-"""What is shown of a step, before it and after [s]."""
+"""Time range shown of a step, before it and after [s]."""
 SMALLEST = 1e-3
 """Where the scales of errors begin [rad, rad/s]."""
 

@@ -198,7 +198,7 @@ def _front_table(found: CircuitComparison) -> Table:
 
 
 def _account(score: CircuitScore) -> str:
-    """What came in, as it stands behind a bar."""
+    """Input power, as text behind a bar."""
     came = f"{number(score.drawn, 3)} W drawn"
     return came + (f" + {number(score.received, 3)} W from the load" if score.received > 0.0 else "")
 
@@ -349,7 +349,7 @@ def _warnings(what: str, score: CircuitScore | None, failure: str) -> Iterator[F
 
 
 def _summary(name: str, duty: Duty, scores: Mapping[str, CircuitScore]) -> str:
-    """What each circuit draws on a duty, and gets back, for what it delivers."""
+    """Sentence on a duty: the delivered power, and the power that each circuit draws and returns."""
     delivered = number(float(np.mean([score.delivered for score in scores.values()])), 3)
     told = (
         f"{circuit} {number(score.drawn, 4)} W"

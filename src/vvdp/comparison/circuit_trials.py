@@ -95,7 +95,7 @@ class CircuitComparison:
 
 @dataclass(frozen=True)
 class _Plan:
-    """What is compared, as it travels to other processes. `say` stays here."""
+    """The comparison, as it is sent to other processes. `say` stays here."""
 
     duties: Mapping[str, Duty]
     circuits: Mapping[str, RivalCircuit]

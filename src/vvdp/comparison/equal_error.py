@@ -93,9 +93,9 @@ def next_rate(tried: Sequence[Attempt], wanted: float, speed: float) -> float:
 
 
 def attempts(run: Callable[[float], Attempt | None], first: Attempt, wanted: float, speed: float) -> list[Attempt]:
-    """What was tried until the wanted error was reached, or cannot be; the first one is that with the common poles.
+    """Attempts until the wanted error was reached, or cannot be; the first one is that with the common poles.
 
-    run     gives what becomes of some poles [1/s]; None where it breaks off
+    run     attempt with poles of a rate [1/s]; None where its run breaks off
     wanted  rms error [m]
     speed   rms speed of the cycle [m/s]
     """

@@ -16,7 +16,7 @@ class Motion(Protocol):
 
     @property
     def by_flow(self) -> "Lag":
-        """What the flow alone would make of it."""
+        """Motion that the flow alone would cause."""
         ...
 
     @property

@@ -47,8 +47,8 @@ NOTHING_SEEN = AxialSeen(
 
 
 class NoiseTrial(Params):
-    """What the models are put through: the spool goes to and fro over `stroke` in `motion_period` and turns with
-    `spool_speed`; the second half of `duration` counts. Margins are those of a drive with this `natural_frequency`."""
+    """Trial of the models: the spool goes to and fro over `stroke` in `motion_period` and turns with `spool_speed`; the
+    second half of `duration` counts. Margins are those of a drive with this `natural_frequency`."""
 
     spool_speed: Speed = TURN * 10.0
     sample_period: Time = 1e-3
@@ -66,7 +66,7 @@ class NoiseTrial(Params):
 
 
 class Model(NamedTuple):
-    """What a noise model is; its margin is NaN where none is calculated."""
+    """Size and margin of a noise model; the margin is NaN where none is calculated."""
 
     name: str
     functions: int

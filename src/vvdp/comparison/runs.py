@@ -31,7 +31,7 @@ GROUPS = {
     "velocity": "Velocities",
     "command": "Commands of programs",
 }
-"""What the names of series begin with, and what a caption calls them."""
+"""First words of the names of series, and their names in captions."""
 
 
 def compare_runs(directories: Sequence[Path], trust: str = "") -> Result:

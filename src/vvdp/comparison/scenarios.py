@@ -117,7 +117,7 @@ def encoder_of(sectors: int) -> Encoder:
 
 
 class Drive(NamedTuple):
-    """What turns the spool of the prototype: its valve, and its oil at 40 degC; in the clearance it is thicker, by a
+    """Rotary drive of the prototype's spool: its valve, and its oil at 40 degC; in the clearance it is thicker, by a
     ratio, than at the reference pressure."""
 
     valve: RotaryValve

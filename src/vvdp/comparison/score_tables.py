@@ -22,7 +22,8 @@ TIE = 1.05
 
 
 class Figures(NamedTuple):
-    """What is compared, such as "estimator"; kind and label of each figure of a score, and which a page shows."""
+    """Figures of a comparison: the word for the contenders, such as "estimator"; kind and label of each figure of a
+    score, and the figures that a page shows."""
 
     contender: str
     kinds: Mapping[str, tuple[Kind, str]]

@@ -47,7 +47,7 @@ def simulate_record(scenario: Scenario, encoder: Replay, seed: int, samples: int
 
 @dataclass(frozen=True)
 class _Plan:
-    """What is compared, as it travels to other processes; plans of one name are one plan. `say` stays here."""
+    """The comparison, as it is sent to other processes; plans of one name are one plan. `say` stays here."""
 
     name: str
     scenarios: Mapping[str, Scenario] = field(compare=False)
@@ -68,7 +68,7 @@ class _Field:
 
     @property
     def program(self) -> tuple[str, ...]:
-        """What its results depend on, besides the plan."""
+        """Versions and digests that its results depend on, besides the plan."""
         compiled = (*self.encoders.values(), *self.steps.values(), *self.loops.values())
         return VERSION, *(each.digest for each in compiled)
 
@@ -94,7 +94,7 @@ class _Field:
 
 
 def run_estimator(contender: Contender, step: Replay, record: Record, rows: Array) -> Traces:
-    """What a contender makes of its `rows`; `step` is its own, compiled."""
+    """Estimates of a contender from its `rows`; `step` is its own, compiled."""
     shown = step(contender.memory, rows).shown
     if contender.afterwards is not None:
         return contender.afterwards(record.truth.time, shown, contender.settings)

@@ -23,8 +23,8 @@ class PistonLosses(NamedTuple):
 
 
 class PistonEffect(NamedTuple):
-    """What the pump gives to its ports, what it loses, the power that closes its valves, the tank volumes that leak
-    back, and its flow over the mean flow of all pistons."""
+    """Effect of the pump on its ports, its losses, the power that closes its valves, the tank volumes that leak back,
+    and its flow over the mean flow of all pistons."""
 
     inlet: Flow
     outlet: Flow

@@ -36,7 +36,7 @@ class UsualOil(Oil):
 
 
 def _offers() -> Iterator[Component | Assembly]:
-    """What the modules of this package offer."""
+    """Components and assemblies that the modules of this package offer."""
     for module in pkgutil.iter_modules(vvdp.components.__path__, "vvdp.components."):
         for value in vars(importlib.import_module(module.name)).values():
             if isinstance(value, Assembly) or (isinstance(value, Component) and value.offered):

@@ -1,5 +1,5 @@
-"""What joins shafts and rods by a ratio: gear, lever, arm, drum, wheel; what a road does to a vehicle; friction that
-sticks.
+"""Elastic links of shafts and rods by a ratio: gear, lever, arm, drum, wheel; the load of a road on a vehicle;
+stick-slip friction.
 """
 
 from typing import NamedTuple

@@ -70,7 +70,7 @@ class MotorLosses(NamedTuple):
 
 
 class MotorEffect(NamedTuple):
-    """What a motor gives to its ports, what it loses, and the tank volumes that leak from port a to port b."""
+    """Effect of a motor on its ports, its losses, and the tank volumes that leak from port a to port b."""
 
     a: Flow
     b: Flow
@@ -136,7 +136,7 @@ def controlled_pump(
 
 
 def _at_swivel(inlet: FluidState, outlet: FluidState, shaft: ShaftState, swivel: float, values: Pump) -> ChamberEffect:
-    """What a pump does at a share of its displacement."""
+    """Effect of a pump at a share of its displacement."""
     displacement, unused = delivery(shaft.angle, inlet, outlet, values, swivel)
     q = displacement * shaft.speed
     leak = passage(values.leakage_conductance * (outlet.pressure - inlet.pressure), outlet, inlet)

@@ -15,13 +15,14 @@ from vvdp.valve.rotary import RotaryValve
 
 
 class MeteredPower(NamedTuple):
-    """What a meter shows."""
+    """Reading of a meter."""
 
     power: Power
 
 
 def supply_meter(a: FluidState, b: FluidState, to_a: Flow, to_b: Flow) -> MeteredPower:
-    """What an ideal variable pump would give for the same motion: what flows into either chamber, at its pressure."""
+    """Power that an ideal variable pump would deliver for the same motion: the flow into either chamber, at its
+    pressure."""
     return MeteredPower(maximum(to_a, 0.0) * a.enthalpy + maximum(to_b, 0.0) * b.enthalpy)
 
 

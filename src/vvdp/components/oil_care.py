@@ -103,7 +103,7 @@ def cooler(a: FluidState, b: FluidState, medium: Medium, values: Cooler) -> Pass
 
 
 def cooler_coolant(values: Cooler) -> Coolant:
-    """What it gives heat to, where there is a heat balance."""
+    """Coolant to which the cooler gives heat, if there is a heat balance."""
     return Coolant(values.heat_conductance, values.coolant_temperature)
 
 

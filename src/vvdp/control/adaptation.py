@@ -47,7 +47,8 @@ class Adaptation(Params):
 
 
 class AdaptationMemory(NamedTuple):
-    """What is added to the load as estimated otherwise, the mass, and the compressibility 1/beta."""
+    """Adapted parameters: correction added to the load as estimated otherwise, the mass, and the compressibility
+    1/beta."""
 
     load_correction: Force
     moving_mass: Mass
@@ -55,7 +56,7 @@ class AdaptationMemory(NamedTuple):
 
 
 class Excitation(NamedTuple):
-    """What the parameters are learned from: the load as estimated otherwise, e_v, r', F_H - F_v, F_v' and L =
+    """Signals that the parameters are adapted from: the load as estimated otherwise, e_v, r', F_H - F_v, F_v' and L =
     S/beta.
     """
 
@@ -68,15 +69,15 @@ class Excitation(NamedTuple):
 
 
 def adaptation_start(moving_mass: float, bulk_modulus: float) -> AdaptationMemory:
-    """What is believed before the first sample.  moving_mass: [kg]; bulk_modulus: [Pa]."""
+    """Adapted parameters before the first sample.  moving_mass: [kg]; bulk_modulus: [Pa]."""
     return AdaptationMemory(0.0, moving_mass, 1.0 / bulk_modulus)
 
 
 def adaptation_step(
     memory: AdaptationMemory, seen: Excitation, interval: float, settings: Adaptation
 ) -> AdaptationMemory:
-    """What is believed a sample later: F_L' = g_F e_v, m' = -g_m e_v r', (1/beta)' = -g_b (F_H - F_v) F_v'/L, held
-    within their bounds. What has no gain stays as it is, within bounds or not.
+    """Adapted parameters a sample later: F_L' = g_F e_v, m' = -g_m e_v r', (1/beta)' = -g_b (F_H - F_v) F_v'/L, held
+    within their bounds. A parameter without a gain stays unchanged, within bounds or not.
 
     interval  since the last sample [s]
 

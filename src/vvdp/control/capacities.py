@@ -38,7 +38,7 @@ class SupplyLine(VesselSize):
 
 
 class CylinderBelief(Params):
-    """What a controller believes of the oil, the load and the return valve of a cylinder: m x'' = F_H - b x' + F_L.
+    """Controller model of the oil, the load and the return valve of a cylinder: m x'' = F_H - b x' + F_L.
 
     `oil_volume_a` and `oil_volume_b` are those of the chambers with their hoses at position 0; chamber a grows with
     the position. `return_conductance` is K_v of the return valve, fully open.
@@ -83,7 +83,7 @@ class CylinderModel(CylinderBelief, CylinderEnds):
 
 
 class LineBelief(Params):
-    """What a controller believes of the line from pump to directional valve, with its accumulator."""
+    """Controller model of the line from pump to directional valve, with its accumulator."""
 
     line_volume: Volume
     hose_compliance: Compliance
@@ -114,7 +114,7 @@ class CircuitPressures(NamedTuple):
 
 
 class Capacities(NamedTuple):
-    """What flows and motion do to the force of the oil: F_H' = H Q + G Psi u - S x'.
+    """Effect of flows and motion on the force of the oil: F_H' = H Q + G Psi u - S x'.
 
     `supply_gain` H and `return_gain` G have the sign of the direction; `stiffness` S is beta L of a bare cylinder.
     """

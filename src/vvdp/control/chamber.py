@@ -51,7 +51,7 @@ class PositionGains(Params):
 
 
 class ChamberReading(NamedTuple):
-    """What a law of the chamber needs: position and velocity as believed, the pressure as measured, absolute."""
+    """Inputs of a law of the chamber: position and velocity as estimated, the pressure as measured, absolute."""
 
     position: Position
     velocity: Velocity

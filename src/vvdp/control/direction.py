@@ -28,7 +28,7 @@ class DirectionMemory(NamedTuple):
 
 
 LONG = 1e3
-"""What `held_for` ends at [s]."""
+"""Upper limit of `held_for` [s]."""
 
 
 def direction_start() -> DirectionMemory:

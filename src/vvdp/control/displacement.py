@@ -47,7 +47,7 @@ class SupplySupport(Params):
 
 
 class DisplacementSettings(Params):
-    """What the controller works with; it is called every `sample_period`."""
+    """Parameters of the controller; it is called every `sample_period`."""
 
     cylinder: CylinderModel
     gains: ForceGains
@@ -63,8 +63,8 @@ class DisplacementSettings(Params):
 
 
 class CylinderSeen(NamedTuple):
-    """What the controller sees: motion and load as believed, pressures as they are (`fast`) and averaged over a
-    period of the pulsating supply (`slow`), and the flow that the pump delivers, as far as is known."""
+    """Inputs of the controller: motion and load as estimated, pressures as measured (`fast`) and averaged over a period
+    of the pulsating supply (`slow`), and the flow that the pump delivers, as far as it is known."""
 
     position: Position
     velocity: Velocity
@@ -84,8 +84,8 @@ class DisplacementMemory(NamedTuple):
 
 
 class DisplacementDemand(NamedTuple):
-    """What is asked of the drives: `direction` of the directional valve (1 extends, 0 is closed), `opening` of the
-    return valve, `flow` of the pump. The rest shows how it came about.
+    """Demand on the drives: `direction` of the directional valve (1 extends, 0 is closed), `opening` of the return
+    valve, `flow` of the pump. The other fields show how the demand was calculated.
 
     `effort` is U*, `force_error` F_H - F_v, `saturated` 1 where the opening is at an end.
     """
@@ -165,7 +165,7 @@ def wanted_effort(
 
 
 class Shared(NamedTuple):
-    """What is known of a sample before the modes are asked: effort, split, what the drives can do, and the chambers.
+    """Values of a sample before the pressure modes apply: effort, split, authority of the drives, and the chambers.
 
     `flow` is that of the split with the support of the supply.
     """
@@ -206,7 +206,7 @@ def share_effort(
 
 
 def learn(memory: DisplacementMemory, wanted: Effort, settings: DisplacementSettings) -> AdaptationMemory:
-    """What has been learned with this sample; nothing while the opening is at an end or just after a switch."""
+    """Adapted parameters after this sample; unchanged while the opening is at an end or just after a switch."""
     if memory.saturated > 0.0 or wanted.direction.held_for < settings.adaptation.pause:
         return memory.adaptation
     return adaptation_step(memory.adaptation, wanted.excitation, settings.sample_period, settings.adaptation)

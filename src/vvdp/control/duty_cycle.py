@@ -54,14 +54,14 @@ class DutyCycle(Params):
 
 
 class CyclePoint(NamedTuple):
-    """What a cycle asks for at an instant, and what pulls."""
+    """Position and load force of a cycle at an instant."""
 
     position: Position
     force: Force
 
 
 def cycle_point(time: float, cycle: DutyCycle) -> CyclePoint:
-    """What a cycle asks for at `time` [s], and the force then.
+    """Position and force of a cycle at `time` [s].
 
     Source  ours, docs/circuits-compared.md
     """
@@ -71,7 +71,7 @@ def cycle_point(time: float, cycle: DutyCycle) -> CyclePoint:
 
 
 class CycleDemand(NamedTuple):
-    """What a cycle asks of what feeds its cylinder, piece by piece: how long, which flow, which pressure over the tank.
+    """Demand of a cycle on the supply of its cylinder, piece by piece: duration, flow, pressure above that of the tank.
 
     A load that overruns asks for no pressure, and neither does a rod at rest, whose valve is closed.
     """

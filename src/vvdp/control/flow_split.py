@@ -49,7 +49,8 @@ class SplitMemory(NamedTuple):
 
 
 class Authority(NamedTuple):
-    """What pump and return valve can do: H [N/m^3] a unit of flow, G Psi [N/s] a full opening, which passes Psi."""
+    """Authority of pump and return valve over the force rate: H [N/m^3] per unit of flow, G Psi [N/s] for a full
+    opening, which passes Psi."""
 
     per_flow: ForcePerVolume
     per_opening: ForceRate

@@ -10,7 +10,7 @@ from vvdp.base.select import clip, minimum
 
 
 class PidGains(NamedTuple):
-    """What a controller works with: u = K (b r - y) + integral of K/T_i (r - y) - K T_d filtered dy/dt + feedforward.
+    """Parameters of a controller: u = K (b r - y) + integral of K/T_i (r - y) - K T_d filtered dy/dt + feedforward.
 
     gain             K [unit of u per unit of y]
     reset_time       T_i [s]

@@ -25,7 +25,7 @@ from vvdp.fluid.mixture import compression_energy_per_volume
 
 
 class StorageBalance(NamedTuple):
-    """What is stored [J], and at which rate it grows, or, where a law is not exact, may grow [W]."""
+    """Storage [J], and the rate at which it grows, or, if a law is not exact, may grow [W]."""
 
     storage: Energy
     supply: ExchangedPower

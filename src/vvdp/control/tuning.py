@@ -63,7 +63,7 @@ def backstepping_certificate(compliance: float, gains: BacksteppingGains, drive:
 
 
 def _coupling(weight: float, gains: PositionGains, drive: ChamberDrive) -> float:
-    """What the errors of position and velocity take of the pressure's damping [m^3/(s Pa)].
+    """Damping of the pressure that its coupling to the errors of position and velocity takes up [m^3/(s Pa)].
 
     a' N^-1 a (weight/2)^2, a = (alpha_e, alpha_ev), N = [[l (K + K_p), -b l/2], [-b l/2, K_v + b]] the damping of the
     errors; infinite where N is not positive definite.
@@ -87,7 +87,7 @@ class SamplingLimits(NamedTuple):
 
 
 def sampling_limits(flow_gain: float, compliance: float) -> SamplingLimits:
-    """What lambda_3 asks of the sample period, over which the flow is held: the pressure's pole is lambda_3 beta/V.
+    """Limits of the sample period, over which the flow is held, for lambda_3: the pressure's pole is lambda_3 beta/V.
 
     flow_gain   lambda_3, with the exact feedforward lambda_3 - alpha_P V/beta [m^3/(s Pa)]
     compliance  V/beta, the least that occurs [m^3/Pa]

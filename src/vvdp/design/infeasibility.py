@@ -70,7 +70,7 @@ class Elastic:
 
 
 Item: TypeAlias = Limit | Side
-"""What may be left out of a problem."""
+"""Constraint that can be left out of a problem."""
 
 
 def infeasibility(problem: Problem, held: Mapping[str, float]) -> str:

@@ -36,13 +36,13 @@ class Active:
 
     @property
     def words(self) -> str:
-        """What it is, as people read it."""
+        """The limit, bound or constraint in words."""
         return self.source.words
 
 
 @dataclass(frozen=True)
 class Optimum:
-    """The best design that was found, what holds it there, and how sure one may be of it.
+    """The best design that was found, its active limits, and numbers on how certain it is.
 
     `converged` of `starts` random starts ended in a feasible optimum, `agreeing` of them in this one, the others in
     `worse_optima`.
@@ -237,8 +237,8 @@ def _judge(problem: Problem, traced: Traced, x: Array) -> tuple[Array, Array]:
 
 
 def _active(problem: Problem, local: Local) -> Iterator[Active]:
-    """What is active at a local optimum. The multiplier of a limit, over all points, is what the relative objective
-    changes by when the limit moves outwards by its measure."""
+    """Active limits, constraints and bounds of a local optimum. The multiplier of a limit, over all points, is the
+    change of the relative objective when the limit moves outwards by its measure."""
     traced = local.traced
     relative = traced.scale / local.objective
     ends = np.cumsum(traced.per_limit, dtype=int)

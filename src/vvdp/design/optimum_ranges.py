@@ -45,7 +45,7 @@ def known_quantities(ranges: Ranges) -> dict[str, tuple[Kind, str]]:
 
 
 def ranges_in_words(ranges: Ranges) -> str:
-    """What the optimum rests on, in a sentence; nothing where that moves none of its numbers."""
+    """Sentence on how uncertain values of the system move the optimum; empty if they move none of its numbers."""
     known = known_quantities(ranges)
     spans = [
         f"the {known[name][1]} lies between {' and '.join(with_unit(end, known[name][0]) for end in ranges.span(name))}"

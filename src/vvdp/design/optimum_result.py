@@ -235,7 +235,7 @@ def _sum(proof: Proof | None, keys: Sequence[str]) -> float:
 
 
 def doubt_findings(simulated: Sequence[str], analytic: Sequence[str]) -> tuple[Finding, ...]:
-    """What the simulation does not bear out, then what puts the analytic values in doubt."""
+    """Findings that the simulation does not confirm, then reasons to doubt the analytic values."""
     refuted = "The simulation does not bear out the optimum"
     return (
         *(Finding(text=sentence(text), grade=Grade.BAD, title=refuted) for text in simulated),

@@ -114,7 +114,7 @@ def objectives(minimise: Sequence[str], maximise: Sequence[str]) -> tuple[Object
 
 
 def is_undominated(costs: Array) -> npt.NDArray[np.bool_]:
-    """Which rows of `costs` no other row beats: is nowhere worse and somewhere better."""
+    """Flags of the rows of `costs` that no other row dominates, that is, is nowhere worse than and somewhere better."""
     no_worse = np.all(costs[:, None, :] <= costs[None, :, :], axis=2)
     better = np.any(costs[:, None, :] < costs[None, :, :], axis=2)
     beaten: npt.NDArray[np.bool_] = np.any(no_worse & better, axis=0)

@@ -109,7 +109,7 @@ def _table(found: Front, *, refused: bool = False) -> Table:
 
 
 def _simulation_table(found: Front, places: tuple[int, ...]) -> dict[str, Column]:
-    """What the simulation says of designs; -1 is the one as it was, which was simulated first."""
+    """Simulated quantities of designs; -1 is the design before the optimisation, which was simulated first."""
     columns = {}
     for name, (kind, label) in SIMULATED.items():
         values = np.array([float(getattr(found.simulated[1 + k], name)) for k in places], float)

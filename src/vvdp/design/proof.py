@@ -56,7 +56,8 @@ TOLERANCE = 0.1
 
 @dataclass(frozen=True)
 class Proof:
-    """What simulation and closed forms say of one design at one operating point; `failure` if a simulation failed."""
+    """Results of simulation and closed forms for one design at one operating point; `failure` if a simulation
+    failed."""
 
     design: str
     point: int
@@ -210,8 +211,8 @@ def _mean(problem: Problem, values: Sequence[float]) -> float:
 
 
 class Simulated(NamedTuple):
-    """What a simulation says of one of many designs, weighted means over the points (NaN where one failed), and what
-    is in doubt about it."""
+    """Simulated results of one of many designs, weighted means over the points (NaN if one failed), and reasons to
+    doubt them."""
 
     loss_total: float
     pwm_frequency: float

@@ -29,7 +29,7 @@ from vvdp.studies.study import Study
 from vvdp.systems.system import System
 
 OUTPUTS = ("loss_total_W", "pwm_frequency_Hz", "efficiency", "settled", "trusted")
-"""What is asked of a simulation."""
+"""Results that each simulation has to give."""
 DUTY_RATIOS = ("0.4", "0.5", "0.6")
 """The duty cycle by default, equally long at each."""
 SIZES = 6
@@ -40,7 +40,8 @@ STEP, STRIDE = 0.06, 0.7
 
 @dataclass(frozen=True)
 class Scenario:
-    """What a design meets: its weight, values around the valve as text, and draws of what spreads [SI] by setting."""
+    """Conditions of a design: its weight, values around the valve as text, and draws of scattered values [SI] by
+    setting."""
 
     weight: float
     settings: Mapping[str, object]
@@ -68,8 +69,8 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Robust:
-    """What the search has found: the system as it is, the best design in closed form at the system's own operating
-    point, all designs that were simulated, the scenarios, and whether it came to its end."""
+    """Result of the search: the system before, the best design in closed form at the system's own operating point, all
+    designs that were simulated, the scenarios, and whether it came to its end."""
 
     problem: Problem
     scenarios: tuple[Scenario, ...]
@@ -111,7 +112,8 @@ class Effort:
 
 
 def robust_problem(system: System, subject_to: Sequence[str] = (), bounds: Sequence[str] = ()) -> Problem:
-    """What varies, within which bounds: the usual variables and the lap ratio. Raises ConfigError with all faults."""
+    """Problem of the search: the usual variables and the lap ratio, with bounds and limits. Raises ConfigError with all
+    faults."""
     lap = () if any(text.strip().startswith("lap_ratio") for text in bounds) else ("lap_ratio >= 0.4",)
     return with_usual_limits(problem(system, "loss_total", subject_to, (*bounds, *lap)), front=True)
 

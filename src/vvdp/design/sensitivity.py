@@ -29,7 +29,8 @@ class LimitCurve:
 
 
 def movable(found: Optimum) -> list[Limit | Side]:
-    """What holds an optimum most, the most at first, of all that can be moved by parts of itself."""
+    """Active limits and bounds of an optimum that can be moved by shares of themselves, those of largest effect
+    first."""
     finite = (each.source for each in found.active if np.isfinite(each.elasticity))
     return [source for source in finite if isinstance(source, Limit | Side)][:MOST]
 

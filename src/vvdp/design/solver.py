@@ -25,7 +25,7 @@ FEASIBLE = 1e-6
 SNAP = 1e-7
 """Relative distance from a bound below which a variable is put there: what the solver leaves of it."""
 MARGIN = 1e6
-"""What a lack of room to the relief setting is measured with [Pa]."""
+"""Scale of the excess over the relief setting [Pa]."""
 
 
 @dataclass(frozen=True)

@@ -52,7 +52,7 @@ class Spread:
 
     @property
     def name(self) -> str:
-        """What it is called in tables: the key of a value of valve or oil, else table and key."""
+        """Name in tables: the key of a value of valve or oil, else table and key."""
         table, _, key = self.setting.rpartition(".")
         return SHORT.get(self.setting, key if table in ("valve", "oil") else self.setting.replace(".", "_"))
 

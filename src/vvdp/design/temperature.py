@@ -204,7 +204,7 @@ def _row(at: Setup, limits: RangeLimits, cavitation_pressure: float) -> dict[str
 
 
 class _Demand(NamedTuple):
-    """What a check is about: its words, what it means where it is not kept, and its kind."""
+    """Demand of a check: its label, the consequence if it is not kept, and its kind."""
 
     label: str
     otherwise: str

@@ -1,4 +1,4 @@
-"""What scatter of parts and oil, and what is assumed, does to drop, frequency and efficiency, and which of it matters.
+"""Effect of scatter of parts and oil, and of assumed values, on drop, frequency and efficiency, and the share of each.
 
 The drop and the frequency of the fully open valve are closed forms. Efficiency, running frequency and highest pressure
 rest on lag, lap and jet, which these do not hold for: they are simulated at evenly spread draws, and a smooth curve
@@ -89,8 +89,8 @@ class Tolerance:
 
     @property
     def warnings(self) -> list[str]:
-        """What to know before the numbers are relied on, a sentence each: where the closed form of the losses does not
-        hold at the nominal values, where runs failed, and where runs or samples are few."""
+        """Warnings to read before the numbers are used, a sentence each: the closed form of the losses does not hold at
+        the nominal values, runs failed, or runs or samples are few."""
         at = setup(self.system)
         told = [] if self.runs else list(range_warnings(at.duty_ratio, switching_condition(at), at.valve))
         if self.failed:
@@ -114,7 +114,7 @@ PERCENTILES = ("2.5", "16", "50", "84", "97.5")
 
 
 class Outputs(NamedTuple):
-    """What gives the outputs for rows of shares, each between 0 and 1, in the order of the spreads."""
+    """Outputs as a function of rows of shares, each between 0 and 1, in the order of the spreads."""
 
     at: Setup
     spreads: tuple[Spread, ...]
@@ -231,7 +231,7 @@ def _ranges(outputs: Outputs, nominal: Mapping[str, float], drawn: SimulatedDraw
 
 
 INDICES = ("S1", "S1_conf", "ST", "ST_conf")
-"""What SALib calls the shares of an input alone and with all others, and their half widths."""
+"""Names in SALib of the shares of an input alone and with all others, and of their half widths."""
 
 
 def _scatter(nominal: float, column: Array, indices: Sequence[Mapping[str, float]]) -> Scatter:

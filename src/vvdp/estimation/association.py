@@ -86,7 +86,7 @@ def first_edge(angle: float, polarity: float, wheel: CodeWheel) -> float:
 
 
 def associated_edge(last: float, sighting: Sighting, wheel: CodeWheel) -> Association:
-    """Which edge was seen by a filter that knows where it is.
+    """Association of an observed edge with its number, by a filter that knows the angle.
 
     The likelier of two: the nearest of the observed polarity, with edges missed in between or the sensor silent, or
     the next by count, where it was expected or after a manoeuvre. Edges for which too little of a sector has passed

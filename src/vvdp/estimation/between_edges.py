@@ -104,7 +104,7 @@ def silence_until(memory: EventFilterMemory, time: float, edges: float, settings
 
 
 def doubtful(heard: Heard, other: AngleSpeed, odds: float) -> Heard:
-    """What is believed where another belief has `odds` (their logarithm): mean and variances of both together."""
+    """Combination with another belief that has `odds` (their logarithm): mean and variances of both together."""
     w = 1.0 / (1.0 + np.exp(-odds))
     angle, speed = other.angle - heard.angle, other.speed - heard.speed
     return Heard(
@@ -120,7 +120,7 @@ def doubtful(heard: Heard, other: AngleSpeed, odds: float) -> Heard:
 
 
 def blur(heard: Heard, angle_variance: float, speed_variance: float) -> Heard:
-    """What is believed where angle and speed have these variances more [rad^2, rad^2/s^2]."""
+    """The belief with these variances of angle and speed added [rad^2, rad^2/s^2]."""
     return heard._replace(
         angle_variance=heard.angle_variance + angle_variance, speed_variance=heard.speed_variance + speed_variance
     )

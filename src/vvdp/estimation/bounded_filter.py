@@ -49,8 +49,8 @@ class BoundedMemory(NamedTuple):
 
 
 class WatchedAngle(NamedTuple):
-    """What an event filter believes of a shaft, as in `Estimate`; `slip` is the part of the angle's variance that no
-    later edge can show: jumps by whole sectors.
+    """Estimate of a shaft's motion by an event filter, as in `Estimate`; `slip` is the part of the angle's variance
+    that no later edge can show: jumps by whole sectors.
 
     The angle is also given as whole `revolutions` and the `remainder`, which single precision resolves at any time.
     """
@@ -97,7 +97,7 @@ def bounded_step(
 
 
 def watched_angle(estimate: Estimate, revolutions: float, slip: float) -> WatchedAngle:
-    """What is shown of an estimate without whole `revolutions` [1], with the variance of jumps [rad^2]."""
+    """Output for an estimate without whole `revolutions` [1], with the variance of jumps [rad^2]."""
     return WatchedAngle(
         angle=TURN * revolutions + estimate.angle,
         speed=estimate.speed,

@@ -86,8 +86,8 @@ class ChamberObserver(Params):
 
 
 class OscillatorStep(NamedTuple):
-    """What a time does to position and velocity: the transition, what an acceleration of 1 m/s^2 adds, and what one
-    that grows by 1 m/s^2 in a second."""
+    """Step of position and velocity over a time: the transition, the response to an acceleration of 1 m/s^2, and the
+    response to one that grows by 1 m/s^2 in a second."""
 
     position: tuple[float, float]
     velocity: tuple[float, float]
@@ -117,7 +117,7 @@ def oscillator_step(duration: float, drive: SpringDrive) -> OscillatorStep:
 
 
 def driving_acceleration(pressure: float, drive: SpringDrive) -> float:
-    """What chamber and preload alone accelerate the spool with [m/s^2]; `pressure` absolute [Pa]."""
+    """Acceleration of the spool by chamber and preload alone [m/s^2]; `pressure` absolute [Pa]."""
     force = drive.area * (pressure - drive.reference_pressure) - drive.preload
     return force / drive.moving_mass
 

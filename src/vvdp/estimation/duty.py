@@ -22,7 +22,7 @@ HALVINGS = 40
 
 
 class DutyWave(Params):
-    """What the duty ratio is read from the wave with: the valve, and the pump flow at the valve's tank side."""
+    """Model for the estimate of the duty ratio from the wave: the valve, and the pump flow at the valve's tank side."""
 
     valve: RotaryValve
     flow: Flow

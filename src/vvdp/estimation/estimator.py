@@ -32,7 +32,7 @@ class Estimate(NamedTuple):
 
 
 class Believed(Protocol):
-    """What is believed of angle and speed: a Gaussian belief, or the first two moments of another."""
+    """Mean and variance of angle and speed: of a Gaussian belief, or the first two moments of another."""
 
     @property
     def angle(self) -> float: ...

@@ -235,7 +235,8 @@ def look_for_index(
 
 
 def associate(memory: EventFilterMemory, reading: Reading, expected: Expected, settings: EventFilter) -> Association:
-    """Which edge the last of a reading was: the first, the next by count, or that which the belief shows."""
+    """Association of the last edge of a reading: the first edge, the next by count, or the one that the belief
+    suggests."""
     m, wheel, polarity = memory, settings.wheel, reading.polarity
     if m.tally.started == 0.0:
         return Association(first_edge(m.belief.angle, polarity, wheel), 1.0, 0.0)

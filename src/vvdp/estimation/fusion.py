@@ -121,7 +121,7 @@ class FusionReading(NamedTuple):
 
 
 class FusionEstimate(NamedTuple):
-    """What is believed at a sample: angle and speed (the innovation shown is the encoder's), and the pressure wave."""
+    """Estimate at a sample: angle and speed (the innovation shown is the encoder's), and the pressure wave."""
 
     estimate: Estimate
     phase: Angle

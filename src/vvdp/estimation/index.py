@@ -110,12 +110,12 @@ def squares_about_line(numbers: Array, times: Array, shift: float, wheel: CodeWh
 def index_after_edge(
     memory: IndexMemory, number: float, time: float, polarity: float, variance: float, needed: float, wheel: CodeWheel
 ) -> Shift:
-    """What is known after the edge taken for `number` passed at `time` [s].
+    """Memory, and the shift of all numbers, after the edge taken for `number` passed at `time` [s].
 
     The numbers are found when `needed` turns in a row agree; after that they are watched: a shift must gather
     evidence, sum of (SSE_0 - SSE_s) / (2 sigma^2) over the turns (a cumulative sum that does not fall below 0).
-    sigma^2 is `variance` [rad^2] or, where larger, what the best line leaves, so that a turn at changing speed says
-    little. With a known polarity numbers can only be off by pairs.
+    sigma^2 is `variance` [rad^2] or, if larger, the residual variance about the best line, so that a revolution at
+    changing speed has little weight. With a known polarity numbers can only be off by pairs.
     """
     n = memory.numbers.size
     numbers, times = np.empty(n), np.empty(n)

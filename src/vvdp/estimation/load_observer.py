@@ -45,8 +45,8 @@ class LoadMemory(NamedTuple):
 
 
 class CylinderStep(NamedTuple):
-    """What a sample does: the velocity keeps `keeping` [1], becomes `reach` [s] as position, and an acceleration adds
-    `reach` [s] to the velocity and `lift` [s^2] to the position."""
+    """Motion over a sample: the velocity is multiplied by `keeping` [1] and adds `reach` [s] times itself to the
+    position; an acceleration adds `reach` [s] to the velocity and `lift` [s^2] to the position."""
 
     keeping: float
     reach: float

@@ -1,5 +1,5 @@
-"""What the periodic sensor error of the axial sensor is made of: functions of the spool angle, periodic with a turn,
-of mean zero.
+"""Basis of the periodic sensor error of the axial sensor: functions of the spool angle, periodic with a revolution, of
+mean zero.
 
 A periodic sensor error that is periodic in time has a clock's phase for the angle. Derived in
 docs/models/axial-observer.md.

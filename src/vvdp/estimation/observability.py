@@ -30,7 +30,7 @@ rounding."""
 
 
 class Plant(NamedTuple):
-    """What moves: mass [kg], stiffness [N/m], 0 for an integrator, and damping [N s/m]; the source has none."""
+    """Moving parts: mass [kg], stiffness [N/m], 0 for an integrator, and damping [N s/m]; the source has none."""
 
     mass: Mass
     stiffness: Stiffness
@@ -193,7 +193,7 @@ def _transitions(rates: Array, times: Array) -> Array:
 
 
 def without_noise(grammian: Grammian) -> Array:
-    """What a Grammian leaves of the plant, whatever the noise, over half a period: (2/T)(Psi - (2/T) L L') [1]."""
+    """Grammian of the plant with the noise projected out, over half a period: (2/T)(Psi - (2/T) L L') [1]."""
     L, T = grammian.coupling, grammian.period
     return (2.0 / T) * (grammian.plant - (2.0 / T) * L @ L.T)
 

@@ -70,7 +70,7 @@ class PressureEdgesMemory(NamedTuple):
 
 
 class PressureReading(NamedTuple):
-    """What a sample of the pressure shows: as `Reading`, with rising meaning tank to load, and the levels.
+    """Edges in a sample of the pressure: as `Reading`, with rising meaning tank to load, and the levels.
 
     `pressure_edge_time` may lie a few samples back. Where `pressure_edges` is 0 the three fields after it mean
     nothing.

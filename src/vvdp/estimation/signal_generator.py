@@ -28,8 +28,8 @@ it."""
 
 
 class GeneratorDesign(Params):
-    """What the gains of a signal generator follow from; drifts are deviations of a sample, that of the generator enters
-    its last state."""
+    """Data from which the gains of a signal generator follow; drifts are standard deviations per sample, that of the
+    generator enters its last state."""
 
     area: Area
     sample_period: Time

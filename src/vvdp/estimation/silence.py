@@ -66,9 +66,9 @@ class Silence(NamedTuple):
 
 
 class Heard(NamedTuple):
-    """What is believed in a silence: mean and variances of angle and speed, the probability that the wheel stands,
-    that it stands or turns slowly, and that it slowed down until it would turn back; and the logarithm of the odds of
-    missed edges against a wheel that stands or turns slowly."""
+    """Belief during a silence: mean and variances of angle and speed, the probability that the wheel stands, that it
+    stands or turns slowly, and that it slowed down until it would turn back; and the logarithm of the odds of missed
+    edges against a wheel that stands or turns slowly."""
 
     angle: Angle
     speed: Speed

@@ -51,7 +51,7 @@ class Reached(NamedTuple):
 
 
 class Forward(NamedTuple):
-    """What the forward pass believed right after the edge at `time`."""
+    """Belief of the forward pass just after the edge at `time`."""
 
     time: float
     angle: float

@@ -90,7 +90,7 @@ class ThresholdMemory(NamedTuple):
 
 
 class AdaptedThreshold(NamedTuple):
-    """What is believed at a sample, the threshold as adapted, the one to give to the comparator from the next sample on
+    """Estimate at a sample, the threshold as adapted, the threshold to give to the comparator from the next sample on
     (with dither), and the range within which thresholds cannot be distinguished [unit of the signal]."""
 
     estimate: Estimate
@@ -284,8 +284,8 @@ class EdgeOffsetMemory(NamedTuple):
 
 
 class OffsetEstimate(NamedTuple):
-    """What is believed at a sample with the offset taken out, the offset by which rising edges are late and falling
-    ones early, its standard deviation, and the threshold at which it would vanish [unit of the signal]."""
+    """Estimate at a sample with the offset taken out, the offset by which rising edges are late and falling edges
+    early, its standard deviation, and the threshold at which it would vanish [unit of the signal]."""
 
     estimate: Estimate
     offset: float

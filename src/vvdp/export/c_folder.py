@@ -96,7 +96,7 @@ def exported_folder(
 
 
 def loads_at(part: CPart, files: Mapping[str, str], clock: float, say: Callable[[str], None]) -> tuple[list[Load], str]:
-    """What a program takes on microcontrollers, and what the README states of it; nothing is counted without tools."""
+    """Load of a program on microcontrollers, and the text on it in the README; nothing is counted without tools."""
     if missing := missing_tools():
         words = f"instructions were not counted: {', '.join(missing)} not found"
         say(words)

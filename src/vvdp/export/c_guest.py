@@ -1,4 +1,5 @@
-"""What a host calls of a system in C: when the next event is; for its own integrator rates, indicators and events."""
+"""Functions of a system in C that a host calls: for the time of the next event; for its own integrator rates,
+indicators and events."""
 
 from vvdp.export.c_machine import CMachine, answer_text, bench_lines, call_arguments, room_lines, wrap_lines
 from vvdp.export.machine import parameters_of

@@ -28,14 +28,14 @@ from vvdp.systems.system import System
 
 MACHINE = "machine"
 FAILED = 100
-"""What is added to the number of a failure of the core in the answer of `run`."""
+"""Offset of the number of a failure of the core in the answer of `run`."""
 STATUS = (
     "DONE", "PAUSED", "MARKS_FULL", "NOT_FINITE", "STEP_TOO_SMALL", "STOP_BEHIND", "TOO_MANY_WAITING", "RESTLESS",
     "BELOW_ZERO",
 )  # fmt: skip
 """Answers of the loop, by number."""
 OFTEN = ("rates", "explicit_step")
-"""What takes most of the time of a run."""
+"""Functions that take most of the time of a run."""
 LAST_MARKS = 2
 """Marks for which there is room by default."""
 GIVEN = {
@@ -229,7 +229,7 @@ def facade_text(machine: CMachine) -> str:
 
 
 def _first_numbers(machine: CMachine) -> dict[str, Array]:
-    """What a machine keeps at its start besides parameters, up to the last number whose bits are not 0."""
+    """Start values of a machine besides parameters, up to the last number whose bits are not 0."""
     kept = {key: each for key, each in machine.content.items() if key not in ("parameters", "lowest", "highest")}
     used = {key: np.flatnonzero(each.view(np.int64)) for key, each in kept.items()}
     return {key: each[: used[key][-1] + 1] for key, each in kept.items() if used[key].size}
@@ -371,7 +371,7 @@ def _outputs(machine: CMachine) -> str:
 
 
 def room_lines(machine: CMachine, entry: str, handed: list[str]) -> list[str]:
-    """What stands before a call of an entry that can fail or takes room, which is added to what is handed over."""
+    """Lines before a call of an entry that can fail or needs workspace; their arguments are added to `handed`."""
     needs, lines = machine.core.needs[entry], list[str]()
     if needs.trouble:
         lines.append("    int64_t failure = 0;")

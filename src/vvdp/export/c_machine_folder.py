@@ -17,7 +17,7 @@ from vvdp.simulation.values import leaves
 
 @dataclass(frozen=True)
 class Expected:
-    """What vvdp's own run of a machine has left, by the names in C."""
+    """Result of vvdp's own run of a machine, by the names in C."""
 
     until: float
     times: Array
@@ -33,7 +33,7 @@ def expected_run(machine: CMachine, samples: int, say: Callable[[str], None] = q
 
 
 def expected_of(run: Run) -> Expected:
-    """What a run has left: its rows and marks, and where it stands."""
+    """Result of a run: its rows and marks, and its state at the end."""
     reached = run.reached
     return Expected(
         until=run.end,

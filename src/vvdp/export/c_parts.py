@@ -299,7 +299,7 @@ class CPart:
 
     @property
     def hash(self) -> str:
-        """What distinguishes this text from any other."""
+        """Hash that distinguishes this text from any other."""
         return hashlib.sha256((self.core.header + self.core.source).encode()).hexdigest()[:16]
 
     @property

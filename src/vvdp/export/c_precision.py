@@ -38,7 +38,7 @@ def in_single(part: CPart) -> CPart:
 
 
 def growing(program: Program, blocks: tuple[Block, ...]) -> Iterator[str]:
-    """What makes the step of a program work with numbers that grow with the time for which it runs, in words."""
+    """Reasons, in words, why the step of a program works with numbers that grow with the time for which it runs."""
     if program.is_bounded:
         return
     if asks_for_time(program.step):

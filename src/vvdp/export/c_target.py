@@ -28,7 +28,7 @@ class Core(NamedTuple):
 
     @property
     def symbol(self) -> str:
-        """What `target.ld` knows the board by."""
+        """Name of the board in `target.ld`."""
         return self.machine.replace("-", "_").upper()
 
 

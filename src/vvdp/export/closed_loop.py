@@ -89,7 +89,7 @@ class Recorder:
 
 
 _asked: list[Process | Recorder] = []
-"""What answers: compiled code is remembered, and calls the same function whatever answers."""
+"""The processes that answer, the current one last: compiled code is remembered, and calls the same function for all."""
 
 
 def _answer(_: float, handle: float, *sample: Any) -> float:

@@ -23,7 +23,7 @@ PLATFORMS = tuple(
 )
 """For which a binary can be made from any machine."""
 TARGETS = {LINUX: "linux-gnu.2.17", WINDOWS: "windows-gnu", DARWIN: "macos"}
-"""What the compiler calls the systems; the C library of Linux is that of 2012, so that any later one will do."""
+"""Names of the systems for the compiler; the C library of Linux is that of 2012, so that any later one will do."""
 
 
 SMALL = ("-fvisibility=hidden", "-fno-asynchronous-unwind-tables")

@@ -98,7 +98,7 @@ def variable_lines(model: FmuModel, fmi: int) -> Iterator[str]:
 
 
 def _inner_lines(model: FmuModel, fmi: int) -> Iterator[str]:
-    """What a guest has besides: further states, rates, and for FMI 3 indicators. Rates are per second."""
+    """Variables of a guest besides: further states, rates, and for FMI 3 indicators. Rates are per second."""
     numbers = _references(model)
     states = {each.place: numbers[each.name] for each in model.carried}
     for each in model.inner:

@@ -11,7 +11,7 @@ from vvdp.simulation.run import simulate
 REFERENCE_SAMPLES = 20
 """Sample periods of the reference result."""
 TABLES = ("nodes", "components", "programs", "state", "command", "output")
-"""What may stand before the name of a part in the name of a variable."""
+"""First words of the names of variables, before the name of a part."""
 
 
 class Extras(NamedTuple):

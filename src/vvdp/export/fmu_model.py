@@ -182,7 +182,7 @@ def _place(output: Output) -> tuple[str, Kind | None, str, int]:
 
 
 def _outside_vectors(system: System) -> Any:
-    """What of a system must be the same for other values to be set in an FMU."""
+    """Properties of a system that must be the same for other values to be set in an FMU."""
     programs = [(name, p.period, p.phase, p.latency, p.trigger is None) for name, p in system.model.programs.items()]
     return system.circuit.text, programs, system.stepping
 

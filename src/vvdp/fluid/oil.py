@@ -139,7 +139,8 @@ def dynamic_viscosity(temperature: float, oil: Oil) -> float:
 
 
 class FilmRatios(NamedTuple):
-    """What a thin film shows of the oil's viscosity at the reference pressure, and of its fluidity, the inverse."""
+    """Ratio of a thin film's viscosity to that of the oil at the reference pressure, and of its fluidity, the
+    inverse."""
 
     viscosity: Ratio
     fluidity: Ratio

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from vvdp.generator.unit import Unit
 
 Names = dict[str, Any]
-"""What each local name stands for."""
+"""Values of the local names."""
 Word = Callable[..., Any]
 """A function that is written in place: it takes the body and the arguments."""
 

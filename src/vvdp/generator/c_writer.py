@@ -34,7 +34,7 @@ FLAGS = ("-std=c99", "-ffp-contract=off")
 
 
 LAST_NUMBER = re.compile(r"_f\d+$")
-"""What stands behind the name that a function has in Python."""
+"""Suffix behind the name that a function has in Python."""
 NAMES = re.compile(r"(?<![.\w])(?<!->)\w+")
 """Names in a line of C, without those of fields."""
 

@@ -12,7 +12,7 @@ from vvdp.base.errors import RunError
 
 
 class Failure(RunError):
-    """What generated code was written to raise, or what a check of it found: file, line and reason."""
+    """Error that generated code was written to raise, or that a check of it found: file, line and reason."""
 
 
 C_LIBRARY = {

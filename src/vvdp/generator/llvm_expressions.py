@@ -172,7 +172,7 @@ def _field(text: Text, value: tree.Field) -> Registers:
 
 
 def lengths(text: Text, array: tree.Expression) -> tuple[Registers, list[str]]:
-    """What an array is held in, and all of its lengths."""
+    """Registers of an array, and all of its lengths."""
     kind = array.kind
     assert isinstance(kind, Row)
     found = registers(text, array)

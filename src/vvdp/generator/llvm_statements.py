@@ -52,7 +52,7 @@ def takes_room(text: Roomy, block: tree.Block) -> bool:
 
 
 def needs_of(function: tree.Function, known: dict[str, Needs]) -> Needs:
-    """What a function has to be handed, by what it does itself and what the functions that it calls need."""
+    """Needs of a function, from its own statements and the needs of the functions that it calls."""
     room = trouble = False
 
     def look(block: tree.Block, hoisted: bool) -> None:

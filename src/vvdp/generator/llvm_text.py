@@ -47,7 +47,7 @@ class Shared:
 
 @dataclass(frozen=True)
 class Needs:
-    """What a function has to be handed besides its arguments: room for arrays, a place for its failure."""
+    """Arguments that a function needs besides its own: room for arrays, a place for its failure."""
 
     room: bool
     trouble: bool

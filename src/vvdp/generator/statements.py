@@ -27,7 +27,7 @@ TRIES = 8
 
 
 def read_block(body: Body, statements: list[ast.stmt], names: Names) -> Names | None:
-    """What the names stand for behind these statements; None where nothing comes behind them."""
+    """Values of the names behind these statements; None if nothing comes behind them."""
     found: Names | None = names
     for statement in statements:
         reader = READ.get(type(statement))

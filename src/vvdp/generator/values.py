@@ -25,7 +25,7 @@ EXPRESSIONS = get_args(tree.Expression)
 
 
 class Undefined:
-    """What a name stands for where it has no value on some way to it, or none of one type."""
+    """Value of a name that is not assigned on some path to it, or not with one type."""
 
     def __init__(self, reason: str) -> None:
         self.reason = reason

@@ -199,7 +199,7 @@ def _dot(body: Body, one: Any, other: Any) -> Any:
 
 
 def _method(body: Body, array: Any) -> dict[str, Callable[..., Any]]:
-    """What an array can be asked."""
+    """Methods of an array."""
     return {
         "copy": lambda: made_array(body, array),
         "ravel": lambda: flat(body, array),
@@ -244,7 +244,7 @@ ELEMENTARY: dict[Callable[..., float], tuple[Any, Any]] = {
     elementary.sine: (math.sin, np.sin), elementary.cosine: (math.cos, np.cos),
     elementary.arcsine: (math.asin, np.arcsin), elementary.log_of_one_plus: (math.log1p, np.log1p),
 }  # fmt: skip
-"""What the language has itself in place of functions of math and NumPy."""
+"""Functions of math and NumPy, by the function of the language that replaces them."""
 
 WORDS: dict[Any, Word] = {
     **{getattr(math, name): _library(name) for name in FROM_LIBRARY if name != "trunc"},
@@ -268,7 +268,7 @@ WORDS: dict[Any, Word] = {
     np.array: _array, np.asarray: _array, np.where: _where, np.sum: _sum, sum: _sum, np.dot: _dot,
     np.shape: _shape, len: _length,
 }  # fmt: skip
-"""What code may call besides plain functions."""
+"""Functions that code may call besides plain functions."""
 
 FOLDED = (range, tuple, list, zip, enumerate, reversed)
 """Builtins that are calculated while a function is read; their arguments have known lengths."""

@@ -175,7 +175,8 @@ def _stubs(length: float, shape: ValveShape, valve: RotaryValve, within: Part, k
 
 
 def _spool_within(shape: ValveShape, valve: RotaryValve, kernel: Faceted) -> Part:
-    """What ends the nozzles where the spool covers them, a hair inside the bore so that nozzles and pockets overlap."""
+    """Body that ends the nozzles where the spool covers them, slightly inside the bore so that nozzles and pockets
+    overlap."""
     return kernel.cylinder("spool", (1.0 - OVERLAP) * valve.spool_radius, -shape.rail_diameter, shape.rail_diameter)
 
 

@@ -92,7 +92,7 @@ def _flat(triangles: Floats) -> CrossSection:
 
 
 def _mouths(sleeve: Mesh, valve: RotaryValve) -> tuple[CrossSection, ...]:
-    """What the bore's wall leaves open within half a pitch of each nozzle."""
+    """Openings in the bore's wall within half a pitch of each nozzle."""
     bore = valve.spool_radius + valve.radial_clearance
     wall = unwrap(sleeve.of("bore"), bore, 2e-3 * bore)
     # Seen in arcs of the spool's surface.

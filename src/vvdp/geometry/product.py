@@ -96,7 +96,7 @@ def make_product(
 
 
 def _steps(folder: Path, order: Order, product: Product) -> Iterator[tuple[str, Callable[[], None]]]:
-    """What is done, in words, and what does it."""
+    """Steps of the work: words for each, and the function that does it."""
     valve, shape, fine, at = order.valve, order.shape, order.fineness, (order.angle, order.position)
     parts: dict[str, Mesh] = {}
 

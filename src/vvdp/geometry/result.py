@@ -60,7 +60,7 @@ PLACED = ("duty_ratio", "axial_position_m", "spool_angle_rad", "fineness")
 
 
 def geometry_result(order: Order, product: Product) -> Result:
-    """What was made to an order; the sections name drawings that the page has: view, solids, unwrapped, film, oil."""
+    """Result of an order; the sections name drawings that the page has: view, solids, unwrapped, film, oil."""
     numbers = numbers_of(_lengths(order, product), QUANTITIES)
     openings = {"openings": _openings(product.openings, order)} if product.openings is not None else {}
     numbers |= dict(_measured_numbers(product))

@@ -57,7 +57,7 @@ def spool_reach(shape: ValveShape, valve: RotaryValve) -> tuple[float, float]:
 
 
 def pocket_cutter(shape: ValveShape, valve: RotaryValve, kernel: Kernel[S]) -> S:
-    """What is taken out of the spool for the load pockets, their ring, the windows and the ring behind them.
+    """Body that is cut out of the spool for the load pockets, their ring, the windows and the ring behind them.
 
     It reaches beyond the spool's surface; the part within is the fluid.
     """

@@ -86,7 +86,8 @@ def wave_impedance(density: float, line: DelayLine) -> float:
 
 
 def delay_ends(enthalpy_a: float, enthalpy_b: float, arriving: Arriving, density: float, line: DelayLine) -> DelayEnds:
-    """What a line does at its ends: q = (h - 2 root(Z) w)/Z goes in where w arrives, and h/root(Z) - w leaves.
+    """Flows and leaving waves at the ends of a line: q = (h - 2 root(Z) w)/Z goes in where w arrives, and h/root(Z) - w
+    leaves.
 
     enthalpy_a, enthalpy_b  per tank volume, at the ends [J/m^3]
     density                 of the oil at the tank [kg/m^3]

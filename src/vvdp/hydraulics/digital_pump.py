@@ -39,8 +39,8 @@ class DigitalPump(Pump):
 
 
 class EnabledPistons(NamedTuple):
-    """Which pistons deliver: the sums of cosine and sine of the shaft angles at which they began, their share of
-    all in their delivery stroke, and 1 if the last one to begin is among them."""
+    """Enabled pistons: the sums of cosine and sine of the shaft angles at which they began, their share of all pistons
+    in their delivery stroke, and 1 if the last one to begin is among them."""
 
     cosine: Ratio
     sine: Ratio

@@ -9,7 +9,8 @@ from vvdp.base.select import select
 
 
 class FlowSource(Params):
-    """What its flow counts: `counted_at_outlet` 0 tank volumes, as a pump does; 1 volume at the outlet's pressure."""
+    """Reference of the flow: `counted_at_outlet` 0 counts tank volumes, as a pump does; 1 volume at the outlet's
+    pressure."""
 
     counted_at_outlet: Fraction = 0.0
 

@@ -118,7 +118,7 @@ class GerotorEnds(NamedTuple):
 
 
 class GerotorEffort(NamedTuple):
-    """What it takes to move the spool: drop over the pump, and where the power goes."""
+    """Effort to move the spool: pressure difference over the pump, and the power losses."""
 
     pressure_difference: SignedPressure
     passages: Power

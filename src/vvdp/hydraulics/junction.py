@@ -19,7 +19,7 @@ ROUNDS = 54.0
 TRUNCATION = 0.2
 """How far a guess is moved from the secant towards the middle, times interval over first interval [1]."""
 LEAST_FLOW = 1e-300
-"""What keeps the secant of two inflows of zero finite [m^3/s]."""
+"""Least flow, which keeps the secant of two inflows of zero finite [m^3/s]."""
 
 
 class PressureSearch(NamedTuple):

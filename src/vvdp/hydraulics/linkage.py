@@ -1,4 +1,4 @@
-"""What joins two motions by a ratio and gives way a little: gears, levers, arms, drums, wheels; the load of a road.
+"""Elastic links that join two motions by a ratio: gears, levers, arms, drums, wheels; the load of a road.
 
 Source  ours, docs/models/components.md, where a function names no other.
 """

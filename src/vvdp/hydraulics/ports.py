@@ -9,8 +9,8 @@ EXCHANGED_POWER = Kind("exchanged power", "W", -1e9, 1e9, "5.6 kW")
 ExchangedPower = Annotated[float, EXCHANGED_POWER]
 """Power that may go either way, such as what a force from outside gives or takes."""
 Surplus = Annotated[float, SURPLUS]
-"""What flows into the volume at a component's first port without that component, less what its walls give way
-[m^3/s at the pressure there]."""
+"""Flow into the volume at a component's first port without that component, minus the flow that its walls take up [m^3/s
+at the pressure there]."""
 
 
 class Medium(NamedTuple):

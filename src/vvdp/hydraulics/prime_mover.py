@@ -24,9 +24,10 @@ from vvdp.numerics.piecewise import piecewise_linear
 
 
 class GovernedMover(ShaftFriction):
-    """What holds the speed of a shaft: a speed that is `speed_band` too low takes the torque from none to the whole.
+    """Motor with a governor that holds the speed of a shaft: a speed that is `speed_band` too low raises the torque
+    from zero to the maximum.
 
-    `reset_time` > 0: what is missing is made up with that time constant; 0: it stays, as a droop.
+    `reset_time` > 0: the remaining speed error vanishes with that time constant; 0: it stays, as a droop.
     """
 
     inertia: Inertia

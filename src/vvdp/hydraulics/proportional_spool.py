@@ -50,7 +50,7 @@ class ValveSpool(NamedTuple):
 
 
 def spool_error(command: float, position: float, pushed_back: float, valve: ProportionalSpool) -> float:
-    """What moves a spool [1]: e = u - x - x_f, less half the hysteresis; none as long as |e| stays below that.
+    """Error that moves a spool [1]: e = u - x - x_f, minus half the hysteresis; 0 as long as |e| stays below that.
 
     command      u, held between -1 and 1 [1]
     position     x [1]

@@ -1,5 +1,4 @@
-"""What switches a three-way valve softly beside its check valve: a chamber that is locked while the tank port is
-closed.
+"""Soft switching of a three-way valve beside its check valve: a chamber that is locked while the tank port is closed.
 
 Source  ours, docs/models/soft-switching.md, where a function names no other.
 """

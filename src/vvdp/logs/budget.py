@@ -17,7 +17,7 @@ MOST_NODES = 10_000
 """Channels, groups and structs."""
 DEEPEST = 30
 LARGEST_CHUNK = 256 << 20
-"""What has to be read at once [bytes]."""
+"""Largest content that may have to be read at once [bytes]."""
 LARGEST_RATIO = 100.0
 """Beyond `LARGEST_CHUNK`, content is at most so many times as large as its file; measured signals stay below 20."""
 
@@ -77,7 +77,7 @@ def _megabytes(size: float) -> str:
 
 
 def unpack(packed: bytes, most: int) -> bytearray:
-    """What zlib has packed; no more than a megabyte beyond `most` bytes."""
+    """Content that zlib has packed; no more than a megabyte beyond `most` bytes."""
     unpacker, found = zlib.decompressobj(), bytearray()
     for at in range(0, len(packed), _PIECE):
         piece = packed[at : at + _PIECE]

@@ -47,7 +47,7 @@ class Log:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What was taken for granted or left out, for the reader to see; complete once all portions are read."""
+        """Notes on what was assumed or left out, for the reader; complete once all portions are read."""
         return tuple(self._content.remarks)
 
     def channels(self) -> tuple[ChannelInfo, ...]:

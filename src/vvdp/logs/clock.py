@@ -34,7 +34,7 @@ _SINCE = re.compile(r"(\w+) since .+", re.DOTALL)
 
 @dataclass(frozen=True)
 class ClockChoice:
-    """What the user says of the clock: its channel, or a sample rate [Hz] instead; the unit where none is written."""
+    """Options of the user for the clock: its channel, or a sample rate [Hz] instead; the unit if the file has none."""
 
     time: str | None = None
     rate: float | None = None

@@ -42,7 +42,7 @@ def _walk(content: Content, path: Names, group: Any) -> None:
 
 
 def own_item(group: Any, name: str) -> Any:
-    """What stands in a group under `name`, or why that is not read: only what lies in this file is."""
+    """Item in a group under `name`, or the reason why it is not read: only items of this file are."""
     if isinstance(group.get(name, getlink=True), h5py.ExternalLink):
         return "lies in another file"
     try:

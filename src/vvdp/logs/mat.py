@@ -40,7 +40,7 @@ Fields = Mapping[str, "Node"]
 Numbers = Any
 """A real array in memory or in the file, with its axes in the order of HDF5: the last of MATLAB's first."""
 Node = Unreadable | str | Sequence[Fields] | Numbers
-"""What cannot be read, a row of characters, the elements of a struct array, or an array."""
+"""Content of a variable: unreadable, a row of characters, the elements of a struct array, or an array."""
 
 
 def read_mat(content: Content) -> None:
@@ -104,7 +104,7 @@ def _check_depth(path: Path, data: Any, order: str, place: int, end: int) -> Non
 
 
 def _said_by_object(value: Any, field: str) -> str:
-    """What an object of MATLAB's newer classes says of itself: its name in `s0`, its class in `s2`."""
+    """Text of a field of an object of MATLAB's newer classes: its name in `s0`, its class in `s2`; empty for others."""
     if getattr(getattr(value, "dtype", None), "names", None) != ("s0", "s1", "s2", "arr"):
         return ""
     return text(value.ravel()[0][field])

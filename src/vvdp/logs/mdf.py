@@ -20,7 +20,7 @@ from vvdp.logs.content import Content, Leaf, Reader, unique
 from vvdp.logs.mdf_blocks import bounded_blocks, check_lists
 
 _TIME = 1
-"""What the specification calls the synchronisation type of a master that is a time."""
+"""Synchronisation type, in the specification, of a master channel that is a time."""
 _TEXT_CONVERSIONS = range(7, 12)
 """Conversions of the specification whose result is text, or may be."""
 Fragments = Callable[[int, int], list[Any]]

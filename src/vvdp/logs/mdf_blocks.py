@@ -1,4 +1,5 @@
-"""What asammdf takes on trust in an MDF file: that lists of blocks end, and what packed blocks unpack to."""
+"""Checks that asammdf leaves out for an MDF file: that lists of blocks end, and the size that packed blocks unpack
+to."""
 
 import struct
 import zlib
@@ -89,5 +90,5 @@ def _unpack(packed: bytes) -> bytes:
 
 
 def _fastest() -> Any:
-    """What asammdf brings along to unpack, or Python's own where that is not there."""
+    """Library for unpacking that asammdf brings along, or Python's own if it is not installed."""
     return import_module("isal.isal_zlib") if find_spec("isal") else zlib

@@ -65,7 +65,7 @@ def open_log(path: Path, *, time: str | None = None, rate: float | None = None, 
 
 
 def _reader(found: str) -> Callable[[Content], None]:
-    """What finds the content of a format; its library is imported for it alone."""
+    """Reader of the content of a format; its library is imported for it alone."""
     match found:
         case "text":
             from vvdp.logs.text import read_text as read

@@ -1,4 +1,4 @@
-"""What a sparse Jacobian needs once: groups of columns to difference together, and the steps of its elimination."""
+"""Preparation of a sparse Jacobian: groups of columns to difference together, and the steps of its elimination."""
 
 from typing import NamedTuple
 

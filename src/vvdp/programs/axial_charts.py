@@ -160,7 +160,7 @@ def error_chart(rows: tuple[int, ...]) -> Chart:
 
 
 def pollution_chart(rows: tuple[int, ...]) -> Chart:
-    """What the sensor is off by, and what is believed of it, over the turn of these rows."""
+    """Periodic sensor error of the axial sensor and its estimate, over the revolution of these rows."""
     lines = (
         Line(x="turned_rad", y="sensor_error_m", rows=rows, label="error of the sensor", colour=Colour.TANK),
         Line(x="turned_rad", y="pollution_m", rows=rows, label="believed", stroke=Stroke.DASHED),

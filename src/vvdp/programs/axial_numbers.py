@@ -64,8 +64,8 @@ class ExactLaw(Protocol):
 
 
 class Controlled(NamedTuple):
-    """What a run of a controlled drive has recorded, while it was controlled: true motion and chamber pressure, and the
-    program's commands and reference, each of shape (rows,)."""
+    """Record of a controlled drive while its control was active: true motion and chamber pressure, and the program's
+    commands and reference, each of shape (rows,)."""
 
     times: Array
     true: Any
@@ -184,8 +184,8 @@ def control_merits(found: Mapping[str, float | bool]) -> Iterator[str]:
 
 
 def control_warnings(law: ExactLaw, position: float, period: float, found: Mapping[str, float | bool]) -> Iterator[str]:
-    """What limits the control, a sentence each: a pressure loop too fast for its samples where the oil is stiffest, at
-    the highest `position` [m] that is asked for; and a storage that rose. `period` of the samples [s]."""
+    """Limits of the control, a sentence each: a pressure loop too fast for its samples where the oil is stiffest, at
+    the highest `position` [m] of the reference; and a storage that rose. `period` of the samples [s]."""
     gains, drive = law.gains, law.drive
     pressure = drive.oil.reference_pressure + (drive.preload + drive.stiffness * position) / drive.area
     compliance = volume_compliance(position, pressure, drive)

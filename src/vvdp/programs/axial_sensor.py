@@ -58,7 +58,7 @@ _KEYS = {
     "Instrument.freeze_end": "freeze_end",
     "Instrument.dropout_end": "dropout_end",
 }
-"""Which key of the table a fault of the sensor is about."""
+"""Key of the table, by the field of the sensor that a fault names."""
 
 
 class AxialSignal(NamedTuple):

@@ -44,7 +44,7 @@ from vvdp.programs.generic import GenericProgram
 
 
 class KnownChamber(Params):
-    """The drive as its law believes it: plunger, spring, oil and valve. Pressures are absolute.
+    """Model of the drive in its control law: plunger, spring, oil and valve. Pressures are absolute.
 
     `preload` is the force of the spring, `oil_volume` the volume of the chamber at position 0.
     """
@@ -89,7 +89,7 @@ class BacksteppingTable(BacksteppingGains, KnownChamber):
 
 
 class ChamberLaw(Params):
-    """What the program of a law works with, but for its gains."""
+    """Parameters of the program of a law, without its gains."""
 
     drive: ChamberDrive
 
@@ -182,7 +182,7 @@ def wanted_motion(task: ChamberTask) -> Reference:
 
 
 def believed_motion(task: ChamberTask) -> ChamberReading:
-    """What a law receives of the drive."""
+    """Motion and pressure of the drive, as a law receives them."""
     return ChamberReading(task.position, task.velocity, task.pressure)
 
 

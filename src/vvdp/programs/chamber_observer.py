@@ -52,7 +52,7 @@ AT_STOP = 0.2e-3
 
 
 class SpoolBelief(NamedTuple):
-    """What the observer carries from sample to sample; `slip` is that of the angle at the last one."""
+    """Memory of the observer from sample to sample; `slip` is that of the angle at the last sample."""
 
     filter: AxialMemory
     stage: Stage
@@ -84,7 +84,7 @@ class ChamberObserverTable(SpringDrive, AxialObserverTable, AxialSequence):
 
 
 class ChamberObserverSettings(Params):
-    """What the program of the observer works with."""
+    """Parameters of the observer's program."""
 
     observer: ChamberObserver
     sequence: AxialSequence
@@ -118,8 +118,8 @@ def chamber_observer_settings(table: ChamberObserverTable) -> ChamberObserverSet
 
 
 class WatchedSpool(NamedTuple):
-    """What sensors show of a spool and its chamber. Deviations and `slip` are those of an event filter; 0: the angle is
-    known. Once `energised` is 0 the control has ended."""
+    """Measured values of a spool and its chamber. Standard deviations and `slip` are those of an event filter; 0: the
+    angle is known. `energised` is 0 once the control has ended."""
 
     time: Time
     measured: Position
@@ -134,9 +134,9 @@ class WatchedSpool(NamedTuple):
 
 
 class SeenSpool(NamedTuple):
-    """What is believed of a spool. `released` is 1 while it is controlled, `pollution` what the sensor is believed to
-    be off by, `known` 1 while the spool's angle is known, `frozen` 1 while the periodic sensor error is kept as
-    learned."""
+    """Estimate of a spool's motion. `released` is 1 while the spool is controlled, `pollution` is the estimated
+    periodic sensor error, `known` is 1 while the spool's angle is known, `frozen` is 1 while the learned sensor error
+    is kept."""
 
     position: Position
     velocity: Velocity

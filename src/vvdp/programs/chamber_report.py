@@ -42,7 +42,7 @@ MOTION_WORDS = ("reference", "reference_velocity", "reference_acceleration", "re
 
 
 class Shown(NamedTuple):
-    """What was commanded and believed at samples, each (rows,)."""
+    """Commands and standard deviations of the estimates at samples, each (rows,)."""
 
     drive: Array
     position_deviation: Array

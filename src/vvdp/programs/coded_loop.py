@@ -33,8 +33,8 @@ class CodedLoop(Params):
 
 
 class CodedCommand(NamedTuple):
-    """What it commands: the unit's code, the directional valve, the meter-out throttle; `reference` is shown,
-    and `force` is what the duty cycle puts on the rod."""
+    """Commands: the unit's code, the directional valve, the meter-out throttle; `reference` is given for the record,
+    and `force` is that of the duty cycle on the rod."""
 
     code: Count
     valve: SignedFraction

@@ -27,7 +27,7 @@ DIRECTION = Lines(
 
 
 def columns_over_time(record: "Record", sources: Mapping[str, Source]) -> dict[str, Array]:
-    """What a record has of these sources, states and commands, by their names."""
+    """Recorded values of these sources, states and commands alike, by name; sources without a record are left out."""
     known = {**record.states, **record.commands}
     paths = {name: str(source) for name, source in sources.items()}
     nodes = {name: path if path in known else path.removesuffix(".pressure") for name, path in paths.items()}
@@ -132,7 +132,7 @@ def pressure_chart(bounds: PressureBounds) -> Chart:
 
 
 def actuation_chart(*, is_flow_known: bool) -> Chart:
-    """What is asked of pump, return valve and directional valve, and what the pump gives where it is known."""
+    """Commands of pump, return valve and directional valve, and the flow that the pump delivers, if it is known."""
     flows = (
         Line(x="time_s", y="asked_flow_m3_s", label="asked", colour=Colour.FAINT),
         Line(x="time_s", y="pump_flow_m3_s", label="given"),

@@ -165,7 +165,7 @@ def displacement_program_step(
 
 
 def read_task(reading: CylinderTask) -> tuple[CylinderSeen, Reference]:
-    """What the law works with: pressures as they are and averaged, motion and load, and the reference."""
+    """Inputs of the law: pressures as measured and averaged, motion and load, and the reference."""
     r = reading
     fast = CircuitPressures(r.pressure_a, r.pressure_b, r.line_pressure)
     slow = CircuitPressures(

@@ -82,7 +82,7 @@ class Reach(NamedTuple):
 
     @property
     def settings(self) -> DisplacementSettings:
-        """What the law works with."""
+        """Settings of the law."""
         settings = self.law.settings
         assert isinstance(settings, DisplacementSettings)
         return settings

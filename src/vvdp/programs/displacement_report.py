@@ -1,4 +1,4 @@
-"""What the law of displacement control adds to the results: what each pressure mode uses, the largest flow, figures.
+"""Numbers and figures of displacement control: energy in each pressure mode, and the largest flow.
 
 Source  ours, docs/models/displacement-chapter6.md
 """
@@ -31,7 +31,7 @@ ENERGIES: Quantities = MappingProxyType(
         for mode in range(1, 6)
     }
 )
-"""What each pressure mode uses, with its transition."""
+"""Energies of each pressure mode, its transition included."""
 
 
 class DisplacementReport(ProgramReport):

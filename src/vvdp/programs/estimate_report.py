@@ -41,7 +41,7 @@ class ShaftWatch(NamedTuple):
 
 
 def watch_of(network: Network, name: str) -> ShaftWatch | None:
-    """What an event filter watches; None where its wheel has no index, and where no encoder on a shaft is read.
+    """The shaft that an event filter watches; None if its wheel has no index, or if it reads no encoder on a shaft.
 
     Without ripples in a turn of a rotary valve's spool, it estimates the mean speed over a PWM period.
     """
@@ -153,7 +153,7 @@ def estimate_quantities(watch: ShaftWatch) -> dict[str, tuple[Kind, str]]:
 
 
 def of_what(pitch: float) -> str:
-    """What an estimated speed is, to be put behind the word; `pitch` [rad] as that of `estimate_errors`."""
+    """Words to put behind an estimated speed: which speed is meant; `pitch` [rad] as that of `estimate_errors`."""
     return ", mean over a PWM period" if pitch > 0.0 else " of the instant"
 
 

@@ -15,7 +15,7 @@ from vvdp.programs.quantities import LARGEST, Input, Output, OutputRate, SecondR
 
 
 class Read(NamedTuple):
-    """What is read."""
+    """Input of a filter."""
 
     reads: Input
 
@@ -51,13 +51,13 @@ def low_pass_step(t: float, memory: LastValue, reading: Read, settings: LowPass)
 
 
 class Rate(NamedTuple):
-    """What a program gives: a rate."""
+    """Output of a program: a rate."""
 
     rate: OutputRate
 
 
 class SlopeMemory(NamedTuple):
-    """What was read last and when, the rate then, and whether there was a sample (1)."""
+    """Last input and its time, the rate then, and whether there was a sample (1)."""
 
     reads: Number
     time: Number
@@ -90,7 +90,7 @@ class RateLimit(Params):
 
 
 def rate_limit_step(t: float, memory: LastValue, reading: Read, settings: RateLimit) -> tuple[LastValue, Value]:
-    """What is read, with limited rates of rise and fall; at time t [s], begins at the first sample."""
+    """The input with limited rates of rise and fall; at time t [s], begins at the first sample."""
     value = reading.reads
     if memory.begun > 0.5:
         interval = t - memory.time
@@ -109,12 +109,12 @@ class Limits(Limited):
 
 
 def limit_step(t: float, memory: NamedTuple, reading: Read, settings: Limits) -> tuple[NamedTuple, Value]:
-    """What is read, held between limits."""
+    """The input, held between limits."""
     return memory, Value(clip(reading.reads, settings.lowest, settings.highest))
 
 
 class Led(NamedTuple):
-    """What is read; while `released` is 0 the reference stands still at `rest`."""
+    """Input of a reference; while `released` is 0 the reference stands still at `rest`."""
 
     reads: Input
     released: Fraction = 1.0
@@ -152,7 +152,7 @@ def smooth_start(settings: LedReference) -> SmoothMemory:
 
 
 def smooth_step(t: float, memory: SmoothMemory, reading: Led, settings: LedReference) -> tuple[SmoothMemory, Smooth]:
-    """What is read, smoothed by four equal poles, with its derivatives; at time t [s], exact for a held input."""
+    """The input smoothed by four equal poles, with its derivatives; at time t [s], exact for a held input."""
     found = reference_at_rest(reading.reads if reading.released > 0.5 else reading.rest)
     if memory.begun > 0.5 and reading.released > 0.5:
         held = reading.reads if settings.leads > 0.5 else memory.reads

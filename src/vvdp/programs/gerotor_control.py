@@ -81,7 +81,7 @@ class GerotorObserverTable(BelievedDrive, AxialObserverTable):
 
 
 class DriveWatch(Params):
-    """What the program of an observer works with beside the observer itself."""
+    """Parameters of an observer's program besides the observer itself."""
 
     sequence: AxialSequence
     belief: DriveBelief
@@ -90,7 +90,7 @@ class DriveWatch(Params):
 
 
 class GerotorObserverSettings(DriveWatch):
-    """What the program of the periodic Kalman filter works with."""
+    """Parameters of the program of the periodic Kalman filter."""
 
     observer: GerotorObserver
 
@@ -124,8 +124,8 @@ def gerotor_observer_of(table: AxialObserverTable, area: float, stop: float, hel
 
 
 class WatchedDrive(NamedTuple):
-    """What sensors show of a spool, and the command of its pump, which has been in force until now. Deviations and
-    `slip` are those of an event filter; 0: the angle is known. Once `energised` is 0 the control has ended."""
+    """Measured values of a spool, and the command of its pump that has been in force until now. Standard deviations and
+    `slip` are those of an event filter; 0: the angle is known. `energised` is 0 once the control has ended."""
 
     time: Time
     measured: Position
@@ -148,14 +148,14 @@ class DriveStage(NamedTuple):
 
 
 class DriveBeliefMemory(NamedTuple):
-    """What the observer carries from sample to sample."""
+    """Memory of the observer from sample to sample."""
 
     filter: AxialMemory
     drive: DriveStage
 
 
 class DriveSight(NamedTuple):
-    """What is known at a sample, before an observer is asked."""
+    """Inputs of an observer at a sample: stage of the drive, and measured values."""
 
     drive: DriveStage
     seen: AxialSeen
@@ -177,7 +177,8 @@ def stage_at_stop(stage: Stage, time: float, known: bool, period: float, sequenc
 
 
 def flow_after(settled: float, flow: float, period: float, lag: float) -> float:
-    """What a flow [m^3/s] has come to a `period` [s] later on its way to a settled one."""
+    """A flow [m^3/s] after a `period` [s] of its first-order approach to a settled one; `lag` [s] is the time
+    constant."""
     after: float = settled + (flow - settled) * np.exp(-period / lag)
     return after
 
@@ -196,7 +197,7 @@ def drive_sight(before: DriveStage, reading: WatchedDrive, watch: DriveWatch) ->
 
 
 def seen_spool(sight: DriveSight, estimate: AxialEstimate) -> SeenSpool:
-    """What is believed of a spool that a pump moves, after a sample."""
+    """Estimate of the motion of a spool that a pump moves, after a sample."""
     stage = sight.drive.stage.number
     return SeenSpool(
         position=estimate.position,
@@ -237,7 +238,7 @@ class FeedforwardTable(GerotorBelief):
 
 
 class FeedforwardSettings(Params):
-    """What the program of the law works with."""
+    """Parameters of the law's program."""
 
     law: FeedforwardPI
     belief: GerotorBelief

@@ -47,8 +47,8 @@ class EdgeLoop(Params):
 
 
 class EdgeCommand(NamedTuple):
-    """What it commands: each edge, and the pressure of the chamber that is fed, absolute; `reference` is shown, and
-    `force` is what the duty cycle puts on the rod."""
+    """Commands: each edge, and the absolute pressure of the chamber that is fed; `reference` is given for the record,
+    and `force` is that of the duty cycle on the rod."""
 
     supply_a: Number
     supply_b: Number
@@ -60,8 +60,8 @@ class EdgeCommand(NamedTuple):
 
 
 class Sides(NamedTuple):
-    """What stands against each other while a cylinder moves to one side: areas of supply and return [m^2], force
-    against the motion [N], pressures of what feeds it and of the chamber that is fed, gauge [Pa]."""
+    """Areas and loads of a cylinder that moves to one side: areas of supply and return [m^2], force against the motion
+    [N], pressures of the feed and of the chamber that is fed, gauge [Pa]."""
 
     supply_area: float
     return_area: float

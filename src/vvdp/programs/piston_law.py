@@ -29,8 +29,8 @@ class FlowDemand(NamedTuple):
 
 
 class PistonMemory(NamedTuple):
-    """What the law carries from piston to piston: how many strokes it owes, the number of the piston, which of the
-    last half revolution were enabled as the bits of a number, and the sums over those."""
+    """Memory of the law from piston to piston: how many strokes it owes, the number of the piston, the enabled pistons
+    of the last half revolution as the bits of a number, and the sums over these pistons."""
 
     owed: Ratio
     place: Count

@@ -80,9 +80,9 @@ class PositionLaw(Params):
 
 
 class PositionLoop(PositionLaw):
-    """What a position loop works with: its law, the cycle with its reference, the conductance of a throttle from the
-    supply to the tank, the flow below which a one-way pump gives none, and whether an overcentre pump works in an open
-    circuit (1) or between both chambers (0)."""
+    """Parameters of a position loop: its law, the cycle with its reference, the conductance of a throttle from the
+    supply to the tank, the flow below which a one-way pump delivers none, and whether an overcentre pump works in an
+    open circuit (1) or between both chambers (0)."""
 
     cycle: DutyCycle
     reference: ReferenceFilter
@@ -124,10 +124,11 @@ class LoopMemory(NamedTuple):
 
 
 class CylinderCommand(NamedTuple):
-    """What a loop commands: the `flow` of the supply side, the 4/3 valve, the meter-out throttle, that which
-    bleeds the supply, how the circuit is joined.
+    """Commands of a position loop: the `flow` of the supply side, the 4/3 valve, the meter-out throttle, the throttle
+    that bleeds the supply, and the side to which the circuit is joined.
 
-    What a circuit does not have stays 0. `reference` is shown, and `force` is what the duty cycle puts on the rod.
+    Commands that a circuit does not have stay 0. `reference` is given for the record, and `force` is that of the duty
+    cycle on the rod.
     """
 
     flow: Flow
@@ -288,8 +289,8 @@ def one_way_step(
 
 
 class OneWay(NamedTuple):
-    """What moves a cylinder whose pump gives flow one way: the `side` of its directional valve, 1 to extend, the flow
-    to it, and the opening of the throttle in its return."""
+    """Motion of a cylinder whose pump delivers flow one way: the `side` of its directional valve, 1 to extend, the flow
+    to it, and the opening of its meter-out throttle."""
 
     side: SignedFraction
     flow: Flow

@@ -72,7 +72,7 @@ class Now(NamedTuple):
 
 
 class Course(NamedTuple):
-    """What a cycle asks for, and what it asks for at time 0."""
+    """Value of a cycle now, and its value at time 0."""
 
     value: Output
     start: Output
@@ -91,7 +91,7 @@ def cycle_of(table: CycleTable) -> Cycle:
 
 
 def cycle_value(time: float, cycle: Cycle) -> float:
-    """What a cycle asks for at a time [s], in the unit of its values."""
+    """Value of a cycle at a time [s], in the unit of its values."""
     return line_through(time + cycle.preview, cycle.times, cycle.values, cycle.repeats)
 
 

@@ -41,7 +41,7 @@ QUANTITIES = (
     *(PLAIN, PRESSURE_LEVEL, FLOW, POSITION, VELOCITY, FORCE, TORQUE, ANGLE, SPEED, FREQUENCY),
     *(DURATION, TEMPERATURE, replace(EXCHANGED_POWER, name="power in either direction"), AREA, VOLUME),
 )
-"""What a command may be, by its unit; another unit is a quantity without a name."""
+"""Quantities that a command can have, by unit; another unit is a quantity without a name."""
 DIFFERENCES = {PRESSURE_LEVEL: SIGNED_PRESSURE, TEMPERATURE: TEMPERATURE_DIFFERENCE}
 """Kinds of the difference of two levels."""
 
@@ -168,7 +168,7 @@ def ratio(name: str, above: Kind, below: str, shown: str) -> Kind:
 
 
 def replacements(read: Sequence[Kind], command: Kind) -> dict[Kind, Kind]:
-    """What stands for the kinds of this module where what is read and the command are known; the rest is plain."""
+    """Replacements for the kinds of this module, given those of the inputs and of the command; the rest is plain."""
     reads = dict(zip_longest(INPUTS, read[: len(INPUTS)], fillvalue=PLAIN))
     first = reads[INPUT]
     return {

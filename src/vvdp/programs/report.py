@@ -1,4 +1,4 @@
-"""What a type of program adds to the results of a run: numbers, sentences, figures."""
+"""Contribution of a type of program to the results of a run: numbers, sentences, figures."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from types import MappingProxyType
@@ -23,14 +23,14 @@ Quantities: TypeAlias = Mapping[str, tuple[Kind, str]]
 
 
 class ProgramReport:
-    """What a program in its place in a network adds to the results: nothing, unless a subclass says more.
+    """Contribution of a program, in its place in a network, to the results: nothing, unless a subclass adds more.
 
     A program type names its own, `ProgramType(..., report=MyReport)`. Where several programs of a circuit have the same
     keys, each key begins with the name of its program.
     """
 
     GROUP = ""
-    """Under which words its numbers stand."""
+    """Heading of its numbers."""
     QUANTITIES: Quantities = MappingProxyType({})
     """Kind and label of its numbers, by key."""
     UNSHOWN: frozenset[str] = frozenset()
@@ -58,11 +58,11 @@ class ProgramReport:
         return {}
 
     def warnings(self, found: Mapping[str, float | bool]) -> Iterator[str]:  # noqa: ARG002
-        """What a user has to know before the numbers in `found`, a sentence each."""
+        """Warnings to read before the numbers in `found` are used, a sentence each."""
         yield from ()
 
     def merits(self, found: Mapping[str, float | bool]) -> Iterator[str]:  # noqa: ARG002
-        """What the numbers in `found` show to be right, a sentence each."""
+        """Facts that the numbers in `found` confirm, a sentence each."""
         yield from ()
 
     def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:  # noqa: ARG002
@@ -81,7 +81,8 @@ def origin(network: Network, source: Source | None) -> tuple[ProgramPart | None,
 
 
 def read_rows(run: "Run", source: Source, now: Array, after: Array) -> Array:
-    """What a program read in a run at the rows `now`: a command stands in the rows `after` them; each (rows,)."""
+    """Values of a source that a program read in a run at the rows `now`; those of a command stand in the rows `after`
+    them. Of shape (rows,)."""
     if isinstance(source, Signal):
         over: Any = run.times[now]
         values: Any = signal_value(over, source)

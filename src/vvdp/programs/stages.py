@@ -75,7 +75,8 @@ def comparator_step(t: float, memory: LevelMemory, reading: Read, settings: Leve
 
 
 class Conditions(NamedTuple):
-    """What ends the first four stages, each where it is above 0.5; `emergency` leads to the last stage for good."""
+    """Conditions that end the first four stages, each where it is above 0.5; `emergency` leads to the last stage for
+    good."""
 
     first: Plain = 0.0
     second: Plain = 0.0

@@ -148,7 +148,7 @@ class TallyReport(ProgramReport):
         self.reference_pressure = network.oil.reference_pressure
 
     def outcome_numbers(self, run: "Outcome", found: Mapping[str, float | bool]) -> dict[str, float]:
-        """What was added up, and the extremes of the chambers over every step."""
+        """Tracking errors and further sums of the run, and the extremes of the chambers over every step."""
         tally: Tally = run.memory[self.program.name]
         pace = {"real_time_factor": run.end / run.seconds if run.seconds > 0.0 else np.nan}
         if tally.tracking.begin == np.inf:

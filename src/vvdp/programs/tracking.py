@@ -104,7 +104,8 @@ class Tracking(NamedTuple):
 
 
 class Followed(NamedTuple):
-    """What a sample under control adds: the true error, and the lower pressure of the two chambers less the tank's."""
+    """Tracking of a sample under control: the true error, and the lower pressure of the two chambers minus that of the
+    tank."""
 
     time: Time
     error: Position
@@ -112,7 +113,7 @@ class Followed(NamedTuple):
 
 
 class Actuated(NamedTuple):
-    """What was commanded at a sample, as far as it is counted; see `DisplacementDemand`."""
+    """Commands at a sample, as far as they are counted; see `DisplacementDemand`."""
 
     direction: SignedFraction
     opening: Fraction
@@ -164,7 +165,7 @@ def tracking_step(memory: Tracking, followed: Followed, demand: Actuated) -> Tra
 
 
 def tracking_numbers(found: Tracking) -> dict[str, float]:
-    """What was added up; empty before control, and only the first second where it was not longer.
+    """Numbers of the sums; empty before control, and only the first second where control was not longer.
 
     Switches, openings and shares are those of the time from which on errors count.
     """

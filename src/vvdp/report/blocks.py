@@ -79,7 +79,7 @@ class Block:
 
     @property
     def box(self) -> Box:
-        """What holds all pieces."""
+        """Box around all pieces."""
         return around([piece.box for piece in self.pieces])
 
 

@@ -221,7 +221,7 @@ def _nozzles(axes: "Axes", valve: RotaryValve, angle: float, position: float) ->
 
 
 def _lengths(axes: "Axes", valve: RotaryValve, shift: float, position: float) -> None:
-    """What the lengths are called, with lines between arrows."""
+    """Names of the lengths, with lines between arrows."""
     P, L = pitch(valve), valve.helix_length
     width, length, barrier = nozzle_width(valve), nozzle_length(valve), barrier_width(valve)
 

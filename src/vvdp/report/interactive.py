@@ -98,7 +98,7 @@ def page_text(described: list[dict[str, Any]], columns: "Columns") -> str:
 
 
 class Placed(Protocol):
-    """What takes the columns of charts."""
+    """Receiver of the columns of charts."""
 
     def place(self, values: Array) -> int:
         """The place of a column in the list."""

@@ -109,7 +109,7 @@ def lead_lines(owner: str, exits: Iterable[Exit], inner: Box, to_right: bool) ->
 
 
 def _in_order(exits: Sequence[Exit], middle: float) -> list[Exit]:
-    """What takes the inner lanes first, so that lines beside a symbol do not cross."""
+    """Exits in the order in which they take lanes, the inner ones first, so that lines beside a symbol do not cross."""
     sideways = [each for each in exits if each.is_sideways]
     corner = [each for each in exits if not each.is_sideways and not each.is_straight]
     return [

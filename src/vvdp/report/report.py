@@ -87,7 +87,7 @@ def lines_of(values: Mapping[str, Sequence[ShownValue]]) -> dict[str, Lines]:
 
 
 def diagram_values(run: RecordedRun) -> dict[str, list[ShownValue]]:
-    """What a diagram shows by name of node or component: mean pressures and flows."""
+    """Values in a diagram by name of node or component: mean pressures and flows."""
     found: dict[str, list[ShownValue]] = {}
     for node in node_lines(run.system, run.summary):
         if node.kind is GAUGE_PRESSURE and (node.low != node.high or node.name in run.volumes):

@@ -29,7 +29,7 @@ LONG = 12
 
 @dataclass(frozen=True)
 class Additions:
-    """What scripts of a page need beside the charts: for its head, its style, above its sections and at its end.
+    """Additions of scripts to a page beside the charts: for its head, its style, above its sections and at its end.
 
     opened  what is shown by sections that are not folded
     """
@@ -43,7 +43,7 @@ class Additions:
 
 @dataclass(frozen=True)
 class Page:
-    """What a page is made of. `ready` is HTML that sections name, before what the result has, `drawings` ready SVG."""
+    """Content of a page. `ready` is HTML that sections name, placed before that of the result, `drawings` ready SVG."""
 
     result: Result
     meta: Mapping[str, Any]

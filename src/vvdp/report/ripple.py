@@ -81,7 +81,7 @@ def _rises(y: Array, stretch: Rows) -> Rows:
 
 
 def _close(counts: Rows) -> Flags:
-    """Which stretches have so many cycles: `STRETCH`, or `BESIDE` in a row with such a one."""
+    """Flags of the stretches with many cycles: at least `STRETCH`, or `BESIDE` in a row with such a stretch."""
     is_close: Flags = counts >= BESIDE
     for begin, end in _runs(is_close):
         is_close[begin:end] = np.any(counts[begin:end] >= STRETCH)

@@ -15,7 +15,7 @@ STROKES = (Stroke.SOLID, Stroke.DASHED, Stroke.DOTTED)
 
 
 def line_label(line: Line, table: Table) -> str:
-    """What a line is called; one of another table than that of its panel has a label of its own."""
+    """Label of a line; one of another table than that of its panel has a label of its own."""
     return line.label or table.columns[line.y].label
 
 
@@ -25,7 +25,7 @@ def line_columns(panel: Lines, table: Table, tables: Mapping[str, Table]) -> lis
 
 
 def axis_label(columns: Sequence[Column], label: str = "") -> str:
-    """What stands at an axis: `label`, or what the columns have in common, with the unit."""
+    """Label of an axis: `label`, or the label that the columns have in common, with the unit."""
     labels = list(dict.fromkeys(column.label for column in columns))
     kind = columns[0].kind
     words = label or (labels[0] if len(labels) == 1 else kind.name if kind else "")

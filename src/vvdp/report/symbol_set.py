@@ -170,7 +170,7 @@ class Fitted:
 
 
 def entry(symbol: str) -> Entry | None:
-    """What the catalogue has under that name; None where it is unknown."""
+    """Entry of the catalogue under that name; None if it is unknown."""
     return CATALOGUE.get(re.sub(r"[^a-z0-9]+", "_", symbol.lower()).strip("_"))
 
 

@@ -24,11 +24,11 @@ VERDICTS = "verdicts"
 FILE = "expected.csv"
 HEAD = ("item", "what", "verdict", "evidence", "width")
 INDEPENDENT = (Evidence.SIMULATED, Evidence.COMPUTED)
-"""What is compared with printed numbers and could have failed."""
+"""Evidence by a calculation that is compared with printed numbers and could have failed."""
 
 
 class Expected(NamedTuple):
-    """What is expected of a row; `evidence` is empty for a row that is in no list."""
+    """Expectation for a row; `evidence` is empty for a row that is in no list."""
 
     verdict: str = ""
     evidence: str = ""
@@ -45,7 +45,7 @@ class Expected(NamedTuple):
         return self.evidence in INDEPENDENT
 
     def source(self, statement: Statement) -> str:
-        """What stands in the source's column: the number of an identity is not printed, it is what a formula gives."""
+        """Text in the source's column: the number of an identity is not printed, a formula gives it."""
         is_number = self.evidence == Evidence.IDENTITY and statement.source_text and not statement.source
         return f"by its formula {statement.source_text}" if is_number else statement.source_text
 
@@ -61,7 +61,7 @@ Verdicts: TypeAlias = Mapping[Key, str]
 
 @cache
 def expected_rows() -> Mapping[Key, Expected]:
-    """What the committed lists say, by item and what a statement is about."""
+    """Expectations of the committed lists, by item and subject of the statement."""
     return {
         (row["item"], row["what"]): Expected(row["verdict"], row["evidence"], row["width"])
         for chapter in CHAPTERS
@@ -70,7 +70,7 @@ def expected_rows() -> Mapping[Key, Expected]:
 
 
 def kind_of(item: str, statement: Statement) -> Expected:
-    """What the committed lists say of a statement; empty for one that is in no list."""
+    """Expectation of the committed lists for a statement; empty for one that is in no list."""
     return expected_rows().get((item, statement.what), Expected())
 
 
@@ -93,7 +93,7 @@ def expected_verdicts() -> Verdicts:
 
 
 def verdicts_of(statements: Iterable[tuple[str, Statement]]) -> Verdicts:
-    """What was found, by item and statement."""
+    """Calculated verdicts, by item and subject of the statement."""
     return {(item, each.what): each.verdict.value for item, each in statements}
 
 

@@ -11,7 +11,7 @@ from vvdp.results.verdict import Statement
 
 
 class ItemKind(StrEnum):
-    """What an item is."""
+    """Kind of an item."""
 
     FIGURE = "figure"
     TABLE = "table"
@@ -21,8 +21,8 @@ class ItemKind(StrEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class Reproduction:
-    """What an item comes to: its statements with their verdicts, the figure that takes the place of the source's, and
-    the data that it draws.
+    """Reproduction of an item: its statements with their verdicts, the figure that replaces the source's, and the data
+    that it draws.
     """
 
     statements: tuple[Statement, ...]
@@ -64,7 +64,7 @@ class Item:
 
     @property
     def name(self) -> str:
-        """What it is called on the command line, such as figure-3.9."""
+        """Name on the command line, such as figure-3.9."""
         return f"{self.kind}-{self.number}"
 
     @property

@@ -24,7 +24,7 @@ def write_statements(folder: Path, statements: Sequence[Statement]) -> None:
 
 
 def stopped_items(directory: Path, items: Sequence[Item]) -> Mapping[str, Reproduction]:
-    """What a run of this version into `directory` that was stopped has calculated of the `items`, by name.
+    """Results of the `items`, by name, that a stopped run of this version into `directory` has calculated.
 
     Raises ConfigError if a file of it was changed or damaged.
     """

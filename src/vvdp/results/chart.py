@@ -113,7 +113,7 @@ class Lines:
     x_log: bool = False
     y_log: bool = False
     legend: str = ""
-    """What the names of the lines stand for; with it they are listed beside the panel."""
+    """Meaning of the names of the lines; with it they are listed beside the panel."""
     equal: bool = False
     """Whether a unit of x is as long as one of y."""
 
@@ -136,7 +136,7 @@ class Bars:
     texts: str = ""
     """A text column that stands behind the bars."""
     label: str = ""
-    """What stands at the axis, where the columns have several labels."""
+    """Label of the axis if the columns have several labels."""
     colours: tuple[str, ...] = ()
     title: str = ""
     rows: tuple[int, ...] = ()

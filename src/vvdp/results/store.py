@@ -170,7 +170,7 @@ def _columns(path: Path, described: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _value(wanted: Any, content: Any) -> Any:
-    """What `_content` had of the type `wanted`."""
+    """Value of the type `wanted`, from the content that `_content` made of it."""
     origin, inner = get_origin(wanted), get_args(wanted)
     if wanted is Kind:
         return kind_named(content) if isinstance(content, str) else Kind(**content | {"units": tuple(content["units"])})

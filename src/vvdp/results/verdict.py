@@ -174,12 +174,12 @@ def drawing_statement(what: str, result: str) -> Statement:
 
 
 def missing_statement(what: str, source: str, missing: str) -> Statement:
-    """What could not be calculated, since something is `missing`; `source` are the words of the source."""
+    """Statement that could not be calculated, since something is `missing`; `source` are the words of the source."""
     return Statement(what=what, source=source, result=f"missing: {missing}")
 
 
 def open_statement(what: str, source: str, result: str, assumption: str) -> Statement:
-    """What the text leaves open: `result` is what can be said, `assumption` what would decide."""
+    """Statement that the text leaves open: `result` is as far as it can be judged, `assumption` would decide it."""
     return Statement(what=what, source=source, result=result, assumption=assumption)
 
 

@@ -168,7 +168,7 @@ def analytic_map(
 
 
 def averaged_columns(stand: Stand, points: Any, means: Any) -> dict[str, Array]:
-    """What quasi-steady averages `means` give at many operating points at once, which `points` has as arrays."""
+    """Columns of the quasi-steady averages `means` at many operating points at once; `points` has arrays of them."""
     d, p, n, _ = points
     bench, tank = stand.bench, stand.tank_pressure
     pump, oil, valve = bench.pump, bench.oil, bench.valve

@@ -16,7 +16,7 @@ from vvdp.steady.waveform import whole_run
 PHASES = 8
 """Instants within a PWM period at which a step begins."""
 SHOWN, BEFORE = 0.25, 0.04
-"""What is recorded of a step, after it and before it [s]; after it is longer where load line or switching is slow."""
+"""Recorded time of a step, after it and before it [s]; longer after it if load line or switching is slow."""
 LINE_TIMES = 4.0
 STEP_PERIODS = 2.5
 """PWM periods that are recorded after a step at least: within one the mean over a period has all of it, and the last

@@ -282,7 +282,7 @@ def power_of(x: Array, y: Array) -> float:
 
 
 def _numbers(row: Mapping[str, float], wave: Waveform, tables: Mapping[str, Table]) -> dict[str, float]:
-    """What the row of the system's own operating point and the sweeps come to."""
+    """Numbers of the system's own operating point (`row`) and of the sweeps."""
     duty, frequency, size = (tables[name] for name in SWEEPS)
     first = harmonics(wave.load_pressure, HARMONICS)
     found = {name: row[name] for name in (

@@ -1,1 +1,1 @@
-"""What the rotary valve competes with: circuits with other valves and pumps, and what is claimed against them."""
+"""Rivals of the rotary valve: circuits with other valves and pumps, and claims that compare them with it."""

@@ -126,7 +126,7 @@ def actuation_claim(stand: Stand) -> Claim:
 
 
 def _statements(numbers: Mapping[str, float], highest: float) -> tuple[Statement, ...]:
-    """What the source says of the powers, up to a `highest` PWM frequency [Hz]."""
+    """Statements of the source on the powers, up to a `highest` PWM frequency [Hz]."""
     moved = (("same", "the spool itself, past the same nozzles"), ("light", "100 g, with a port all round"))
     return (
         *(

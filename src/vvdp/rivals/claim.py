@@ -1,4 +1,4 @@
-"""What a claim is calculated to: numbers, tables, figures and sentences."""
+"""A calculated claim: numbers, tables, figures and sentences."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,5 +1,4 @@
-"""What is claimed of a rotary PWM valve: against throttling, against a linear valve, self-spinning or driven, and its
-ripple."""
+"""Claims on a rotary PWM valve: against throttling, against a linear valve, self-spinning or driven, and its ripple."""
 
 import time
 from collections.abc import Callable, Iterator, Sequence

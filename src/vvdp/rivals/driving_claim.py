@@ -218,7 +218,7 @@ def driving_claim(stand: Stand, *, cores: int | None = None, say: Callable[[str]
 
 
 def _statements(d: Driving, as_it_is: Array, scaled: Array) -> Iterator[Statement]:
-    """What the source says of a driven spool, of this valve and of one that keeps the same ripple by itself."""
+    """Statements of the source on a driven spool: for this valve, and for one that keeps the same ripple by itself."""
     source = "where the flow varies, driving the spool is more efficient"
     same, kept = d.self_loss / d.best_loss, float(scaled[-1] / as_it_is[-1])
     if np.isfinite(same).any():

@@ -57,7 +57,7 @@ VALVES = (
 
 
 class Switched(NamedTuple):
-    """What a pulsed valve comes to: mean loss [W] and flow to the load, in tank volumes [m^3/s]."""
+    """Result of a pulsed valve: mean loss [W] and flow to the load, in tank volumes [m^3/s]."""
 
     loss: float
     delivered: float

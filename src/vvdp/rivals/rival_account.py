@@ -1,4 +1,4 @@
-"""What a rival circuit came to on a duty: where the power went, how well the rod followed, pressures.
+"""Score of a rival circuit on a duty: mean powers, tracking errors, pressures.
 
 Source  ours, docs/circuits-compared.md
 """
@@ -39,7 +39,7 @@ COMMON_RATE, SAMPLE = 25.0, 1e-3
 RECORD = 1e-3
 """Between two recorded rows [s]."""
 OUTSIDE = (*(f"supplied.load_force{suffix}" for suffix in SUFFIXES), "supplied.tank", "supplied.pilot_tank")
-"""What brings energy in but is no drive."""
+"""Sources of energy that are not drives."""
 ADDED = ("drawn", "returned", "delivered", "received", "friction", "stored")
 """Powers of a score."""
 WORST = ("tracking_max", "tracking_rms", "tracking_first", "pressure_max", "energy_residual", "mass_residual")
@@ -49,11 +49,11 @@ MOST_POINTS = 1000
 
 
 class CircuitScore(NamedTuple):
-    """What a circuit came to on a duty: mean powers over the last round [W], errors [m], pressures, gauge [Pa].
+    """Score of a circuit on a duty: mean powers over the last round [W], errors [m], pressures, gauge [Pa].
 
     `delivered` goes to the rod while it is pushed, `received` comes from it while the load overruns; `drawn` is taken
     from the drives of all pumps, `returned` given back to them. Pressures are those of both chambers and the supply,
-    over every step; `charge` is what the low side is held at, NaN where nothing holds it.
+    over every step; `charge` is the pressure at which the low side is held, NaN where nothing holds it.
     """
 
     tracking_max: float
@@ -171,7 +171,7 @@ def joint_score(scores: Sequence[CircuitScore]) -> CircuitScore:
 
 
 def _suffixes(run: Run) -> tuple[str, ...]:
-    """What stands behind the names of the cylinders of a run."""
+    """Suffixes of the names of the cylinders of a run."""
     return tuple(suffix for suffix in SUFFIXES if hasattr(run.state, f"rod{suffix}"))
 
 
@@ -182,7 +182,7 @@ def _error(run: Run, suffix: str, duty: Duty, since: Array) -> Array:
 
 
 def common_reference(cycle: DutyCycle, times: Array) -> Array:
-    """What all circuits are to follow on a cycle, shape (n,) [m]: its points behind the common filter.
+    """Common reference of all circuits on a cycle, shape (n,) [m]: its points behind the common filter.
 
     times  since control began, which the reference begins at rest [s]
     """

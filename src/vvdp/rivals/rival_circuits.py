@@ -116,7 +116,7 @@ def _valves_of_units(way: str) -> tuple[str, ...]:
 
 PUMP_NAMES = ("pump_shaft", "pump", "relief_valve")
 SHARED_LINE = ("tank", "pump_line", *PUMP_NAMES)
-"""What there is one of for all cylinders of a circuit."""
+"""Parts that a circuit has once for all its cylinders."""
 FOUR_VALVES = tuple(f"{way}_valve_{side}" for way in ("supply", "return") for side in "ab")
 FILLING = tuple(f"anti_cavitation_{where}" for where in ("supply", "a", "b"))
 

@@ -19,7 +19,7 @@ from vvdp.systems.system import System
 LOOP = "loop"
 """Name of the program of a position loop."""
 SUFFIXES = ("", "_second", "_third")
-"""What stands behind the names of the first, second and third cylinder and of all that belongs to it."""
+"""Suffixes of the names of the first, second and third cylinder and of all that belongs to it."""
 SENSED = ("second_pressure", "third_pressure")
 """Inputs of a load-sensing pump for the pressures of further cylinders."""
 SAFETY = 20e5
@@ -28,12 +28,12 @@ SAFETY = 20e5
 Numbers = Mapping[str, Number | Mapping[str, Any]]
 """Values by their paths in a file [SI]."""
 Sizes = Callable[[System, Duty], Numbers]
-"""What of a circuit follows a duty, beside the cycle."""
+"""Values of a circuit that follow from a duty, besides the cycle."""
 
 
 class Task(NamedTuple):
-    """What a circuit is sized for: a duty that begins at `begin` [s], goes through `rounds`, behind poles of `rate`
-    [1/s]."""
+    """Task that a circuit is sized for: a duty that begins at `begin` [s], goes through `rounds`, behind poles of
+    `rate` [1/s]."""
 
     duty: Duty
     begin: float
@@ -44,7 +44,7 @@ class Task(NamedTuple):
 def size_drawn(sizes: Sizes, shared: Collection[str], system: System, task: Task) -> System:
     """A drawn circuit sized for a task, with as many cylinders as its duty has if these share a supply.
 
-    shared  names of what there is one of for all cylinders; empty if each has a circuit of its own
+    shared  names of the parts that all cylinders share; empty if each has a circuit of its own
 
     Raises ConfigError where it cannot follow.
     """

@@ -190,7 +190,7 @@ def _cycle_table(cycles: Cycles) -> Table:
 
 
 def _assumed_table() -> Table:
-    """What is assumed of the rivals; of four kinds, so each value stands as a text with its unit."""
+    """Assumed values of the rivals; of four kinds, so each value stands as a text with its unit."""
 
     def cells(values: Sequence[float]) -> Array:
         written = [with_unit(value, ASSUMED_KINDS[name][0]) for name, value in zip(RANGES, values, strict=True)]

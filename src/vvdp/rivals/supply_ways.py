@@ -1,4 +1,4 @@
-"""What the PWM valve and its rivals lose on one pump's flow and pressure, with the spread of what is assumed.
+"""Losses of the PWM valve and its rivals on one pump's flow and pressure, with the spread of the assumed values.
 
 The PWM valve by its quasi-steady averages, all others by `vvdp.hydraulics.supply_losses`.
 
@@ -33,7 +33,7 @@ VARIED = (
 
 
 class Assumed(NamedTuple):
-    """What is assumed of the rivals, and of all pumps alike.
+    """Assumed values of the rivals, and of all pumps alike.
 
     `margin` of load sensing [Pa]; `heavier`, the load of another actuator at the same load-sensing pump over the relief
     setting; `leakage` of a variable pump over that of the fixed one; `drag`, torque of a pump that no oil takes over
@@ -56,7 +56,7 @@ RANGES: Mapping[str, tuple[float, float]] = {
 
 
 class Demand(NamedTuple):
-    """What a load takes: arrays of one shape."""
+    """Demand of a load: arrays of one shape."""
 
     flow: Any  # [m^3/s]
     rise: Any  # over the tank [Pa]
@@ -79,7 +79,7 @@ class Spread:
     highest: Mapping[str, Array]
 
     def gain(self, rival: str) -> Any:
-        """What a rival loses more than the PWM valve, with nothing varied [W]: an array."""
+        """Loss of a rival minus that of the PWM valve, with nothing varied [W]: an array."""
         return self.nominal.rivals[rival] - self.nominal.switched
 
 
@@ -91,7 +91,7 @@ RIVALS: Mapping[str, str] = {
     "compensated": "pressure-compensated pump",
     "displacement": "displacement control",
 }
-"""What each rival is called. A digital flow control unit is a throttle, and stands wherever one stands."""
+"""Name of each rival. A digital flow control unit is a throttle, and is counted as one."""
 
 
 def rival_losses(demand: Demand, stand: Stand, assumed: Assumed) -> dict[str, Array]:
@@ -205,7 +205,7 @@ def _switching_losses(valve: Averaged, stand: Stand, assumed: Assumed) -> Any:
 
 
 def varied_assumptions() -> Iterator[Assumed]:
-    """What is assumed, first as it is, then each value at both ends of its range."""
+    """Sets of assumed values: the usual ones, then each value at both ends of its range."""
     yield Assumed()
     for name, ends in RANGES.items():
         yield from (Assumed()._replace(**{name: end}) for end in ends if end != getattr(Assumed(), name))

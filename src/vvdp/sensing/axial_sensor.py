@@ -21,7 +21,8 @@ from vvdp.sensing.instrument import Instrument, InstrumentMemory, instrument_sta
 
 
 class Pollution(Params):
-    """What the spool's angle adds to the position that is seen: scale sum(a_g sin(g theta + phi_g)), g from 1 on."""
+    """Periodic sensor error, added to the measured position: scale sum(a_g sin(g theta + phi_g)), g from 1 on, theta
+    the spool's angle."""
 
     scale: Length
     amplitudes: Annotated[tuple[float, ...], RATIO]
@@ -90,7 +91,7 @@ class AxialReading(NamedTuple):
 
 
 def pollution_at(angle: float, pollution: Pollution) -> float:
-    """What the spool's angle adds to the position that is seen [m]; it repeats with every turn.
+    """Periodic sensor error at an angle of the spool [m]; it repeats with every revolution.
 
     angle  of the spool [rad]
 

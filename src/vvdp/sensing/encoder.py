@@ -59,7 +59,7 @@ def capture_unit(resolution: float) -> Acquisition:
 
 
 class Faults(Params):
-    """What goes wrong; 0 switches each off.
+    """Faults of an encoder; 0 switches each off.
 
     An edge is missed, from `missed_begin` to `missed_end`, or bounces and counts three times, with these
     probabilities. Nothing is reported from `dropout_begin` to `dropout_end`. An eccentric wheel shows

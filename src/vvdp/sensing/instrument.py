@@ -20,11 +20,11 @@ Measured = Annotated[float, MEASURED]
 
 
 class Instrument(Params):
-    """What an instrument makes of a value; each part is switched off by 0, and all values are in its SI unit.
+    """Errors of an instrument; each one is switched off by 0, and all values are in the SI unit of the measured value.
 
-    It follows the value with the time constant `lag`, adds `offset` and a noise of deviation `noise`, drawn again for
-    each sample, rounds to a multiple of `resolution` and shows no more than `range_low` to `range_high`. From
-    `bias_begin` to `bias_end` it adds `bias` as well; its reading stays as it is from `freeze_begin` to `freeze_end`,
+    It follows the value with the time constant `lag`, adds `offset` and noise of the standard deviation `noise`, drawn
+    again for each sample, rounds to a multiple of `resolution` and is limited to `range_low` to `range_high`. From
+    `bias_begin` to `bias_end` it adds `bias` as well; its reading stays constant from `freeze_begin` to `freeze_end`,
     and is `dropout_reading` from `dropout_begin` to `dropout_end`.
     """
 
@@ -58,7 +58,7 @@ class Instrument(Params):
 
 
 class InstrumentMemory(NamedTuple):
-    """What an instrument keeps between two samples: `saturated` counts the readings that its range has cut off."""
+    """Memory of an instrument between two samples: `saturated` counts the readings that its range has cut off."""
 
     started: Fraction
     time: Time
@@ -124,7 +124,7 @@ def instrument_step(
 
 
 def lagged_value(followed: float, before: float, value: float, interval: float, lag: float) -> float:
-    """What follows a value with a first-order lag, an interval later: exact where the value went along a straight line.
+    """Response of a first-order lag to a value, an interval later: exact where the value went along a straight line.
 
     v + s tau (e^(-h/tau) - 1) + (y - v_0) e^(-h/tau), s = (v - v_0)/h the slope; the value itself without a lag.
 

@@ -152,7 +152,7 @@ class Assembly:
 
     @property
     def _base(self) -> int:
-        """What is added to the numbers of failures, so that those of other modules differ."""
+        """Offset of the numbers of failures, so that those of other modules differ."""
         return int(self.digest[:10], 16) << 16
 
     def _compile(self) -> bytes:
@@ -191,7 +191,7 @@ def reason_of(number: int) -> str:
 
 @remembered
 def _versions() -> str:
-    """What compiled code depends on besides the model."""
+    """Versions that compiled code depends on besides the model."""
     from vvdp.generator import binding
 
     found, here = hashlib.sha256(), Path(__file__).parent

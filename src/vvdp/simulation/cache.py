@@ -17,7 +17,7 @@ from vvdp.base.errors import RunError
 
 ADVICE = "set VVDP_CACHE to a folder of your own"
 MOST_BYTES = 2**29
-"""What is kept at most; what was not used for longest goes first."""
+"""Maximum size of the cache; files not used for longest are removed first."""
 SUFFIX = ".o"
 
 

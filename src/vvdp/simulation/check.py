@@ -58,7 +58,7 @@ def check_model(model: Model, case: Case) -> None:
 
 
 def _reach_functions(model: Model) -> Functions:
-    """What the functions of a model reach that are tried. Raises RunError where one cannot be compiled."""
+    """Functions that a model reaches from those that are tried. Raises RunError if one cannot be compiled."""
     found = Functions()
     for function in _try_functions(model):
         reachable(function, found)
@@ -256,7 +256,7 @@ def _call(what: str, function: Callable[..., Any], expected: str, *arguments: An
 
 
 def _explain(problem: Exception) -> str:
-    """What a Python error means for a user who wrote a circuit."""
+    """Meaning of a Python error for a user who wrote a circuit."""
     text = str(problem)
     if isinstance(problem, AttributeError) and names(problem.obj):
         hint = nearest(str(problem.name), names(problem.obj))

@@ -43,7 +43,7 @@ def _select_word(body: Body, condition: Any, a: Any, b: Any) -> Any:
 
 
 class _Forms(dict[Any, Any]):
-    """What stands for a function: named here, or its module's `<name>_compiled`."""
+    """Replacements of functions: named here, or their module's `<name>_compiled`."""
 
     def get(self, function: Any, default: Any = None) -> Any:
         if function in self:

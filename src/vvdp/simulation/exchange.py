@@ -47,7 +47,7 @@ def outside_symbols() -> dict[str, int]:
 
 
 class Partner(NamedTuple):
-    """What is asked of a program with a partner outside; each is called with its memory.
+    """Questions to a program with a partner outside; each function is called with the program's memory.
 
     is_begun  whether it has a partner already
     trouble   why its partner has failed; empty if it has not

@@ -1,4 +1,5 @@
-"""What the texts of `simulation.parts` build a model's values from: signals in flat vectors, and views of these."""
+"""Building blocks of a model's values in the texts of `simulation.parts`: signals in flat vectors, and views of
+these."""
 
 from typing import Any, NamedTuple
 

@@ -58,7 +58,7 @@ def enter(rates, sample, events, stop, t, y, command, memory, params, plan, agen
 
 Entries = Mapping[str, tuple[Callable[..., Any], Sequence[Kind]]]
 EVENTS: Entries = {"upcoming": (upcoming, UPCOMING)}
-"""What a host asks whose model is carried by its own loop."""
+"""Functions for a host whose model is run by its own loop."""
 ENTRIES: Entries = {
     **EVENTS,
     "derive": (derive, DERIVE),

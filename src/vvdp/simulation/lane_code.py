@@ -22,7 +22,7 @@ from vvdp.simulation.trace import Graph
 
 WIDE, NARROW = 8, 4
 ARGUMENTS = (Op.TIME, Op.STATE, Op.COMMAND, Op.PARAMETER, Op.SIGNAL)
-"""What the function takes, in this order; behind them where its results go."""
+"""Arguments of the function, in this order; behind them the place for its results."""
 
 CYCLES = {Op.DIVIDE: 13, Op.SQRT: 20, Op.POWER: 95, Op.FLOOR: 4} | dict.fromkeys(
     (Op.EXP, Op.EXPM1, Op.LOG, Op.LOG1P, Op.SIN, Op.COS, Op.TAN, Op.TANH, Op.ATAN), 55
@@ -64,12 +64,12 @@ def lane_rates(graph: Graph, cache: Path | None = None, say: Callable[[str], Non
 
 NAME = "vvdp_lanes"
 _loaded: dict[str, binding.Loaded] = {}
-"""What holds the code of each function; it would be freed without."""
+"""Owner of the code of each function; without it the code would be freed."""
 
 
 @remembered
 def _versions() -> str:
-    """What compiled code depends on besides the graph; the processor is part of its file's name."""
+    """Versions that compiled code depends on besides the graph; the processor is part of its file's name."""
     own = (__file__, lane_math.__file__, lane_values.__file__)
     return hashlib.sha256(b"".join(Path(path).read_bytes() for path in own)).hexdigest()
 
@@ -140,7 +140,7 @@ SIMPLE: Mapping[Op, Callable[..., Vector | Mask]] = {
     Op.NOT: lambda _, a: ~a,
     Op.SELECT: lambda _, condition, a, b: condition.select(a, b),
 }
-"""What each operation is that a processor has."""
+"""Code of each operation that a processor has."""
 
 
 def _row(code: Code, vector: Any, row: int) -> Any:

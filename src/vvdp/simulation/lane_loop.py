@@ -158,7 +158,7 @@ def cube(cases, lanes, bench, y, trial, first, last, lane):
 
 
 def judge(rates, events, cases, rules, lanes, bench, y, trial, first, last, lane):
-    """What becomes of a lane's step; stores the marks that it passes."""
+    """Verdict on a lane's step, which is accepted or refused; stores the marks that it passes."""
     case, own = lanes.case[lane], lanes.own[lane]
     clock, active = cases.clocks[case], lanes.error.size // WIDTH
     clock[EVALUATIONS] += 6.0

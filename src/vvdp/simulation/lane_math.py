@@ -285,4 +285,4 @@ FUNCTIONS: dict[Op, Callable[..., Vector]] = {
     Op.TANH: tanh,
     Op.ATAN: atan,
 }
-"""What each operation that no processor has is made of."""
+"""Code of each operation that no processor has."""

@@ -37,7 +37,7 @@ class Code:
         return self._constant(INTEGER, [value] * self.width)
 
     def whole_truth(self) -> Any:
-        """What holds in all lanes."""
+        """Truth in all lanes."""
         return self._constant(TRUTH, [1] * self.width)
 
     def kind(self, one: Any) -> Any:

@@ -1,4 +1,4 @@
-"""What the loop for many cases at once works with: its arrays, code for all lanes, and a step of all of them.
+"""Arrays of the loop for many cases at once, code for all lanes, and a step of all of them.
 
 Vectors are flat: number m of lane l is at m * WIDTH + l.
 """
@@ -29,7 +29,7 @@ IDLE, TAKEN, TO_REPEAT, LOST = 0.0, 1.0, 2.0, 3.0
 
 
 class Cases(NamedTuple):
-    """What is kept of each case, a row for each."""
+    """State of each case, a row for each."""
 
     y: Any
     command: Any
@@ -49,7 +49,7 @@ class Cases(NamedTuple):
 
 
 class Rules(NamedTuple):
-    """What holds for all cases."""
+    """Values that hold for all cases."""
 
     plan: Any
     atol: Any  # (active * WIDTH,)

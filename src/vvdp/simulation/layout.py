@@ -65,7 +65,7 @@ def rows(cases: Sequence[Case]) -> Vectors:
 
 
 class _Frame:
-    """What the parameters of all cases of one form have between their own numbers: shapes, and where parts begin."""
+    """Layout between the numbers of the parameters, alike in all cases of one form: shapes, and where parts begin."""
 
     def __init__(self, case: Case) -> None:
         memory, command, shapes = memory_parts(case), command_parts(case), Packed()
@@ -96,7 +96,7 @@ def _vectors(case: Case, frame: _Frame) -> Vectors:
 
 
 def all_but_state(case: Case) -> tuple[object, ...]:
-    """What shows whether two cases at hand share all their values but the numbers of the state."""
+    """Identities that are equal if two cases at hand share all their values except the numbers of the state."""
     shared = (case.params, case.command, *case.memory.values(), *case.settings.values())
     return (type(case.state), *map(id, shared))
 
@@ -127,7 +127,7 @@ def as_memory(case: Case, vector: Array) -> dict[str, Any]:
 
 
 def case_form(case: Case, known: dict[int, Hashable]) -> Hashable:
-    """What two cases of the same `case_shape` have in common, unless arrays of parameters differ in length.
+    """Form that cases of the same `case_shape` share, unless arrays of parameters differ in length.
 
     For many cases it takes less: what they share is looked at once, by its identity in `known` (`values.form`).
     """
@@ -136,7 +136,7 @@ def case_form(case: Case, known: dict[int, Hashable]) -> Hashable:
 
 
 def case_shape(case: Case) -> tuple[tuple[str, object], ...]:
-    """What must be the same in cases that run as one batch: the names of the values, and what kind each is.
+    """Shape that cases that run as one batch must share: the names of the values, and the kind of each.
 
     Signals, and arrays of parameters, may differ in their lengths.
     """

@@ -81,7 +81,7 @@ class Model:
 
     @property
     def partners(self) -> Mapping[str, Partner]:
-        """What programs exchange with outside of compiled code, by the names of the programs."""
+        """Partners of programs outside of compiled code, by the names of the programs."""
         return {name: program.partner for name, program in self.programs.items() if program.partner is not None}
 
 

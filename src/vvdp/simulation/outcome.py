@@ -110,7 +110,8 @@ def plain_window(case: Case, times: Array, states: Array, end: float, final: Arr
 
 
 def kept_marks(marks: int) -> npt.NDArray[np.int64]:
-    """Which of `marks` in a window are kept, shape (5,): the first, and three spans of whole periods to the last."""
+    """Places of the marks that are kept of `marks` in a window, shape (5,): the first, and three spans of whole periods
+    to the last."""
     last = max(marks - 1, 0)
     third = last // 3
     return np.array([0, last - 3 * third, last - 2 * third, last - third, last])

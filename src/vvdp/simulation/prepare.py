@@ -68,7 +68,7 @@ def prepare(
 
 
 def tables(model: Model, case: Case, stepping: Stepping, digest: str | None = None) -> Tables:
-    """What the loop needs besides compiled functions; `digest` is the hash of the model, by which a part is kept."""
+    """Data for the loop besides compiled functions; `digest` is the hash of the model, by which a part is kept."""
     kinds = [(path, kind) for path, _, kind in leaves(case.state)]
     scale = np.array([kind.scale if kind else 1.0 for _, kind in kinds])
     bounded = np.array([not (kind and kind.accumulates) for _, kind in kinds])

@@ -63,7 +63,7 @@ def compiled_name(function: Callable[..., Any]) -> str:
 
 
 def words(functions: Functions) -> Iterator[str]:
-    """What a hash of `functions` is taken of: their code without where it stands, and their constants."""
+    """Words from which a hash of `functions` is formed: their code without its place in a file, and their constants."""
     for function, constants in sorted(functions.values(), key=lambda entry: _name(entry[0])):
         yield own_words(function, constants)
 
@@ -78,7 +78,7 @@ def _name(function: types.FunctionType) -> str:
 
 
 def _text(code: types.CodeType) -> str:
-    """What a function does, without where it stands: bytecode, constants and names."""
+    """Operations of a function, without their place in a file: bytecode, constants and names."""
     constants = [
         _text(c) if isinstance(c, types.CodeType) else repr(c)
         for c in code.co_consts[1 if code.co_consts and isinstance(code.co_consts[0], str) else 0 :]
@@ -119,7 +119,7 @@ def _value(path: tuple[str, ...], function: types.FunctionType) -> tuple[str, An
 
 
 def value_at(path: tuple[str, ...], function: types.FunctionType) -> Any:
-    """What stands at a path of names that `function` reads; MISSING where nothing does."""
+    """Value at a path of names that `function` reads; MISSING if there is none."""
     return _value(path, function)[1]
 
 
@@ -170,7 +170,7 @@ def _known_class(where: str, cls: type, found: Functions) -> Any:
 
 
 def _kind(value: Any) -> str:
-    """What a value is that no hash can vouch for, and what to write in its place."""
+    """Type of a value that no hash can cover, and what to write instead."""
     if isinstance(value, list | dict | set):
         return f"a {type(value).__name__}, which may change unseen; write a tuple or an array"
     if isinstance(value, types.ModuleType):

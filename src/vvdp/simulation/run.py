@@ -241,7 +241,7 @@ def simulate(
 
 
 class _Rows:
-    """What a run fills while it goes."""
+    """Records that a run fills in its course."""
 
     def __init__(self, before: Reached, stepping: Stepping) -> None:
         self.times = stepping.record_times
@@ -314,7 +314,7 @@ class Count(NamedTuple):
 
 
 def clock_now(clock: Array) -> Count:
-    """What the clock of a run has counted."""
+    """Counts of the clock of a run."""
     return Count(*(float(clock[place]) for place in (places.TIME, places.STEPS, places.MARKS)))
 
 
@@ -332,7 +332,7 @@ def long_run(until: float, gone: float, before: Count, now: Count) -> str:
 
 
 class _Watcher(NamedTuple):
-    """What is informed of a run between its portions, and how large these are."""
+    """Receivers of the progress of a run between its portions, and the size of these."""
 
     progress: Callable[[float], None] | None
     stop: Callable[[], bool] | None
@@ -356,7 +356,7 @@ class _Watcher(NamedTuple):
 
 
 def _counts(before: Reached, reached: Reached) -> dict[str, Any]:
-    """What the run itself has taken, without the one that it goes on from."""
+    """Effort of the run itself, without the run that it continues."""
     spent, calls = reached.clock - before.clock, (reached.agenda - before.agenda)[:, places.CALLS]
     return {
         "steps": int(spent[places.STEPS] - spent[places.REJECTED]),

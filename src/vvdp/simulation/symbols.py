@@ -12,11 +12,11 @@ import numpy as np
 
 
 class Untraceable(Exception):
-    """What a circuit does with its numbers cannot be written as a graph of operations; says why, to a user."""
+    """A use of numbers in a circuit that cannot be written as a graph of operations; states the reason, for a user."""
 
 
 class Op(Enum):
-    """What a node of a graph is: a constant, one of the inputs, or an operation on other nodes."""
+    """Kind of a node of a graph: a constant, one of the inputs, or an operation on other nodes."""
 
     CONSTANT = auto()
     TIME = auto()
@@ -313,4 +313,4 @@ UFUNCS: dict[np.ufunc, Callable[..., Any]] = {
     np.bitwise_or: lambda _, a, b: a | b,
     np.invert: lambda _, a: ~a,
 }
-"""What each function of NumPy does to symbols."""
+"""Operation on symbols of each function of NumPy."""

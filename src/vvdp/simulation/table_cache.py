@@ -24,7 +24,7 @@ _SUM = hashlib.sha256().digest_size
 
 
 def table_key(digest: str, *values: Array) -> str:
-    """What a table is known by: the hash of the code that makes it, and all values that it is made from."""
+    """Key of a table: the hash of the code that makes it, and of all values that it is made from."""
     found = hashlib.sha256(digest.encode())
     for value in values:
         found.update(repr(value.shape).encode() + np.ascontiguousarray(value, float).tobytes())

@@ -150,7 +150,7 @@ def _constant_values(graph: Graph, p: Sequence[float] | None) -> list[Any]:
 
 
 def _run(part: Part, signal: Callable[..., Any], t: Any, y: Any, u: Any, p: Any) -> list[Any]:
-    """What the text of the rates writes, run as it stands in plain Python."""
+    """Result of the text of the rates, run unchanged in plain Python."""
 
     def store(vector: Any, place: int, values: Any) -> int:
         row = np.ravel(values)

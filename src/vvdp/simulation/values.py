@@ -37,7 +37,7 @@ def blank(cls: type) -> Any:
 
 @cache
 def _parts_of(cls: type) -> Callable[[Any], tuple[Any, ...]] | None:
-    """What takes the fields of a nested value apart, in order; None where there are none."""
+    """Function that splits a nested value into its fields, in order; None if there are none."""
     inner = _field_names(cls)
     if not inner:
         return None

@@ -32,7 +32,7 @@ class _Code(NamedTuple):
 
 
 class _Led(NamedTuple):
-    """What a path of names through modules led to."""
+    """End of a path of names through modules."""
 
     function: types.FunctionType
     path: tuple[str, ...]
@@ -69,7 +69,8 @@ class Watch:
 
 
 def model_key(model: Model, case: Case) -> Hashable | None:
-    """What shows models at hand, and cases of different forms, apart; None where something else than functions may.
+    """Key that differs between models at hand, and between cases of different forms; None if something other than
+    functions may change.
 
     It holds on to the functions, so that no other can take the place of one.
     """
@@ -95,7 +96,8 @@ class Remembered(Generic[Result]):
         self._found: dict[Hashable, tuple[Watch, Result]] = {}
 
     def get(self, key: Hashable | None, holds: Callable[[Result], bool] = lambda _: True) -> Result | None:
-        """What is remembered by `key`; None where that is nothing, or a function has changed, or it no more `holds`."""
+        """Result remembered by `key`; None if there is none, a function has changed, or the result no longer
+        `holds`."""
         if key is None or (known := self._found.get(key)) is None:
             return None
         watch, result = known

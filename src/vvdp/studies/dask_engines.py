@@ -67,7 +67,7 @@ class DaskEngine(ABC):
         """A cluster that ends with `opened`, or the address of a scheduler."""
 
     def _plugins(self) -> Sequence[Any]:
-        """What workers take in before they get work."""
+        """Plugins that workers load before they get work."""
         return ()
 
     def _tend(self, count: int) -> None:  # noqa: B027
@@ -303,7 +303,7 @@ def _worker_count(client: Any) -> int:
 
 
 def _result(future: Any) -> Any:
-    """What a task returned, or raises what it raised. Raises RunError where it cannot come to an end."""
+    """Return value of a task, or raises what the task raised. Raises RunError if the task cannot come to an end."""
     from distributed import CancelledError
     from distributed.scheduler import KilledWorker
 

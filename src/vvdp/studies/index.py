@@ -77,7 +77,7 @@ def is_own_index(path: Path) -> bool:
 
 
 def companions(path: Path) -> list[Path]:
-    """What stands beside a database that SQLite would take for a part of it."""
+    """Files beside a database that SQLite would take for a part of it."""
     return [each for part in COMPANIONS if os.path.lexists(each := path.with_name(f"{path.name}-{part}"))]
 
 

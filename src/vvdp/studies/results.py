@@ -30,7 +30,7 @@ class Failure:
 
 @dataclass(frozen=True)
 class Doubt:
-    """What is to be known before the numbers of some cases, in the words of the first of them, and which these are."""
+    """Warning on some cases: its text, in the words of the first of them, and the numbers of these cases."""
 
     text: str
     cases: tuple[int, ...]

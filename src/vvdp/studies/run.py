@@ -103,7 +103,7 @@ def run_study(
 
 
 def read_study(study: Study, directory: Path | str) -> StudyResults:
-    """What `directory` has of `study`, without running anything."""
+    """Results of `study` in `directory`, without running anything."""
     base = _base(study)
     planned = _plan(study, base, quiet)
     _check_outputs(study, base)

@@ -166,7 +166,7 @@ def _read(path: Path) -> list[Finished]:
 
 
 def _sum(cases: Any) -> str:
-    """What the cases of a file are known by."""
+    """Digest that identifies the cases of a file."""
     return hashlib.sha256(json.dumps(cases, sort_keys=True).encode()).hexdigest()
 
 

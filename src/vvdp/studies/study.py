@@ -124,7 +124,7 @@ class Study:
 
     @property
     def cases(self) -> list[Settings]:
-        """What each case changes, in order: the last name of a grid changes fastest, draws faster still."""
+        """Settings that each case changes, in order: the last name of a grid changes fastest, draws faster still."""
         if isinstance(self.variations, Random):
             draws = [self.variations.draw(number) for number in range(self.variations.count)]
             return [{**point, **draw} for point in _points(self.variations.grid) for draw in draws]
@@ -208,7 +208,7 @@ def _settings(table: Table, faults: list[Fault]) -> dict[str, Any]:
 
 
 def _variations(table: Table, faults: list[Fault]) -> Variations:
-    """What is varied: a grid, draws at each of its points, or cases that are written out."""
+    """Variations: a grid, draws at each of its points, or cases that are written out."""
     content = table.content
     grid = _flatten(table, "grid", faults)
     for key, values in grid.items():

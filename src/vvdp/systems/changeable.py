@@ -35,7 +35,7 @@ OPERATIONS: Mapping[str, Callable[[float, float], float]] = {
     "/": lambda x, c: x / c,
     "over": lambda x, c: c / x,
 }
-"""What a browser calculates with the same bits: of a value and a constant."""
+"""Operations on a value and a constant that a browser calculates with the same bits."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,8 @@ def changeable_values(system: System, fixed: Callable[[System], object]) -> tupl
 
 
 def _ranges(row: Sourced) -> list[tuple[Probe, ...]]:
-    """What is tried of a value: its whole range, and what is near to it where the ends contradict other values."""
+    """Sets of trial values of a parameter: its whole range, and values near to it if the ends contradict other
+    values."""
     number, (low, high) = as_written(row.nominal, row.kind), _ends(row)
     near = tuple(float(f"{number * factor:.12g}") for factor in PROBES) if number else ()
     inside = tuple(sorted({*(x for x in near if low <= x <= high), number}))
@@ -150,7 +151,7 @@ def _with_followers(made: Changeable, probes: Sequence[Probe], probing: Probing)
 
 
 def _followers(probes: Sequence[Probe], found: Sequence[Found], probing: Probing) -> tuple[Follower, ...] | None:
-    """What follows a value; None where something does so by no single operation."""
+    """Numbers that follow a value; None if one does so by no single operation."""
     numbers: Array = np.stack([each.numbers for each in found])
     values = [probe.si for probe in probes]
     followers = list[Follower]()

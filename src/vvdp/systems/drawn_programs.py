@@ -188,7 +188,7 @@ class Kinds:
         return Places(self.net).quantity(path, part.name).kind
 
     def first_reading(self, kind: ProgramType, reads: Mapping[str, Source]) -> Any:
-        """What is read of signals and other programs when the run begins; 0 of all else."""
+        """Reading at the start of the run, of signals and other programs; 0 for all other inputs."""
         found = dict.fromkeys(reads, 0.0)
         for name, source in reads.items():
             other, _, key = source.partition(".") if isinstance(source, str) else ("", "", "")
@@ -202,7 +202,7 @@ class Kinds:
 def read_inputs(
     part: WrittenPart, kind: ProgramType, origin: Table, faults: list[Fault], rows: list[Sourced]
 ) -> dict[str, Source]:
-    """What each input is connected to: a path, or a value over time."""
+    """Connection of each input: a path, or a value over time."""
     found: dict[str, Source] = {}
     for name, of in field_kinds(kind.reading).items():
         entry = part.values.get(name)

@@ -156,7 +156,7 @@ class _Unreadable(ParameterError):
 
 
 def _overlaps(faults: Sequence[NamedFault], origin: Table) -> Iterator[Fault]:
-    """What is wrong where two faults do the same to the same thing: the second would hide the first."""
+    """Errors for two faults that do the same to the same thing: the second would hide the first."""
     seen: dict[Any, str] = {}
     for each in faults:
         if (first := seen.setdefault(_target(each.fault), each.name)) != each.name:
@@ -164,7 +164,7 @@ def _overlaps(faults: Sequence[NamedFault], origin: Table) -> Iterator[Fault]:
 
 
 def _target(fault: AnyFault) -> Any:
-    """What a fault befalls, and how."""
+    """Target of a fault, and the kind of its effect."""
     match fault:
         case Jam():
             return fault.name
@@ -236,7 +236,7 @@ def _jam(network: Network, name: str, node: str, rest: Mapping[str, object], win
 
 
 def _entry(origin: Table, where: str, entry: Any, window: Window) -> Any:
-    """What stands instead of a value in a file that draws its network."""
+    """Replacement for a value in a file that draws its network."""
     before: Any = origin.content
     for word in where.split("."):
         before = before.get(word) if isinstance(before, Mapping) else None

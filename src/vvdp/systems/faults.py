@@ -127,7 +127,7 @@ class CommandFault:
 
 
 UNDISTURBED = ideal_instrument(MEASURED.low, MEASURED.high)
-"""What stands before a program, and behind it, where nothing else does."""
+"""Instrument before and behind a program if there is no other."""
 
 
 @dataclass(frozen=True)
@@ -209,7 +209,7 @@ class OtherValue:
 
 @dataclass(frozen=True)
 class OtherSignal:
-    """What a table prescribes over time is a `value` for a while [SI], whatever programs make of it."""
+    """Fault of a prescribed value over time: it is `value` for a while [SI], whatever programs make of it."""
 
     path: str
     value: float

@@ -19,7 +19,8 @@ TANK = "tank"
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What an example joins to a port: lines of [nodes] and of [components]; NODE stands for the node at the port."""
+    """Parts that an example joins to a port: lines of [nodes] and of [components]; NODE stands for the node at the
+    port."""
 
     nodes: tuple[str, ...] = ()
     components: tuple[str, ...] = ()
@@ -62,7 +63,7 @@ SURROUNDINGS = {
 
 USUAL_BY_ROLE = {Role.SHAFT: "turning", Role.SHAFT_SPEED: "turning", Role.ROD: "moving"}
 USUAL_BY_NAME = {TANK: TANK, "pilot": "pilot", "pressure": "supplied", "inlet": "supplied"}
-"""What a hydraulic port of such a name is joined to; else the first one is supplied and the others are used."""
+"""Surroundings of hydraulic ports by name; of the others, the first is supplied and the rest are used."""
 
 
 @cache

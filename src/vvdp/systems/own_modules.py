@@ -117,7 +117,7 @@ def folder_of_saved(circuit: Any, place: str, recorded: Any, trust: str) -> Path
 
 
 def _recorded_module(recorded: Any, name: str) -> OwnModule | None:
-    """What meta.json says of the module `name`; None where that is nothing, or no such file could be."""
+    """Module `name` as recorded in meta.json; None if there is none, or no such file could be."""
     if not isinstance(recorded, Mapping) or recorded.get("name") != name:
         return None
     path, digest = recorded.get("path"), recorded.get("sha256")

@@ -14,7 +14,7 @@ from vvdp.systems.own_modules import module_name
 
 
 def own_code(content: Mapping[str, object]) -> Any:
-    """What a file names of a user's own: its circuit, else the type of its first program with a module."""
+    """Code of the user that a file names: its circuit, else the type of its first program with a module."""
     return content["circuit"] if "circuit" in content else next(_own_types(content), None)
 
 

@@ -34,7 +34,7 @@ class PartFile:
 
     @property
     def identity(self) -> str:
-        """What distinguishes it from all other files."""
+        """Identity, which distinguishes it from all other files."""
         return self.name if self.path is None else str(self.path.resolve())
 
     @property
@@ -44,7 +44,7 @@ class PartFile:
 
     @property
     def values(self) -> Mapping[str, tuple[str, ...]]:
-        """What each of its values sets: paths in the file."""
+        """Targets of each of its values: paths in the file."""
         given = self.table.content.get(VALUES, {})
         return {name: targets_of(entry) for name, entry in given.items()} if isinstance(given, Mapping) else {}
 

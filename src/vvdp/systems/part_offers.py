@@ -1,4 +1,4 @@
-"""What a part offers to the file that uses it: what each port carries, and quantity and default of each value."""
+"""Interface of a part for the file that uses it: the medium of each port, and quantity and default of each value."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -15,7 +15,7 @@ from vvdp.systems.part_scopes import Entries, Place, Scope, as_table
 OIL, SHAFT, ROD = "oil", "shaft", "rod"
 CARRIED = {Role.PORT: OIL, Role.SHAFT: SHAFT, Role.SHAFT_SPEED: SHAFT, Role.ROD: ROD}
 HELD = {"shaft": SHAFT, "driven-shaft": SHAFT, "rod": ROD}
-"""What a type of node holds that holds no oil."""
+"""Shaft or rod, by the type of a node that holds no oil."""
 
 
 def joined_ports(entry: Any) -> dict[str, str]:
@@ -60,7 +60,7 @@ class PartUse:
         return Scope(self.file, f"{self.drawn_name}_", ports, use, (*self.scope.above, self.file.identity))
 
     def record(self, inner: Scope) -> dict[str, Any]:
-        """What the drawn circuit keeps of the part; names and values follow when it is drawn."""
+        """Record of the part in the drawn circuit; names and values follow when it is drawn."""
         place = {"at": self.entry["at"]} if "at" in self.entry else {}
         return {"source": self.file.name, "ports": dict(inner.ports), "names": [], "values": {}, **place}
 

@@ -1,4 +1,4 @@
-"""What the programs of a drawn circuit bring along, each under its name where there are several of a kind."""
+"""Reports of the programs of a drawn circuit, each under its name if there are several of a kind."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
@@ -20,7 +20,7 @@ OF_THE_RUN = frozenset({"real_time_factor"})
 
 
 def reported_programs(system: LoadedSystem, sample_period: float) -> "ReportedPrograms | None":
-    """What the programs of a system bring along; None where that is nothing. `sample_period` of the run [s]."""
+    """Reports of the programs of a system; None if there are none. `sample_period` of the run [s]."""
     network = system.circuit.network
     reports = {
         name: program.type.report(network, name, sample_period)
@@ -73,12 +73,12 @@ class ReportedPrograms(Extras):
         return {prefix + key: value for prefix, report in self.reports for key, value in report.numbers(run).items()}
 
     def warnings(self, found: Mapping[str, float | bool]) -> Iterator[str]:
-        """What the programs have to say of a run."""
+        """Warnings of the programs on a run."""
         for prefix, report in self.reports:
             yield from (_words(prefix) + words for words in report.warnings(_own(prefix, found)))
 
     def merits(self, found: Mapping[str, float | bool]) -> Iterator[str]:
-        """What the numbers of the programs show to be right."""
+        """Facts that the numbers of the programs confirm."""
         for prefix, report in self.reports:
             yield from (_words(prefix) + words for words in report.merits(_own(prefix, found)))
 

@@ -151,7 +151,7 @@ def _names(content: Entries) -> dict[str, str]:
 
 
 def _targets(given: Entries, above: tuple[str, ...]) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """What each path of [values] sets."""
+    """Targets of each path of [values]."""
     for key, entry in given.items():
         path = (*above, key)
         if isinstance(entry, Mapping) and "sets" not in entry:

@@ -27,7 +27,7 @@ BISECTIONS = 24
 SECANTS, CORRECTIONS = 7, 4
 """Steps after which hardly any pressure is in another interval than bisection ends in, and of those that are."""
 LEAST_FLOW = 1e-30
-"""What a flow is divided by where there is none [m^3/s]."""
+"""Least divisor of a ratio of flows [m^3/s]."""
 
 
 class Cycle(NamedTuple):

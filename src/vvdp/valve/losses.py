@@ -26,7 +26,7 @@ LEAST_DROP = 1e-6
 
 
 class PortRamp(NamedTuple):
-    """What happens while one port opens or closes by itself: the open fraction below which the relief valve is open,
+    """Transition of one port that opens or closes by itself: the open fraction below which the relief valve is open,
     the flows over it and through the port until then and the drop in excess of the fully open valve, all integrated
     over the open fraction.
 

@@ -47,7 +47,7 @@ def _argument(name: str, kind: Kind) -> dict[str, Any]:
 
 
 def call(system: System, ready: Prepared) -> dict[str, Any]:
-    """What a page needs to carry a system through its module: arguments, arrays, times, and words for failures."""
+    """Data with which a page runs a system through its module: arguments, arrays, times, and words for failures."""
     begun = start_run(ready, system.stepping)
     arrays: dict[str, npt.NDArray[Any]] = {
         "y": begun.state, "command": begun.command, "memory": begun.memory, "params": ready.vectors.params,
@@ -80,7 +80,7 @@ FAILURES = (
     places.RESTLESS,
 )  # fmt: skip
 CULPRIT = "{culprit}"
-"""What stands for the name of a pressure or mode in the words for a failure."""
+"""Placeholder for the name of a pressure or mode in the words for a failure."""
 
 
 def _stepping(stepping: Stepping) -> Mapping[str, object]:

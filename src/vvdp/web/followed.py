@@ -20,7 +20,7 @@ from vvdp.runs.run import RecordedRun
 
 POWER = "power_"
 PUT_IN, GIVEN = "put_in", "given_out"
-"""What a page adds up from all powers: those into the circuit, and those out of it."""
+"""Sums of powers that a page forms: those into the circuit, and those out of it."""
 KEPT = ("averaged_", "duration_", "wall_time_")
 """Beginnings of keys whose numbers do not follow: words depend on them, or they show nothing of the system."""
 

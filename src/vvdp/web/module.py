@@ -86,7 +86,7 @@ def _entry_texts(found: ModelAssemblies, shown: Assembly) -> dict[str, str]:
 
 
 def _assembly_of_outputs(model: Model, case: Case) -> Assembly:
-    """What is calculated from a run's rows: outputs, and what is stored."""
+    """Code for values that are calculated from a run's rows: outputs, and the stored energy and oil."""
     parts = [outputs_part(model, case)]
     return Assembly(parts if model.stored is None else [*parts, stored_part(model.stored, case)])
 

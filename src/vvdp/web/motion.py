@@ -27,7 +27,7 @@ def motion(run: RecordedRun) -> tuple[dict[str, Recorded], dict[str, Any]]:
 
 
 def _courses(run: RecordedRun) -> dict[str, Array]:
-    """What may move a diagram over the recorded rows [SI], by what it is and of what."""
+    """Recorded values that can move a diagram [SI], by quantity and the part's name; each over the rows."""
     states, outputs = run.record.states, run.record.outputs
     found = {f"flow {name} {port}".strip(): values for name, port, values in run.flows()}
     for name, node in run.network.nodes.items():

@@ -85,7 +85,7 @@ def summary_sums(system: System) -> dict[str, Any]:
 
 
 def judgement(system: System, summary: Mapping[str, float | bool]) -> dict[str, Any]:
-    """What a page needs to judge a run: kinds of states, places of the books, limits, bounds of laws, words."""
+    """Data with which a page judges a run: kinds of states, places of the books, limits, bounds of laws, words."""
     states = list(leaves(system.case.state))
     kinds = [kind for _, _, kind in states]
     spent = [place for place, (path, _, _) in enumerate(states) if path.startswith("books.spent.")]

@@ -56,7 +56,7 @@ class WebPage:
 
     @property
     def facts(self) -> dict[str, Any]:
-        """What the command says of it."""
+        """Facts on the page that the command prints."""
         changeable = sum(not value.why_not for value in self.values)
         return {
             "verb": "export web", "system": self.model["name"], "bytes": len(self.html.encode()),
@@ -92,7 +92,7 @@ def web_page(system: System, command: str = "", say: Callable[[str], None] = qui
 def shown_model(
     run: RecordedRun, result: Result, command: str
 ) -> tuple[dict[str, Any], tuple[Changeable, ...], WebModules]:
-    """What the scripts of a page need to repeat and show a run, the values that a page may change, and the modules.
+    """Data with which the scripts of a page repeat and show a run, the values that a page may change, and the modules.
 
     Raises MissingExtraError without the extra `web`, RunError where the system cannot be compiled.
     """
@@ -123,13 +123,13 @@ def _own_scripts() -> str:
 
 
 def _outside_vectors(system: System) -> Any:
-    """What of a system must be the same for a page to carry it out: all that is not in the vectors of its case."""
+    """Properties of a system that must be the same for a page to run it: all that is not in the vectors of its case."""
     programs = [(name, p.period, p.phase, p.latency, p.trigger is None) for name, p in system.model.programs.items()]
     return system.circuit.text, programs, system.stepping, summary_sums(system)
 
 
 def run_model(system: System, modules: WebModules, values: Sequence[Changeable]) -> dict[str, Any]:
-    """What the scripts of a page need to carry a system out."""
+    """Data with which the scripts of a page run a system."""
     conditions = held_part(system.case)
     return {
         **call(system, prepare(system.model, system.case, system.stepping)),
@@ -148,7 +148,7 @@ def _module_text(code: bytes) -> str:
 
 
 def _shown_numbers(run: RecordedRun, result: Result) -> dict[str, Any]:
-    """What the scripts of a page need to show and judge a run."""
+    """Data with which the scripts of a page show and judge a run."""
     system, known = run.system, recorded_columns(run, table_courses)
     moving, figures = motion(run)
     return {

@@ -33,7 +33,7 @@ KINDS = (
     PRESSURE_LEVEL, FLOW, SPEED, FREQUENCY, POSITION, VELOCITY, AREA, FORCE, TORQUE, POWER, TEMPERATURE,
     SIGNED_FRACTION,
 )  # fmt: skip
-"""What a channel may be; the first that its unit fits."""
+"""Quantities that a channel can have; the first that fits its unit is taken."""
 MOST_SAMPLES = 2_000_000
 """So many samples of a channel are laid over a scope."""
 PORTION = 262_144
@@ -49,7 +49,7 @@ class Channel(NamedTuple):
     remarks: tuple[str, ...] = ()
 
     def describe(self, columns: Placed) -> dict[str, Any]:
-        """What the page gets."""
+        """Description of the channel for the page, with the places of its columns."""
         places = {"x": columns.place(self.times), "y": columns.place(self.values)}
         return {"label": self.name, "unit": self.unit, "remarks": list(self.remarks), **places}
 
@@ -80,7 +80,7 @@ def measured_channel(path: Path, name: str, unit: str | None = None) -> Channel:
 
 
 def _kind(unit: str) -> Kind | None:
-    """What is measured in a unit; None where no scope shows it."""
+    """Quantity that is measured in a unit; None if no scope shows it."""
     for kind in KINDS:
         try:
             line_to_si(unit, kind)

@@ -22,7 +22,7 @@ SUFFIX = ".toml"
 
 @dataclass(frozen=True)
 class Asked:
-    """What a page asks for: a system by name, perhaps with another text, other values and another duration."""
+    """Request of a page: a system by name, perhaps with another text, other values and another duration."""
 
     system: str
     text: str | None = None
@@ -117,7 +117,7 @@ class Offer:
 
 
 def offer_at(path: Path) -> Offer:
-    """What is offered for a system file, a result directory or a folder. Raises ConfigError where it is none."""
+    """Offer of a system file, a result directory or a folder. Raises ConfigError if `path` is none of these."""
     if path.is_dir():
         first = "system.toml" if (path / "vvdp.json").is_file() else ""
         offer = Offer(path.resolve(), first)

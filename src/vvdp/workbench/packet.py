@@ -40,7 +40,7 @@ class RawColumns:
 
 
 class Describing(Protocol):
-    """What describes itself, with its numbers among the columns."""
+    """Content that describes itself, with its numbers among the columns."""
 
     def describe(self, columns: Placed) -> dict[str, Any]:
         """The description."""

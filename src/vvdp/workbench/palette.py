@@ -32,7 +32,7 @@ NODE_KINDS: Mapping[str, tuple[NodeKind, str]] = {
 WITHOUT_VALUES = frozenset({"tank"})
 """Nodes whose values may all be left out, though their class has no defaults."""
 NEEDED = {"rod": 'mass = "0.5 kg"', "shaft": 'inertia = "4e-5 kg*m^2"'}
-"""What a rod or a shaft needs if nothing on it has a mass or an inertia, assumed."""
+"""Inertia of a rod or a shaft, assumed if nothing on it has a mass or an inertia."""
 
 
 @cache

@@ -95,7 +95,7 @@ class Course(NamedTuple):
     openings: Mapping[str, Array]
 
     def describe(self, columns: Placed) -> dict[str, Any]:
-        """What the page gets, with the places of the columns."""
+        """Description of the course for the page, with the places of the columns."""
 
         def places(found: Mapping[str, Array], scale: float = 1.0) -> dict[str, int]:
             return {name: columns.place(scale * values) for name, values in found.items()}
@@ -136,7 +136,7 @@ def course_of(run: RecordedRun) -> Course:
 
 
 def _curves(run: RecordedRun, series: Table, rows: Any) -> dict[str, list[Column]]:
-    """What of the recorded series belongs to each part."""
+    """Recorded series of each part."""
     keys = [(name, f"pressure_{name}{key_suffix(GAUGE_PRESSURE)}") for name in run.volumes]
     keys += [(name, f"flow_{name}_{port}".rstrip("_") + key_suffix(FLOW)) for name, port, _ in run.flows()]
     motions = (("speed", SPEED), ("position", POSITION), ("velocity", VELOCITY))

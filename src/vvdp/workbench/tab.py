@@ -31,7 +31,7 @@ LOOKS = 0.5
 
 
 def asked_by(message: Any) -> Asked:
-    """What a message asks for. Raises ConfigError where it does not have the form."""
+    """Request in a message. Raises ConfigError if it does not have the form."""
     found = message if isinstance(message, Mapping) else {}
     settings = found.get("set", [])
     texts = [found.get("system"), *(settings if isinstance(settings, list) else [None])]
@@ -42,7 +42,7 @@ def asked_by(message: Any) -> Asked:
 
 
 class Tab:
-    """What a page last asked for, its last whole run, and its last draft, from which the next one goes on."""
+    """Last request of a page, its last whole run, and its last draft, from which the next one goes on."""
 
     def __init__(self, offer: Offer) -> None:
         self._offer = offer
@@ -144,7 +144,7 @@ async def watch(offer: Offer, shown: Callable[[], str], socket: WebSocket) -> No
 
 
 def _view(message: Mapping[str, object]) -> View:
-    """What the page shows."""
+    """Charts and series that the page shows."""
     charts, series = message.get("charts"), message.get("series")
     return View(
         frozenset(map(str, charts)) if isinstance(charts, list) else None,

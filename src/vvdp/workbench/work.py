@@ -39,7 +39,7 @@ SPAN = 10.0
 
 
 def faults_of(problem: VvdpError) -> list[dict[str, Any]]:
-    """What is wrong, as the page shows it beside the line or the value."""
+    """Faults, as the page shows them beside the line or the value."""
     if isinstance(problem, ConfigError):
         return [{"key": each.key, "line": each.line, "message": each.message} for each in problem.faults]
     return [{"key": "", "line": 0, "message": str(problem)}]
@@ -99,7 +99,7 @@ def command_line(asked: Asked) -> str:
 
 
 class View(NamedTuple):
-    """What a page shows: names of charts (None: all), whether its diagram moves, series that were added by name."""
+    """Content of a page: names of charts (None: all), whether its diagram moves, series that were added by name."""
 
     charts: frozenset[str] | None = None
     moves: bool = False
@@ -157,7 +157,7 @@ def added_series(run: RecordedRun, view: View, number: Any) -> bytes:
 
 
 def numbers(run: RecordedRun) -> dict[str, Any]:
-    """What a whole run comes to, with diagram and values, for people and as `vvdp run --json` has it."""
+    """Results of a whole run, with diagram and values, for people and as `vvdp run --json` has them."""
     run = with_closed_forms(run)
     result = run_result(run)
     return {

@@ -72,7 +72,7 @@ class TorqueFilter(Params):
 
 
 class TorqueReading(NamedTuple):
-    """What the filter learns at a sample: of the edges, and the oil that turned the spool since the sample before.
+    """Inputs of the filter at a sample: the edges, and the oil that turned the spool since the sample before.
 
     `flow` is the mean over that interval [m^3/s]; below zero it counts as none. `temperature` is that of the oil [K].
     """
@@ -117,8 +117,8 @@ class TorqueChange(NamedTuple):
 
 
 class TorqueFilterMemory(NamedTuple):
-    """What the filter carries from sample to sample: its belief at the last sample, and the number of the last edge
-    that it used."""
+    """Memory of the filter from sample to sample: its belief at the last sample, and the number of the last edge that
+    it used."""
 
     time: float
     belief: SpoolBelief

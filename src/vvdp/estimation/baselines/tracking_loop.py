@@ -52,7 +52,8 @@ class TrackingLoopMemory(NamedTuple):
 
 
 def correct(predicted: Tracked, error: float, duration: float, bandwidth: float) -> Tracked:
-    """What the loop reaches when the angle is found `error` [rad] above the one predicted over `duration` [s].
+    """State of the loop after a correction: the angle is measured `error` [rad] above the one predicted over `duration`
+    [s].
 
     theta = theta' + (1 - z^2) e, omega = omega' + (1 - z)^2 e / h, z = exp(-b h): both poles are at z, where those of
     theta^ = omega^ + 2 b e, omega^ = b^2 e lie after h, so that it is stable and critically damped whatever b h.

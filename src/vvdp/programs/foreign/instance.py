@@ -33,7 +33,7 @@ class FmuError(Exception):
 
 @dataclass(frozen=True)
 class Plan:
-    """What an instance is made from: where the FMU was unpacked, and the references of what is exchanged."""
+    """The data that an instance is made from: where the FMU was unpacked, and the references of its variables."""
 
     fmi: int
     binary: str
@@ -128,7 +128,7 @@ class Instance:
             self.component = 0
 
     def failure(self, name: str, status: int) -> str:
-        """What is stated where a function gives a status that ends a run."""
+        """Message for a function whose status ends a run."""
         word = STATUS[status] if 0 <= status < len(STATUS) else str(status)
         return self._with_words(f"fmi{self.plan.fmi}{name} gave the status {word}")
 

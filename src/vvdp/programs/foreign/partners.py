@@ -100,7 +100,7 @@ class Slot:
         self.trouble = self.sentence(t, why)
 
     def sentence(self, t: float, why: str) -> str:
-        """What is stated of a failure at a time [s]."""
+        """Message for a failure at a time [s]; `why` is its cause."""
         return f"program {self.foreign.name!r}: the FMU {self.foreign.path.name} failed at t = {t:.6g} s: {why}"
 
     def why(self) -> str:

@@ -42,14 +42,15 @@ class StepText:
 
     @property
     def _further(self) -> dict[str, Any]:
-        """What is commanded and remembered besides the outputs: how they go on, and what the exchange makes."""
+        """Fields of command and memory besides the outputs: rates of extrapolated outputs, and energies of the
+        exchange."""
         rates = {f"{joint.name}_rate": Number for joint in self.outputs} if self.extrapolates else {}
         energies = dict.fromkeys((MADE, THROUGHPUT), ExchangedEnergy) if self.power else {}
         return {**rates, **energies}
 
     @property
     def first_command(self) -> Any:
-        """What holds before the first exchange: the start values of the FMU."""
+        """Command before the first exchange: the start values of the FMU."""
         own = {joint.name: Annotated[float, joint.kind] for joint in self.outputs}
         time = {TIME: Time} if self.extrapolates else {}
         cls: Any = named_tuple("ForeignCommand", {**own, **time, **self._further})
@@ -58,7 +59,7 @@ class StepText:
 
     @property
     def memory(self) -> type:
-        """What it remembers: the handle of its instance, and what was exchanged last."""
+        """Memory of the step: the handle of its instance, and the values of the last exchange."""
         last = [f"gave_{joint.name}" for joint in self.outputs] + [f"read_{joint.name}" for joint in self.inputs]
         return named_tuple(
             "ForeignMemory", {"handle": Number, TIME: Time, **dict.fromkeys(last, Number), **self._further}

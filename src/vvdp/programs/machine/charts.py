@@ -87,7 +87,7 @@ def pressure_chart(bounds: PressureBounds) -> Chart:
 
 
 def actuation_chart() -> Chart:
-    """What is asked of rotary valve, return valve and directional valve, and the cycle that leads to it."""
+    """Commands of rotary valve, return valve and directional valve, and the cycle that leads to them."""
     flows = (
         Line(x="time_s", y="flow_m3_s", label="asked for"),
         Line(x="time_s", y="split_flow_m3_s", label="of the split", stroke=Stroke.DASHED),

@@ -1,4 +1,4 @@
-"""What a machine cannot do, reported before it is run, with numbers.
+"""Duties that a machine cannot fulfil, reported with numbers before it is run.
 
 Source  ours, docs/models/whole-machine.md
 """
@@ -21,8 +21,8 @@ V = TypeVar("V", bound=Params)
 
 
 class CylinderDuty(NamedTuple):
-    """What a cylinder is asked to do: the force on its rod at its least and at its greatest, in the direction of the
-    position [N], and the speed [m/s]; its return valve is open by `opening` [1]."""
+    """Duty of a cylinder: least and greatest force on its rod, in the direction of the position [N], and the speed
+    [m/s]; its return valve is open by `opening` [1]."""
 
     least_force: float
     greatest_force: float
@@ -63,7 +63,7 @@ def working_pressures(
 
 
 class Values(NamedTuple):
-    """What of one kind is joined to a node: the name of the component, and its values."""
+    """A component of one type that is joined to a node: its name, and its values."""
 
     name: str
     values: Any

@@ -29,7 +29,7 @@ from vvdp.programs.position_loop import (
 
 
 class CommonLoop(Params):
-    """What the program works with: the machine with its stages and its flow map, and the law of the position loop."""
+    """Parameters of the program: the machine with its stages and its flow map, and the law of the position loop."""
 
     machine: MachineLoop
     law: PositionLaw
@@ -79,7 +79,7 @@ def common_step(
 
 
 def asked_of(found: OneWay) -> DisplacementDemand:
-    """What a position loop asks of the drives, as a demand: no bound of a pressure acts, no effort is shared."""
+    """Commands of a position loop as a demand on the drives: no bound of a pressure acts, no effort is shared."""
     return DisplacementDemand(
         direction=found.side,
         opening=found.opening,

@@ -122,6 +122,6 @@ def cycle_position(time: float, points: Points) -> float:
 
 
 def first_direction(cycle: Triangle | OwnCycle) -> float:
-    """Which way a cycle moves first: 1 outward, which is also said of one that never moves, -1 inward."""
+    """Direction of a cycle's first move: 1 outward, also for a cycle that never moves, -1 inward."""
     moves = np.diff(points_of(cycle).positions)
     return -1.0 if np.any(moves) and moves[np.flatnonzero(moves)[0]] < 0.0 else 1.0

@@ -70,7 +70,7 @@ from vvdp.programs.machine.supervision import (
 
 
 class MachinePlace(NamedTuple):
-    """What the sensors show, and what the control of the spool said at the last sample.
+    """Measured values of the machine, and the commands and estimates of the spool's control at the last sample.
 
     `chamber_pressure` is that at the spool, if a chamber moves it.
     """
@@ -100,7 +100,7 @@ class SpoolRange(Params):
 
 
 class MachineLoop(Params):
-    """What the program works with: laws, beliefs, what is followed, and how it starts and stops.
+    """Parameters of the program: laws, observer, reference, and the sequence of start and stop.
 
     `load_force` is the load as expected before it is estimated, `first_direction` that of the cycle's first move.
     """
@@ -119,13 +119,13 @@ class MachineLoop(Params):
 
     @property
     def command_range(self) -> dict[str, tuple[float, float]]:
-        """Between which positions the spool is asked to be [m]."""
+        """Lowest and highest commanded position of the spool [m]."""
         return {"spool_position": (self.spool.rest_position, self.spool.highest_position)}
 
 
 class MachineMemory(NamedTuple):
-    """What is carried from sample to sample; `wanted` is the raw position, held once a stop is asked for, `begin` when
-    control of the cylinder began, infinite before."""
+    """Memory from sample to sample; `wanted` is the raw position, held after a command to stop, `begin` the time at
+    which control of the cylinder began, infinite before."""
 
     begin: Time
     phase: Phase
@@ -141,7 +141,7 @@ class MachineMemory(NamedTuple):
 
 
 class MachineCommand(NamedTuple):
-    """What the drives are asked to do, and what is believed and wanted, to be shown.
+    """Commands of the drives, and estimates and reference for the record.
 
     `direction` 1 extends the cylinder, `opening` is that of the return valve; `pump` and `energised` are 1 where motor
     and axial drive are switched on, `dump` 1 holds the dump valve closed; `follows` is 1 while the cylinder follows its
@@ -238,7 +238,7 @@ def law_start(settings: MachineLoop) -> DisplacementMemory:
 
 
 def progress_of(place: MachinePlace, settings: MachineLoop) -> Progress:
-    """What the sequence is reported; the chamber that is filled first is that of the cycle's first move."""
+    """Inputs of the sequence; the chamber that is filled first is that of the cycle's first move."""
     supply = place.pressure_a if settings.first_direction > 0.0 else place.pressure_b
     return Progress(
         homed=1.0 if place.spool_stage > AT_HOME else 0.0,
@@ -266,7 +266,7 @@ def next_followed(
 
 
 class MachineView(NamedTuple):
-    """What is known at a sample, before the laws are asked."""
+    """State of the machine at a sample, as the laws receive it."""
 
     phase: Phase
     wanted: Position
@@ -280,7 +280,7 @@ class MachineView(NamedTuple):
 def machine_sight(
     memory: MachineMemory, place: MachinePlace, slow: CircuitPressures, velocity: float, settings: MachineLoop
 ) -> MachineSight:
-    """What the supervision looks at.
+    """Inputs of the supervision.
 
     slow      pressures averaged over a PWM period [Pa]
     velocity  as believed [m/s]
@@ -306,7 +306,7 @@ def machine_sight(
 
 
 def machine_view(memory: MachineMemory, place: MachinePlace, settings: MachineLoop) -> MachineView:
-    """What is known after a sample: phase, reference, motion and load, raw and averaged pressures."""
+    """State of the machine after a sample: phase, reference, motion and load, raw and averaged pressures."""
     fast = CircuitPressures(place.pressure_a, place.pressure_b, place.line_pressure)
     observer = load_observer_step(
         memory.observer, place.position, oil_force(fast, settings.law.cylinder), settings.observer
@@ -343,7 +343,7 @@ def machine_view(memory: MachineMemory, place: MachinePlace, settings: MachineLo
 def controlled_demand(
     memory: MachineMemory, view: MachineView, settings: MachineLoop
 ) -> tuple[DisplacementMemory, DisplacementDemand]:
-    """What the laws ask for while the cylinder is controlled; else valves closed, and no flow."""
+    """Demand of the laws while the cylinder is controlled; otherwise valves closed, and no flow."""
     if orders_of(view.phase.number).controlled > 0.0:
         return displacement_step(memory.law, view.seen, view.reference, settings.law)
     return law_start(settings), idle_demand()

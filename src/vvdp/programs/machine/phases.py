@@ -15,7 +15,7 @@ learned at the stop; the line is charged; the cylinder follows its reference; it
 returns to its stop; all is off; the machine is de-energised for good."""
 
 PHASES = ("home", "spin", "learn", "precharge", "control", "hold", "return", "rest", "emergency")
-"""What the phases are called, in the order of their numbers."""
+"""Names of the phases, in the order of their numbers."""
 
 NEVER = 1e6
 """A time that no run reaches [s]."""
@@ -51,7 +51,7 @@ class Phase(NamedTuple):
 
 
 class Progress(NamedTuple):
-    """What a phase may end with.
+    """Measured values and flags that can end a phase.
 
     homed          1 once the spool has rested at its stop
     known          1 while the spool's angle is known
@@ -70,7 +70,8 @@ class Progress(NamedTuple):
 
 
 class Orders(NamedTuple):
-    """What a phase has switched on: `pump` and axial drive `energised`, and whether the cylinder is `controlled`."""
+    """Drives that a phase has switched on: `pump` and axial drive `energised`, and whether the cylinder is
+    `controlled`."""
 
     pump: Fraction
     energised: Fraction
@@ -122,7 +123,7 @@ def _after_stop(phase: Phase, time: float, progress: Progress, sequence: Machine
 
 
 def orders_of(number: float) -> Orders:
-    """What a phase has switched on.
+    """Drives that a phase has switched on.
 
     number  of the phase
     """

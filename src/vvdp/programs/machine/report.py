@@ -1,4 +1,4 @@
-"""What the control of a whole machine adds to the results: alarms, where the power goes, how well the spool follows."""
+"""Results of the control of a whole machine: alarms, mean powers, tracking errors of the spool."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from types import MappingProxyType

@@ -56,7 +56,7 @@ WATCHED = (
     "spool position and chamber pressure disagree",
     "pressure sensor jumps",
 )
-"""What is watched, in the order of the numbers of alarms, from 1 on."""
+"""Monitored faults, in the order of the numbers of alarms, from 1 on."""
 
 
 class Supervision(Params):
@@ -119,7 +119,8 @@ NO_SPRING = SpoolSpring(stiffness=0.0, preload=0.0, area=1e-4, reference_pressur
 
 
 class Supervised(Params):
-    """What is watched, if it `watches`, and what the machine is: cylinder, spring, speed of its pump, samples."""
+    """Parameters of the supervision: whether it `watches`, its limits, and cylinder, spring, pump speed and sample
+    period of the machine."""
 
     watches: Fraction
     limits: Supervision
@@ -130,11 +131,12 @@ class Supervised(Params):
 
 
 class MachineSight(NamedTuple):
-    """What is looked at in a sample: readings as they come, what is believed, and what was commanded before.
+    """Inputs of the supervision in a sample: measured values as they come, estimates, and the commands of the last
+    sample.
 
     `watched` is 1 while the cylinder is controlled. `expected` is the position that the load observer expected, `slow`
-    are pressures averaged over a PWM period. `spool_measured` is what the optical sensor shows, `chamber_pressure` that
-    at the spool, nan where no chamber moves it: then nothing is stated of it.
+    are pressures averaged over a PWM period. `spool_measured` is from the optical sensor, `chamber_pressure` that
+    at the spool, nan where no chamber moves it: it is then not monitored.
     """
 
     time: Time
@@ -155,8 +157,8 @@ class MachineSight(NamedTuple):
 
 
 class SupervisionMemory(NamedTuple):
-    """What is carried from sample to sample: the alarm, repeated readings, since when a direction holds, averaged
-    pressures, and the mean differences of line, return flow and spring."""
+    """Memory from sample to sample: the alarm, repeated measured values, the time of the last change of direction,
+    averaged pressures, and the mean differences of line, return flow and spring."""
 
     alarm: AlarmMemory
     repeated: RepeatMemory

@@ -54,10 +54,10 @@ HIGHEST_DUTY = 1.3
 
 
 class MachineBelief(CylinderBelief, LineBelief):
-    """What the control takes cylinder, line, load and relief valve to be, right or wrong.
+    """Cylinder, line, load and relief valve as the controller models them, right or wrong.
 
     Oil volumes are those of the chambers with their hoses at position 0; `return_conductance` is K_v of the return
-    valve, fully open; `relief_pressure` is where the flow map takes the relief valve to crack.
+    valve, fully open; `relief_pressure` is the cracking pressure in the flow map.
     """
 
     load_force: Force
@@ -171,7 +171,7 @@ def machine_loop(table: MachineTable) -> MachineLoop:
 
 
 def supervision_of(table: MachineTable, model: CylinderModel) -> Supervised:
-    """What is watched."""
+    """Parameters of the supervision of this table."""
     spring = NO_SPRING
     if table.spring is not None:
         at_rest = table.spring.preload - table.spring.stiffness * table.spring.rest_position
@@ -251,7 +251,7 @@ def program_of(settings: MachineLoop | CommonLoop) -> ProgramType:
 
 
 def cylinder_instruments(table: MachineTable) -> Mapping[str, Instrument]:
-    """What stands between the cylinder and the program, by the field of its reading."""
+    """Sensors between the cylinder and the program, by the field that each measures."""
     sensors = table.cylinder_sensors
     position, pressure = ideal_instrument(-10.0, 10.0), ideal_instrument(0.0, 1e8)
     found = {"position": replace(position, noise=sensors.position_noise, seed=sensors.seed)}

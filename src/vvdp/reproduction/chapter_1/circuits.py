@@ -25,7 +25,7 @@ DENSITY, PRECHARGED_GAS, PRECHARGE, GAS_EXPONENT = 876.0, 50e-6, 40e5, 1.3
 STEP, LONG = 2e-5, 3.0
 """Step and end of the electrical circuit's integration [s]."""
 SHOWN = 0.2
-"""What is looked at of both, at their ends: ten pulses [s]."""
+"""Time at the end of both runs that is compared: ten pulses [s]."""
 
 
 @cache

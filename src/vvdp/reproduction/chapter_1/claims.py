@@ -28,7 +28,7 @@ def claims_of(section: str) -> tuple[Claim, ...]:
 
 
 def statements_of(section: str) -> tuple[Statement, ...]:
-    """What a section states."""
+    """Statements of a section."""
     return tuple(each for claim in claims_of(section) for name, each in claim.statements if name == section)
 
 

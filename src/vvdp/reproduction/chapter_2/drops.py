@@ -32,14 +32,15 @@ from vvdp.valve.branch import centre_resistance
 
 WHOLE, LAWS = 6.61e5, "half of the last digit of each coefficient and of the sum"
 WHOLE_WIDTH = 11955.0
-"""What these digits make of the sum of eqs. 2.3 to 2.5 at 40 lpm [Pa]; its arithmetic is in expected.csv."""
+"""Rounding uncertainty of the sum of eqs. 2.3 to 2.5 at 40 lpm, from these digits [Pa]; its arithmetic is in
+expected.csv."""
 RAIL_INDEX, CENTRE_INDEX, TURBINE_INDEX = 0.10634, 0.03131, 0.02382
 RAIL, CENTRE, TURBINE = (
     f"the grids' convergence index of the {section} (fig. {figure})"
     for section, figure in (("rail, R/5.66 to R/11.3", "2.7"), ("centre section", "2.8"), ("outlet turbine", "2.9"))
 )
 ARM, WINDOWS = "the nozzles' arm", "the shape of the windows"
-"""What was chosen so that computed drops come out as printed: docs/models/cfd.md."""
+"""Choices of the shape for which computed drops agree with the printed ones: docs/models/cfd.md."""
 PLANE = "the plane of section 2.4.2 is one through logarithms; in the second run a surface through the drops"
 M, N, K = 1.91, 3.22, 1.45e-6
 """Exponents of flow and diameter, and the coefficient, of eq. 2.4."""

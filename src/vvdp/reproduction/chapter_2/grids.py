@@ -19,7 +19,8 @@ GEOMETRY = "other elements, of a shape that the text gives in part"
 
 
 def _grid_statement(kept: KeptStudy | None) -> Statement:
-    """What the three finest grids leave open of the drop: the convergence index, or the spread where values swing."""
+    """Statement on the uncertainty of the drop by the three finest grids: the convergence index, or the spread if
+    values do not converge monotonically."""
     what, source = "what the grids leave open of the drop", "independent of the grid"
     if kept is None:
         return missing_statement(what, source, "a study of three grids")

@@ -101,7 +101,7 @@ def _drop_change(study: KeptStudy | None, row: int) -> float:
 
 
 def _drawn_volume(design: str, printed: float, *, note: str = "", calibration: str = "") -> Statement:
-    """What a rail as drawn here holds, its nozzles with it, beside the printed volume."""
+    """Volume of a rail as drawn here, with its nozzles, compared with the printed volume."""
     shape = given_shape(here.valve(), f"rail-{design}", ()).shape
     return digit_statement(
         f"volume of the rail as drawn here, design ({design})",
@@ -256,7 +256,7 @@ def _modulus_statement() -> Statement:
 
 
 def section_2_8() -> Reproduction:
-    """What the chapter sums up."""
+    """Summary of the chapter."""
     return Reproduction(
         statements=(
             digit_statement(

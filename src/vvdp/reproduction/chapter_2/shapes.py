@@ -26,7 +26,7 @@ def shape() -> Any:
 
 @cache
 def oil() -> "Mapping[str, Mesh]":
-    """What the oil fills on its way to an outlet: the whole valve, and its three sections."""
+    """Oil volumes on the way to an outlet: the whole valve, and its three sections."""
     require_solids()
     from vvdp.geometry.domains import centre_domain, rail_domain, turbine_domain, valve_domain
 

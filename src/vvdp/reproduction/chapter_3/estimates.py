@@ -176,7 +176,7 @@ def _filter_inputs() -> tuple[Statement, ...]:
 
 
 def _noise_statements(speed: float) -> tuple[Statement, ...]:
-    """What the rules of section 3.3 give for the noise of an edge."""
+    """Noise of an edge by the rules of section 3.3."""
     sampling, light = 0.5 * speed * published.SAMPLE, 0.5 * speed * published.LIGHT_TIME
     R, digits = published.NOISE, 5e-6
     return (

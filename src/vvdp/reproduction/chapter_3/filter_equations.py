@@ -30,7 +30,7 @@ TRANSITION = np.eye(2) + LAG * F
 
 
 def figure_3_6() -> Reproduction:
-    """Which instant is called what: a drawing."""
+    """Names of the instants: a drawing."""
     drawing = drawing_statement("names of the instants", "the same instants in docs/models/event-filter.md")
     return Reproduction(statements=(drawing,))
 

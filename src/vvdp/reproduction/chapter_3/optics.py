@@ -101,7 +101,7 @@ def figure_3_3() -> Reproduction:
 
 
 def figure_3_4() -> Reproduction:
-    """What a spot of 5 mm makes of it, and what a comparator makes of that."""
+    """The encoder's light with a spot of 5 mm, and the output of a comparator."""
     table = light_table()
     ramp = float(np.mean((table["light"] > 0.0) & (table["light"] < 1.0)))
     return Reproduction(
@@ -139,11 +139,11 @@ def figure_3_4() -> Reproduction:
 
 
 ALL_EDGES_ALIKE = ("3.2: a low threshold delays the edges", "7.3: the error switches signs for every measurement")
-"""What is printed of edges of either kind, of which it holds for one."""
+"""Printed statements on edges of both kinds that hold for one kind only."""
 
 
 def _delay(kind: str, threshold: str, delay: float) -> Statement:
-    """What is stated of all edges with a wrong threshold, of one kind of edge."""
+    """The statement on all edges with a wrong threshold, for one kind of edge."""
     low, high, words = (LEAST_DELAY, np.inf, "delayed") if threshold == "low" else (-np.inf, -LEAST_DELAY, "advanced")
     return bound_statement(
         f"{kind} edges with a {threshold} threshold",

@@ -47,7 +47,7 @@ OUT_OF_STEP = Truth(turns=24.7, fixed_clock=True)
 
 @dataclass(frozen=True)
 class Filtered:
-    """What the filter believes after each edge, in arrays (edges, runs): `seen` is when the edge is reported."""
+    """Estimates of the filter after each edge, in arrays (edges, runs): `seen` is when the edge is reported."""
 
     seen: Array
     belief: Any  # AngleSpeed of arrays

@@ -60,7 +60,7 @@ NOISY: Changes = {"programs.drive_sensor.noise": "20 um"}
 
 
 class Samples(NamedTuple):
-    """What the samples show, and the errors of the believed periodic sensor error; each (samples,)."""
+    """Values at the samples, and the errors of the estimated periodic sensor error; each (samples,)."""
 
     time: Array
     true: Array

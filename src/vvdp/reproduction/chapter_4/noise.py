@@ -64,7 +64,7 @@ def turn_angles(turns: float = 1.0) -> Array:
 
 
 def pollution_over(angles: Array) -> Array:
-    """What the sensor shows beside the position [m]."""
+    """Periodic sensor error at these angles [m]."""
     shape = pollution()
     return np.array([pollution_at(float(angle), shape) for angle in angles])
 
@@ -285,7 +285,7 @@ def equation_4_12() -> Reproduction:
 
 
 def section_4_1() -> Reproduction:
-    """What the drive takes."""
+    """Pressure and hydraulic power of the drive."""
     run = vvdp.load(SYSTEM).run(until="8 s")
     series = run.to_pandas()
     drop = np.abs(series["outputs.drive_gerotor_pressure_difference_Pa"].to_numpy())

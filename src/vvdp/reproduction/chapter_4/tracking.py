@@ -242,7 +242,7 @@ BIN = 1000.0 / 1024.0
 
 
 def _resolution() -> tuple[Statement, ...]:
-    """What the analysis of the measured record can distinguish."""
+    """Resolution of the analysis of the measured record."""
     return (
         digit_statement(
             "line 10 of 1024 samples at 1 kHz",

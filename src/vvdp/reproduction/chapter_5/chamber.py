@@ -76,7 +76,7 @@ def experiment(gains: Mapping[str, str] | None = None, changes: Changes = Mappin
 
 
 def law_report(system: System) -> ChamberLawReport:
-    """What the law of an experiment reports."""
+    """Report of the law of an experiment."""
     return ChamberLawReport(system.circuit.network, "drive_law", system.stepping.sample_period)
 
 
@@ -100,7 +100,7 @@ def tracking_error(found: Controlled) -> float:
 
 @cache
 def known_drive() -> ChamberDrive:
-    """What the controller knows of the drive."""
+    """Model of the drive in its controller."""
     return law_of(experiment()).drive
 
 

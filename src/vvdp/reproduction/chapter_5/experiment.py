@@ -369,7 +369,7 @@ def figure_5_9() -> Reproduction:
 
 
 def section_5_7() -> Reproduction:
-    """What the experiments state besides."""
+    """Further statements on the experiments."""
     return Reproduction(
         statements=(
             missing_statement(

@@ -39,7 +39,7 @@ def machine_run() -> Run:
 
 @cache
 def nominal_settings() -> DisplacementSettings:
-    """What the controller of the model works with."""
+    """Settings of the controller of the model."""
     found = vvdp.load(MODEL).circuit.network.programs["control"].settings
     assert isinstance(found, DisplacementSettings)
     return found

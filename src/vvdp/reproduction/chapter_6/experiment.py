@@ -172,7 +172,7 @@ def figure_6_7() -> Reproduction:
 
 
 def efforts() -> Table:
-    """What is asked as effort, and what pump and valve give of it, at every tenth sample."""
+    """Commanded effort, and the shares of pump and valve in it, at every tenth sample."""
     run, settings = model_run(), nominal_settings()
     series = {
         name: at_samples(run, column, 0.0)[::10]

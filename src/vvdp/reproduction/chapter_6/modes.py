@@ -36,7 +36,7 @@ NUDGE = 1e-3
 """By which a pressure is moved over the border of a mode, either way [Pa]."""
 STATES, SEED = 2000, 11
 LARGEST_JUMP = 1e-3 * LPM
-"""What counts as none [m^3/s]."""
+"""Largest jump that counts as none [m^3/s]."""
 HIGHEST, POINTS = 100.0, 41
 COLOURS = ("#c8c8c8", "#1f4e9c", "#8fb3e8", "#2e7d4f", "#9ad0ad", "#b5472f", "#ecab98", "#6b4c9a", "#c4b2e0")
 """A hue for each bound, pale for the band beside it."""

@@ -132,7 +132,7 @@ def measured_duty_ratio() -> float:
 
 
 def _learning() -> tuple[Statement, ...]:
-    """What a controller that learns the load gains over one that believes in a wrong one."""
+    """Gain of a controller that learns the load over one with a wrong load in its model."""
     plain, learned = learning_run(0.0), learning_run(4e4)
     believed = float(learned.command("control.load_force")[-1])
     return (
@@ -163,7 +163,7 @@ def _learning() -> tuple[Statement, ...]:
 
 
 def section_7_3() -> Reproduction:
-    """What the inlet pressure shows, and what adaptation brings."""
+    """Duty ratio from the inlet pressure, and the gain by adaptation."""
     duty = measured_duty_ratio()
     at = rises(estimated_turns()["turned_rad"], estimated_turns()["inlet_Pa"])
     return Reproduction(
