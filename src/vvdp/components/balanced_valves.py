@@ -112,7 +112,7 @@ def downstream_compensator(
 ) -> OpeningPassage:
     """Compensator behind a throttle, which opens when its inlet is far enough above its pilot, the largest load.
 
-    No oil flows at the pilot port. Sections that share a pilot share what the pump gives in proportion.
+    No oil flows at the pilot port. Sections that share a pilot share the pump flow in proportion.
     """
     return _one_edge(a, b, a.pressure - pilot.pressure, state, values)
 

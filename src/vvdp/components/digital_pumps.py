@@ -45,7 +45,8 @@ def digital_pump(
     actuated: Fraction,
     values: DigitalPump,
 ) -> PistonEffect:
-    """Piston pump of which some pistons are `enabled`, by the sums over them; it leaks as far as they are.
+    """Piston pump of which some pistons are `enabled`, by the sums over them; its leakage is in proportion to their
+    share.
 
     What the dead volumes held more is spread over the strokes as their flow is.
     """

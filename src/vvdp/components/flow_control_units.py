@@ -32,7 +32,7 @@ class UnitPassage(NamedTuple):
 
 
 def unit_valve(a: FluidState, b: FluidState, code: Count, state: PoppetState, values: UnitValve) -> UnitPassage:
-    """On/off valve between a and b that the `code` of its unit opens and closes."""
+    """On/off valve between a and b that opens and closes by the `code` of its unit."""
     flow, loss = passage(poppet_flow(a.pressure - b.pressure, state.travel, values), a, b)
     rates = PoppetState(poppet_rate(valve_command(code, values), state.travel, values))
     return UnitPassage(flow, loss, rates, between(poppet_opening(state.travel, values)))

@@ -27,7 +27,7 @@ class GerotorLosses(NamedTuple):
 
 
 class GerotorMotion(NamedTuple):
-    """How a gerotor drive moves its spool, what that takes, and whether an end holds the spool."""
+    """Motion of the spool by a gerotor drive, its effort, and whether an end stop holds the spool."""
 
     velocity: Velocity
     pressure_difference: SignedPressure

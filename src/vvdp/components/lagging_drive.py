@@ -1,4 +1,4 @@
-"""An ideal axial drive: the spool follows the position that is asked for with a lag, whatever that takes.
+"""An ideal axial drive: the spool follows the commanded position with a lag, whatever force this needs.
 
 Source  ours, docs/models/whole-machine.md, where a function names no other.
 """

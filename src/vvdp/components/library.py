@@ -1,4 +1,4 @@
-"""The library by the names that a system file uses: what the modules of this package define and offer."""
+"""The library by the names that a system file uses: the components and assemblies of the modules of this package."""
 
 import importlib
 import pkgutil

@@ -1,4 +1,5 @@
-"""Lines between two nodes: a column of oil, with or without what it holds; friction that rises with frequency."""
+"""Lines between two nodes: fluid inertance of a pipe, with or without its compressibility; frequency-dependent
+friction."""
 
 from typing import NamedTuple
 
@@ -66,7 +67,7 @@ def column_effect(a: FluidState, b: FluidState, state: LineState, medium: Medium
 def column(a: FluidState, b: FluidState, state: LineState, medium: Medium, values: Line) -> LineEffect:
     """Fluid inertance of a pipe between a and b; its compressibility is not included.
 
-    That belongs to the volumes at its ends, whose values have to say it; `line` sees to that itself.
+    It belongs to the volumes at the ends, whose values have to include it; `line` includes it itself.
     """
     return column_effect(a, b, state, medium, values)
 

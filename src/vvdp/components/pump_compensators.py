@@ -11,7 +11,7 @@ from vvdp.network.component import Component
 
 
 class Compensation(NamedTuple):
-    """The setting that a compensator asks for, the rate of its control, and which limit decides."""
+    """The setting that a compensator demands, the rate of its control, and the limit that decides."""
 
     setting: Fraction
     rates: SwivelState

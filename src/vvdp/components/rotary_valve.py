@@ -34,7 +34,7 @@ from vvdp.valve.validity import CAVITATION_NUMBER, CAVITATION_PRESSURE
 
 
 class RotaryValveState(NamedTuple):
-    """How far the check valve in the load branch is open."""
+    """Opening of the check valve in the load branch."""
 
     check_opening: Ratio
 
@@ -49,8 +49,8 @@ class RotaryValveHeld(NamedTuple):
 
 
 class RotaryValveLosses(NamedTuple):
-    """Power dissipated. The three drops are counted whole; what the spool takes from them as shaft work stands
-    against them in `to_spool`, negative, and comes back as friction."""
+    """Power dissipated. The three drops are counted in full; the shaft work that the spool takes from them is
+    subtracted in `to_spool`, negative, and dissipates as friction."""
 
     nozzle: Power
     centre_section: Power

@@ -39,7 +39,7 @@ from vvdp.network.component import Component
 
 
 class LiftState(NamedTuple):
-    """How far a poppet is off its seat."""
+    """Lift of a poppet off its seat."""
 
     lift: Length
 
@@ -77,7 +77,7 @@ def check_valve(a: FluidState, b: FluidState, state: OpeningState, values: Check
 
 
 def check_start(values: CheckValve) -> OpeningState:
-    """On its seat."""
+    """Start with the poppet on its seat."""
     return OpeningState(values.reverse_opening)
 
 

@@ -130,7 +130,7 @@ def _measured_machine(
 def _turning_machine(
     a: FluidState, b: FluidState, speed: float, asked: Asked, wear: Wear, values: VariableMachine | MeasuredMachine
 ) -> MachineEffect:
-    """A motor at a speed, with what it wears, whose setting follows what is asked of it."""
+    """A motor at a speed, with its wear, whose setting follows the demand."""
     s = asked.now
     displacing = s * speed
     displaced, leak = passage(motor_flow(displacing, values), a, b), passage(wear.leakage, a, b)

@@ -25,7 +25,8 @@ ComplianceGain = Annotated[float, COMPLIANCE_GAIN]
 
 
 class Adaptation(Params):
-    """Gains, 0 for what is not to be learned, the bounds of what is, and the `pause` after a change of direction.
+    """Gains, 0 for parameters that are not adapted, the bounds of the others, and the `pause` after a change of
+    direction.
 
     Raises `ParameterError` for bounds that leave nothing between them.
     """

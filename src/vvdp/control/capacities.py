@@ -1,4 +1,4 @@
-"""A single-rod cylinder behind a directional valve, as its controller believes it, and what a flow does to its force.
+"""Controller model of a single-rod cylinder behind a directional valve, and the effect of a flow on its force.
 
 The chamber that the pump feeds is the supply chamber, the other the return chamber; direction 1 feeds chamber a.
 
@@ -62,7 +62,7 @@ class CylinderEnds(Params):
 
 
 class CylinderModel(CylinderBelief, CylinderEnds):
-    """A cylinder as its controller believes it, with the line to it. `reference_pressure` acts on the rod.
+    """Controller model of a cylinder, with the line to it. `reference_pressure` acts on the rod.
 
     Raises `ParameterError` where an area, the mass, the return valve or a volume within `stroke` is not above 0.
     """
@@ -172,7 +172,7 @@ def oil_force(pressures: CircuitPressures, cylinder: CylinderModel) -> float:
 
 
 def return_flow(return_pressure: float, least_flow: float, cylinder: CylinderModel) -> float:
-    """Psi [m^3/s]: what the return valve lets out, fully open; at least `least_flow`, so that it can be divided by.
+    """Psi [m^3/s]: flow through the return valve, fully open; at least `least_flow`, so that it can be divided by.
 
     return_pressure  of the return chamber, absolute [Pa]
     least_flow       above 0 [m^3/s]

@@ -1,4 +1,4 @@
-"""The spring-return chamber as its controller knows it, and the pressure that would move it as wanted.
+"""Controller model of the spring-return chamber, and the pressure that would give the desired motion.
 
 Source  ours, docs/models/passivity-control.md, where a function names no other.
 """
@@ -74,7 +74,7 @@ class DesiredPressure(NamedTuple):
 
 
 class ChamberFlow(NamedTuple):
-    """The flow that a law asks for, the part of it that is feedforward, and the pressure that it works towards."""
+    """The flow that a law commands, the part of it that is feedforward, and the desired pressure."""
 
     flow: Flow
     feedforward: Flow
@@ -128,7 +128,8 @@ def desired_pressure(
 
 
 class Sensitivities(NamedTuple):
-    """How the rate of the desired pressure grows with the errors: f = alpha_e e + alpha_ev e_v + alpha_P (P - P_d)."""
+    """Sensitivities of the rate of the desired pressure to the errors: f = alpha_e e + alpha_ev e_v + alpha_P (P -
+    P_d)."""
 
     position: float
     velocity: float

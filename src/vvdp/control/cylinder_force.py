@@ -33,7 +33,7 @@ class ForceGains(Params):
 
 
 class Motion(NamedTuple):
-    """Position and velocity as believed, the load as believed, and the mass that is moved."""
+    """Position and velocity as estimated, the load as estimated, and the moving mass."""
 
     position: Position
     velocity: Velocity
@@ -87,7 +87,7 @@ def total_effort(stiffness: float, desired: DesiredForce, force: float, rate_sha
 
     stiffness   S, beta L of a bare cylinder [N/m]
     force       of the oil now, F_H [N]
-    rate_share  by which the rate counts: believed over adapted bulk modulus, 1 without adaptation [1]
+    rate_share  by which the rate counts: nominal over adapted bulk modulus, 1 without adaptation [1]
 
     Source  wang2017, eq. 6.19, with u_rob = -K_rob (F_H - F_v): docs/errata.md
     """

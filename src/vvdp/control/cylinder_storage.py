@@ -1,7 +1,7 @@
 """Storage of a controlled cylinder: errors of motion, and oil compressed against the force that it should give.
 
 For chambers without a line between pump and valve. Where the force of the oil is off, the piston is off the position
-x_F at which the same oil would give the wanted force; what the oil stores is counted from there.
+x_F at which the same oil would give the desired force; the energy stored in the oil is counted from there.
 
 Source  ours, docs/models/displacement-control.md, where a function names no other.
 """
@@ -13,7 +13,7 @@ from vvdp.control.cylinder_force import DesiredForce, ForceGains, Motion
 from vvdp.control.storage import StorageBalance
 
 MOST = 100
-"""Iterations: more than halving needs to come to rounding."""
+"""Limit of the iterations: more than halving needs to reach rounding."""
 
 
 def force_measure(position: float, cylinder: CylinderModel) -> float:
@@ -88,7 +88,7 @@ def cylinder_balance(
 ) -> StorageBalance:
     """W = m e_v^2/2 + K_p e^2/2 + W_F [J] and its rate -K_v e_v^2 - lambda K_p e^2 - r (F_H - F_v) + d (U - F_v') [W].
 
-    effort  U as it is delivered [N/s]; with U* the last two terms are about -lambda_3 (F_H - F_v)^2/L
+    effort  U as delivered [N/s]; with U* the last two terms are about -lambda_3 (F_H - F_v)^2/L
     force   of the oil, F_H [N]
 
     Source  wang2017, eqs. 6.17 and 6.18

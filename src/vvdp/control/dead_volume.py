@@ -18,8 +18,7 @@ VolumeGain = Annotated[float, VOLUME_GAIN]
 
 
 class VolumeLearning(Params):
-    """The gain with which a volume is learned, 0 for none, the bounds of what is learned, and the `pause` after a
-    command at an end."""
+    """The gain with which a volume is learned, 0 for none, its bounds, and the `pause` after a command at an end."""
 
     volume_gain: VolumeGain = 0.0
     lowest_volume: Volume = 1e-6

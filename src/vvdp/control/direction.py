@@ -1,4 +1,4 @@
-"""Direction that a directional valve gives a cylinder: the sign of the wanted effort, held against chatter.
+"""Direction that a directional valve gives a cylinder: the sign of the demanded effort, with hysteresis and dwell.
 
 Source  ours, docs/models/displacement-control.md, where a function names no other.
 """

@@ -40,7 +40,8 @@ from vvdp.control.reference import Reference
 
 
 class SupplySupport(Params):
-    """The pump gives `support_conductance` times what the line lacks to `support_pressure`, absolute; 0 is without."""
+    """The pump delivers `support_conductance` times the deficit of the line to `support_pressure`, absolute; 0 is
+    without."""
 
     support_conductance: Conductance = 0.0
     support_pressure: Annotated[Pressure, without_effect("support_conductance")] = 0.0
@@ -128,7 +129,7 @@ def idle_demand() -> DisplacementDemand:
 
 
 class Effort(NamedTuple):
-    """The direction, what the force law asks for in it, and what both are learned and found from."""
+    """The direction, the effort that the force law demands in it, and the signals and capacities behind both."""
 
     direction: DirectionMemory
     effort: ForceRate
@@ -215,7 +216,7 @@ def learn(memory: DisplacementMemory, wanted: Effort, settings: DisplacementSett
 def meet_limits(
     memory: DisplacementMemory, delivered: float, shared: Shared, asked: Actuation, settings: DisplacementSettings
 ) -> tuple[DisplacementMemory, DisplacementDemand]:
-    """Memory and demand: what is asked, within the limits of pump and valve.
+    """Memory and demand: the demand of the modes, within the limits of pump and valve.
 
     delivered  flow of the pump, as far as is known [m^3/s]
     """

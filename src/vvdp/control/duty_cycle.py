@@ -19,7 +19,7 @@ from vvdp.numerics.piecewise import line_through
 SAME_PLACE = 1e-6
 """A cycle ends where it began when it does so within this [m]."""
 PIECES = 8
-"""Into which each line of a cycle is cut where its demand is asked for."""
+"""Number of pieces into which each line of a cycle is cut for its demand."""
 
 
 class DutyCycle(Params):
@@ -73,7 +73,7 @@ def cycle_point(time: float, cycle: DutyCycle) -> CyclePoint:
 class CycleDemand(NamedTuple):
     """Demand of a cycle on the supply of its cylinder, piece by piece: duration, flow, pressure above that of the tank.
 
-    A load that overruns asks for no pressure, and neither does a rod at rest, whose valve is closed.
+    An overrunning load needs no pressure, and neither does a rod at rest, whose valve is closed.
     """
 
     time: Array  # [s]
@@ -115,7 +115,7 @@ def cycle_period(cycle: DutyCycle) -> float:
 
 
 def cycle_speeds(cycle: DutyCycle) -> tuple[float, ...]:
-    """The velocity that a cycle asks for from each point to the next [m/s]."""
+    """The velocity of a cycle from each point to the next [m/s]."""
     return tuple(float(v) for v in np.diff(cycle.positions) / np.diff(cycle.times))
 
 

@@ -55,12 +55,12 @@ def pi_start() -> PIMemory:
 def pi_step(
     memory: PIMemory, reference: Reference, position: float, interval: float, settings: FeedforwardPI
 ) -> tuple[PIMemory, float]:
-    """The new memory and the wanted flow [m^3/s], to be held over the sample: A_s (r' + K_p/A_s e + K_i/A_s e_i).
+    """The new memory and the demanded flow [m^3/s], to be held over the sample: A_s (r' + K_p/A_s e + K_i/A_s e_i).
 
     The integral stands still while the flow is at a limit and the error would drive it further beyond.
 
     reference  of this sample
-    position   believed [m]
+    position   as estimated [m]
     interval   since the last sample, 0 at the first [s]
 
     Source  wang2017, eqs. 4.17 and 4.18, corrected (docs/errata.md)

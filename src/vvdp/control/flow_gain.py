@@ -19,7 +19,7 @@ VolumePerPressure = Annotated[float, VOLUME_PER_PRESSURE]
 
 
 class FlowGain(Params):
-    """How the gain of a flow map is learned.
+    """Parameters for the learned gain of a flow map.
 
     Flows are compared through a first-order filter of the `filter_rate`, which spares a derivative of the pressure;
     the gain follows at the `gain_rate`, within `lowest` and `highest`. It rests below `least_flow`, and for
@@ -54,9 +54,9 @@ class FlowGainMemory(NamedTuple):
 
 
 class FlowBalance(NamedTuple):
-    """Where a flow comes from and goes at a sample.
+    """Flows into and out of the line at a sample.
 
-    `mapped` is what the map gives, `swept` what the piston takes; `pressure` that of the volume between, which takes up
+    `mapped` is the flow by the map, `swept` that of the piston; `pressure` that of the volume between, which takes up
     its `capacity` per pressure. `rests` is 1 while the directional valve stands.
     """
 
@@ -68,7 +68,7 @@ class FlowBalance(NamedTuple):
 
 
 def flow_gain_start() -> FlowGainMemory:
-    """The memory before the first sample: the map is believed."""
+    """The memory before the first sample: a gain of 1."""
     return FlowGainMemory(gain=1.0, mapped=0.0, swept=0.0, pressure=0.0, rested=0.0, started=0.0)
 
 

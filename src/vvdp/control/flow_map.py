@@ -1,6 +1,6 @@
 """The mean flow of a rotary valve over its duty ratio and the pressure behind it, as a table, and its inverse.
 
-Bilinear between its rows, so that at any pressure the inverse is exact; it knows nothing of what the table came from.
+Bilinear between its rows, so that at any pressure the inverse is exact; it does not depend on the origin of the table.
 
 Source  ours, docs/models/whole-machine.md, where a function names no other.
 """
@@ -74,8 +74,8 @@ def flow_for_duty(duty_ratio: float, line_pressure: float, flow_map: FlowMap) ->
 def duty_for_flow(flow: float, line_pressure: float, flow_map: FlowMap) -> float:
     """Duty ratio that delivers a mean flow [1].
 
-    Without flow it is the highest one that still delivers none, ready to deliver; beyond what the valve can give it is
-    the map's last, which switches least.
+    Without flow it is the highest one that still delivers none, ready to deliver; beyond the highest flow of the valve
+    it is the map's last, which switches least.
 
     flow           [m^3/s]
     line_pressure  absolute [Pa]

@@ -1,6 +1,6 @@
-"""How a wanted effort is shared between a slow pump and a fast return valve: a Kalman filter of one state.
+"""Split of a demanded effort between a slow pump and a fast return valve: a Kalman filter of one state.
 
-The pump's flow is the state, the effort is measured, and what the valve opens beyond its mean is the noise.
+The pump's flow is the state, the effort is measured, and the opening of the valve beyond its mean is the noise.
 
 Source  ours, docs/models/displacement-control.md, where a function names no other.
 """
@@ -22,9 +22,9 @@ from vvdp.control.reference import Rate
 class FlowSplit(Params):
     """The return valve opens by `mean_opening` and deviates by `opening_deviation`, the pump by `flow_deviation`.
 
-    The flow follows at `flow_rate` lambda_Q, the pump gives at most `largest_flow`. About which flow it deviates is
-    `expected_flow`, or where `feeds_forward` is 1, what the reference needs. `uses_delivered_flow` 1: the valve makes
-    up for what the pump does not deliver. `least_return_flow` is a floor for Psi.
+    The flow follows at `flow_rate` lambda_Q, the pump gives at most `largest_flow`. It deviates about
+    `expected_flow`, or if `feeds_forward` is 1, about the flow for the reference. `uses_delivered_flow` 1: the valve
+    compensates flow that the pump does not deliver. `least_return_flow` is a floor for Psi.
     """
 
     mean_opening: Fraction
@@ -74,7 +74,7 @@ def sensitivity(authority: Authority, settings: FlowSplit) -> float:
 
 
 def steady_variance(c: float) -> float:
-    """Where the variance settles, over lambda_Q Q_J [1]: 1/(1 + sqrt(1 + c)).  c: see `sensitivity` [1]."""
+    """Steady state of the variance, over lambda_Q Q_J [1]: 1/(1 + sqrt(1 + c)).  c: see `sensitivity` [1]."""
     settled: float = 1.0 / (1.0 + np.sqrt(1.0 + c))
     return settled
 

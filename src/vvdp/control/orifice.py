@@ -1,4 +1,4 @@
-"""The valve of the pressure chamber, seen by its controller: which command gives a wanted flow.
+"""Controller model of the valve of the pressure chamber: the command for a demanded flow.
 
 Source  ours, docs/models/passivity-control.md, where a function names no other.
 """

@@ -1,4 +1,4 @@
-"""Passivity-based control of the chamber: what the oil stores against its desired pressure is used, not cancelled.
+"""Passivity-based control of the chamber: the energy of the oil against its desired pressure is used, not cancelled.
 
 With W = W_V(P, P_d) the energy per volume and p = P - P_d, the flow Q_d + q makes the storage V W obey
 d(V W)/dt = (p + W) q - p A e_v exactly, whatever the bulk modulus; q = -lambda_3 p takes energy out.
@@ -76,9 +76,9 @@ def printed_feedforward(desired: DesiredPressure, reading: ChamberReading, drive
 def held_desired(
     desired: DesiredPressure, reference: Reference, gains: PassivityGains, drive: ChamberDrive
 ) -> DesiredPressure:
-    """The desired pressure with what the reference asks of a flow as it is in the middle of the hold time.
+    """The desired pressure with the reference of a held flow, taken in the middle of the hold time.
 
-    That is its mean over the hold but for terms of its square.
+    This is its mean over the hold time except for terms of the square of that time.
     """
     middle = reference_ahead(reference, 0.5 * gains.flow_hold)
     M, A, K, b = drive.moving_mass, drive.area, drive.stiffness, gains.friction
@@ -139,7 +139,7 @@ def printed_passivity_law(
 def _with_gain(
     feedforward: float, desired: DesiredPressure, reading: ChamberReading, gains: PassivityGains, drive: ChamberDrive
 ) -> ChamberFlow:
-    """The flow of a law: its feedforward less what the gain takes of the pressure error."""
+    """The flow of a law: its feedforward minus the gain times the pressure error."""
     compliance = volume_compliance(reading.position, desired.pressure, drive)
     gain = pressure_error_gain(reading.position, desired.pressure, gains, drive)
     held = held_gain(gain, compliance, gains.flow_hold)

@@ -60,7 +60,7 @@ def pid_step(t: float, memory: PidMemory, sample: Sample, gains: PidGains) -> tu
     """The memory and the command u of a sample at time t [s].
 
     The first command is `start`, held between the limits. Later the integral stands still where the command is at a
-    limit and the error drives it beyond (clamping), or is led back to what the limit lets through (back-calculation).
+    limit and the error drives it beyond (clamping), or is led back by the excess over the limit (back-calculation).
     """
     y, error = sample.measured, sample.reference - sample.measured
     proportional = gains.gain * (gains.setpoint_weight * sample.reference - y) + sample.feedforward

@@ -47,7 +47,7 @@ class PressureBounds(Params):
 
 
 class Guards(NamedTuple):
-    """How far each guard acts, 0 to 1."""
+    """Action of each guard, 0 to 1."""
 
     supply_low: Fraction
     supply_high: Fraction
@@ -63,7 +63,7 @@ class Actuation(NamedTuple):
 
 
 def guards(sides: Sides, bounds: PressureBounds) -> Guards:
-    """How far each guard acts.
+    """Action of each guard, 0 to 1.
 
     Source  wang2017, eqs. 6.35, 6.37, 6.39 and 6.41
     """
@@ -137,7 +137,7 @@ def guarded_actuation(
     """Flow and opening as the guards blend them, before the limits of pump and valve; together they give the effort.
 
     effort  U* [N/s]
-    flow    what the split asks of the pump [m^3/s]
+    flow    of the pump by the split [m^3/s]
 
     Source  wang2017, eqs. 6.33 to 6.41, made continuous: docs/errata.md
     """
@@ -183,7 +183,7 @@ def make_up(opening: float, missing: float, acting: Guards, authority: Authority
     A guard of the return holds the opening where it is, by as much as it acts.
 
     opening  without that [1]
-    missing  asked less delivered [m^3/s]
+    missing  demanded minus delivered flow [m^3/s]
 
     Source  ours, docs/models/displacement-control.md
     """

@@ -13,7 +13,7 @@ def printed_actuation(
     """Flow and opening as published, before the limits of pump and valve; mode 3.5 goes over to the opening of 6.34.
 
     effort  U* [N/s]
-    flow    what the split asks of the pump [m^3/s]
+    flow    of the pump by the split [m^3/s]
 
     Source  wang2017, eqs. 6.33 to 6.41
     """
@@ -28,7 +28,7 @@ def first_match(
     """The first of modes 2, 2.5, 3, 3.5, 4, 4.5, 5 and 5.5 that the pressures allow; else mode 1.
 
     effort   U* [N/s]
-    flow     what the split asks of the pump [m^3/s]
+    flow     of the pump by the split [m^3/s]
     low_end  opening that mode 3.5 goes over to [1]
     """
     H, K = authority.per_flow, authority.per_opening

@@ -22,7 +22,7 @@ Jerk = Annotated[float, JERK]
 
 
 class Reference(NamedTuple):
-    """A position that is wanted, with its first three derivatives."""
+    """A reference position, with its first three derivatives."""
 
     position: Position
     velocity: Velocity
@@ -48,7 +48,7 @@ def reference_at_rest(position: float) -> Reference:
 
 
 def reference_ahead(reference: Reference, interval: float) -> Reference:
-    """The reference an `interval` [s] later if its jerk stays as it is."""
+    """The reference an `interval` [s] later if its jerk stays constant."""
     x, v, a, j = reference
     t = interval
     return Reference(x + t * (v + t * (a / 2.0 + t * j / 6.0)), v + t * (a + t * j / 2.0), a + t * j, j)
@@ -91,7 +91,7 @@ Point = tuple[float, float]
 
 
 class Pauses(NamedTuple):
-    """How long a trapezoid stays at its lower and at its upper end."""
+    """Time that a trapezoid stays at its lower and at its upper end."""
 
     low: Time
     high: Time

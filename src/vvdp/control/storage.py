@@ -32,7 +32,7 @@ class StorageBalance(NamedTuple):
 
 
 def pressure_storage(desired: DesiredPressure, reading: ChamberReading, drive: ChamberDrive) -> float:
-    """W_P = V(x) W_V(P, P_d) [J], at least 0: what the oil stores against its desired pressure.
+    """W_P = V(x) W_V(P, P_d) [J], at least 0: the energy of the oil against its desired pressure.
 
     Source  wang2017, eq. 5.24
     """
@@ -61,9 +61,9 @@ def loop_balance(
 ) -> StorageBalance:
     """W = M e_v^2/2 + (K + K_p) e^2/2 + V W_V of the closed loop [J], and its rate with no load [W].
 
-    The rate is -K_v e_v^2 - l (K + K_p) e^2 - b e_v e' + (p + W_V) (Q - Q_d), with the exact Q_d and a friction b as
-    the law knows it; below zero for Q = Q_d - lambda_3 p where b l < 4 (K + K_p). It holds while the desired pressure
-    is not held at that of tank or supply.
+    The rate is -K_v e_v^2 - l (K + K_p) e^2 - b e_v e' + (p + W_V) (Q - Q_d), with the exact Q_d and the friction b of
+    the law; below zero for Q = Q_d - lambda_3 p where b l < 4 (K + K_p). It holds while the desired pressure is not
+    held at that of tank or supply.
 
     flow  into the chamber [m^3/s]
 
@@ -81,7 +81,7 @@ def loop_balance(
 
 
 def storage_excess(before: StorageBalance, after: StorageBalance, interval: float) -> float:
-    """By how much the storage rose beyond what was supplied between two samples [J]; above 0 it broke passivity.
+    """Rise of the storage beyond the supplied energy between two samples [J]; above 0 it violates passivity.
 
     The supply is taken at the greater of its two ends, both with the flow of the interval.
 
@@ -93,8 +93,8 @@ def storage_excess(before: StorageBalance, after: StorageBalance, interval: floa
 def estimation_storage(error: Array, covariance: Array) -> float:
     """Weight of an observer's error in the Lyapunov function, x' P^-1 x [1].
 
-    error       true state less its estimate
-    covariance  P, as the observer believes it
+    error       true state minus its estimate
+    covariance  P, as estimated by the observer
 
     Source  wang2017, eqs. 5.55 and 5.68; its weight is found by `least_estimation_weight`
     """
@@ -108,8 +108,8 @@ def least_estimation_weight(tracking: Array, estimation: Array, tolerance: float
     estimation  x' P^-1 x at the same samples [1]
     tolerance   by which W may rise between two samples all the same [J]
 
-    Raises `ParameterError` where W rises although the other does not fall: no weight does then, and the message says
-    at which sample.
+    Raises `ParameterError` if W rises at a sample at which the other does not fall: there is no such weight then. The
+    message states the sample.
     """
     rises, falls = np.diff(tracking) - tolerance, -np.diff(estimation)
     rising = rises > 0.0

@@ -1,4 +1,4 @@
-"""Supervision: what is checked at every sample against its limit, and the alarm once one is beyond it for too long.
+"""Supervision: residuals at every sample over their limits, and the alarm once one exceeds its limit for too long.
 
 Source  ours, docs/models/faults.md, where a function names no other.
 """
@@ -12,8 +12,8 @@ from vvdp.base.kinds import COUNT, NUMBER, TIME, Count, Time
 
 
 class AlarmMemory(NamedTuple):
-    """For how long each residual has been beyond its limit [s]; number of the first one that reported, 0 before, and
-    when. An alarm stays."""
+    """Time for which each residual has exceeded its limit [s]; number of the first one that reported, 0 before, and the
+    time of its report. An alarm stays."""
 
     beyond: Annotated[Array, TIME]
     alarm: Count

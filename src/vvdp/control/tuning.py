@@ -21,7 +21,7 @@ class Certificate(NamedTuple):
 
     @property
     def margin(self) -> float:
-        """By how much the condition holds."""
+        """Margin of the condition."""
         return self.offered - self.needed
 
     @property
@@ -40,7 +40,7 @@ def passivity_certificate(
 
     compliance   V/beta [m^3/Pa]
     flow_gain    lambda_3, times the least 1 + W_V/(P - P_d) that occurs [m^3/(s Pa)]
-    disturbance  kappa, from what the feedforward approximates [m^3/(s Pa)]
+    disturbance  kappa, from the approximations of the feedforward [m^3/(s Pa)]
 
     Source  wang2017, eq. 5.38
     """

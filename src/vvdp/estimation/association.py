@@ -34,10 +34,10 @@ DROPOUT = 1e-6
 
 
 class Sighting(NamedTuple):
-    """An edge was seen: where the spool should be by now, and what came since the last edge that was used.
+    """An observed edge: the expected angle of the spool, and the edges since the last one that was used.
 
-    `variance` is that with which the edge was expected, `manoeuvre_variance` what it would be had the wheel begun to
-    slow down at the last edge used, `manoeuvre_odds` the logarithm of the odds against that. `advance` is how far the
+    `variance` is that of the expected edge, `manoeuvre_variance` the one that it would have had the wheel begun to slow
+    down at the last edge used, `manoeuvre_odds` the logarithm of the odds against that. `advance` is how far the
     spool should have come since then, `ignored` how many edges were taken for bounce since, `fresh` how many came since
     the last sample. `irregular` is the share of edges that were missed or ignored of late.
     """
@@ -54,8 +54,8 @@ class Sighting(NamedTuple):
 
 
 class Association(NamedTuple):
-    """Number of the edge that was seen, 1 where it is to be used, 0 where it was none, and what the angle's variance
-    grows by since it may have been another [rad^2]."""
+    """Number of the observed edge, 1 if it is to be used, 0 if it was none, and the growth of the angle's variance
+    since it may have been another edge [rad^2]."""
 
     edge: float
     used: float

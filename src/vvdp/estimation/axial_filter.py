@@ -49,8 +49,7 @@ SLOWEST_TURN = 1.0
 
 
 class Phase(NamedTuple):
-    """Where the periodic sensor error is in its period, and how fast it goes through it: the spool's estimate, or a
-    clock's.
+    """Phase of the periodic sensor error, and its rate: the spool's estimate, or a clock's.
 
     A deviation above `KNOWN_ANGLE`, or NaN: the angle is not known. `slip` is the variance of a jump that the angle may
     have made since the last sample, and that no later edge shows.
@@ -71,7 +70,7 @@ class DutySight(NamedTuple):
 
 
 NO_DUTY = DutySight(duty_ratio=np.nan, age=0.0, deviation=0.0)
-"""Where no pressure wave is looked at."""
+"""Without a pressure wave."""
 
 
 class AxialSeen(NamedTuple):
@@ -94,8 +93,8 @@ class AxialSeen(NamedTuple):
 class AxialEstimate(NamedTuple):
     """Estimate at a sample. Deviations are NaN where an observer does not know them.
 
-    `pollution` is what the reading is believed to be off by. `innovation` and its deviation are 0 at samples without a
-    reading. `lost`, `frozen` and `warned` are 1 where the sensor is silent, where the periodic sensor error is kept
+    `pollution` is the estimated periodic error of the reading. `innovation` and its deviation are 0 at samples without
+    a reading. `lost`, `frozen` and `warned` are 1 where the sensor is silent, where the periodic sensor error is kept
     as learned, and where the margin is low.
     """
 
@@ -112,9 +111,7 @@ class AxialEstimate(NamedTuple):
 
 
 class OpticalSight(NamedTuple):
-    """The periodic sensor error that was believed before an optical reading was taken in, and by how much the
-    reading was off.
-    """
+    """The periodic sensor error as estimated before an optical reading was used, and the innovation of the reading."""
 
     pollution: Position
     innovation: Position
@@ -180,7 +177,7 @@ class Draft(NamedTuple):
 
 
 def draft_of(memory: AxialMemory, leading: int) -> Draft:
-    """A copy of what the memory believes, to be worked on."""
+    """A copy of the belief in the memory, to be changed in place."""
     n = memory.mean.size
     room = np.empty((2, n))
     return Draft(mean=memory.mean.copy(), factors=memory.factors.copy(), row=room[0], gain=room[1], leading=leading)
@@ -212,7 +209,7 @@ def drift_in_turn(draft: Draft, turn: float, pollution: PollutionModel) -> float
 
 
 def doubt_pollution(draft: Draft, slip: float, pollution: PollutionModel) -> None:
-    """Let the coefficients be those of another angle, in place.  slip: variance of what it is off by [rad^2]."""
+    """Let the coefficients be those of another angle, in place.  slip: variance of that difference [rad^2]."""
     first = draft.leading
     squares = np.empty(draft.mean.size - first)
     for i in range(squares.size):
@@ -226,7 +223,7 @@ def doubt_pollution(draft: Draft, slip: float, pollution: PollutionModel) -> Non
 def take_in(draft: Draft, innovation: float, variance: float, frozen: bool) -> float:
     """Take in a measurement with the draft's row, in place, and return the variance of its innovation.
 
-    frozen  the coefficients stay, and the covariance knows that they did
+    frozen  the coefficients stay, which the covariance takes into account
     """
     S = observe(draft.factors, draft.row, variance, draft.gain)
     for i in range(draft.leading if frozen else draft.mean.size):
@@ -239,9 +236,9 @@ def take_in(draft: Draft, innovation: float, variance: float, frozen: bool) -> f
 def take_optical(draft: Draft, seen: AxialSeen, pollution: PollutionModel, period: float) -> OpticalSight:
     """Take in the optical signal, in place.
 
-    Where the angle is not known the periodic sensor error counts as noise; where it is uncertain, what that does to
-    the periodic sensor error. Either noise lasts longer than the `period` of the samples [s], so that it counts for
-    more than a sample of it says.
+    If the angle is not known, the periodic sensor error counts as noise; if it is uncertain, the effect of that on the
+    periodic sensor error. Either noise lasts longer than the `period` of the samples [s], so that it has more weight
+    than in one sample.
     """
     phase, mean, row, first = seen.phase, draft.mean, draft.row, draft.leading
     if phase.slip > 0.0:
@@ -270,7 +267,7 @@ def take_optical(draft: Draft, seen: AxialSeen, pollution: PollutionModel, perio
 
 
 def needs_duty(seen: AxialSeen) -> bool:
-    """Whether a new duty ratio is there and wanted: the optical sensor is lost, or nearly blind."""
+    """Whether a new duty ratio is there and needed: the optical sensor is lost, or nearly blind."""
     wanted = seen.margin < WARN_BELOW or seen.optical != seen.optical
     return wanted and seen.held == 0.0 and seen.duty.duty_ratio == seen.duty.duty_ratio
 
@@ -294,7 +291,7 @@ def duty_sight(found: DutyEstimate, edge: PressureReading, pwm_frequency: Freque
 def take_duty(draft: Draft, seen: AxialSeen, travelled: float, pollution: PollutionModel) -> None:
     """Take in the duty ratio of the pressure wave, in place; the draft's row shows where the spool was when it showed.
 
-    travelled  what the drive's input alone has added to the position since [m]
+    travelled  change of the position since by the drive's input alone [m]
 
     Source  wang2017, section 7.3, for the idea
     """

@@ -59,7 +59,7 @@ def bring_forward(
 
 
 def heard_plainly(belief: AngleSpeed) -> Heard:
-    """A belief to which a silence says nothing."""
+    """The belief if a silence carries no information."""
     b = belief
     return Heard(
         angle=b.angle,

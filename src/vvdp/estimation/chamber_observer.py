@@ -167,8 +167,8 @@ def move_chamber(draft: Draft, before: float, now: float, settings: ChamberObser
 
 
 def look_back(draft: Draft, age: float, acceleration: float, drive: SpringDrive) -> float:
-    """Write into the draft's row where the spool was `age` [s] ago, seen from where it is now; returns what the driving
-    `acceleration` [m/s^2], taken as held, has added since [m]."""
+    """Write the position `age` [s] ago into the draft's row, in terms of the present state; returns its change since by
+    the driving `acceleration` [m/s^2], taken as held [m]."""
     step = oscillator_step(-age, drive)
     draft.row[:] = 0.0
     draft.row[0], draft.row[1] = step.position

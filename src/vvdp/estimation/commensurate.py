@@ -66,9 +66,9 @@ def hidden_angle(found: Commensurate, sector_width: float) -> float:
 
 
 def hidden_speed(found: Commensurate, sector_width: float) -> float:
-    """By how much the speed is shown too high between two jumps of the hidden angle [rad/s]: sector (p/q f_s - f_e).
+    """Excess of the speed shown between two jumps of the hidden angle [rad/s]: sector (p/q f_s - f_e).
 
-    The speed that is shown is the one exactly in step.
+    The speed shown is the one exactly in step.
     """
     return sector_width * (found.edges * found.sample_rate / found.samples - found.edge_rate)
 
@@ -83,7 +83,7 @@ def beat_time(found: Commensurate) -> float:
 
 
 def commensurate_warning(found: Commensurate, sector_width: float) -> str:
-    """A sentence for people that says what is hidden, with numbers; the angle in rad and as a share of a sector."""
+    """A sentence for people on the hidden error, with numbers; the angle in rad and as a share of a sector."""
     p, q, beat = found.edges, found.samples, beat_time(found)
     off = abs(found.edge_rate * q / (p * found.sample_rate) - 1.0)
     places = "one place" if p == 1 else f"{p} places"

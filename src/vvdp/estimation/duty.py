@@ -1,4 +1,4 @@
-"""The duty ratio from the wave of the inlet pressure, and what the valve's own throttling adds to it.
+"""The duty ratio from the wave of the inlet pressure, and the excess by the valve's own throttling.
 
 Derived and measured in docs/models/pressure-fusion.md, "Where the wave crosses a level".
 
@@ -34,7 +34,7 @@ class DutyWave(Params):
 
 
 class DutyReading(NamedTuple):
-    """A reading of the pressure's edges, with the spool's unwrapped angle and its speed as believed at its time; speed
+    """A reading of the pressure's edges, with the spool's unwrapped angle and its speed as estimated at its time; speed
     0: neither is known."""
 
     pressure: PressureReading
@@ -98,7 +98,7 @@ def crossing_opening(level_drop: float, flow: float, density: float, valve: Rota
 
 
 def duty_excess(level_drop: float, flow: float, density: float, valve: RotaryValve) -> float:
-    """By how much the duty ratio of the wave exceeds that of the spool, while the ports still open fully [1].
+    """Excess of the duty ratio of the wave over that of the spool, while the ports still open fully [1].
 
     The pressure rises while the tank ports close, before the middle of the transition, and falls while they open,
     after it: b/P_c + (2 a - 1) d_c/P_c with the crossing's opening a.
@@ -133,7 +133,7 @@ def corrected_duty_ratio(wave_duty: float, opening: float, shape: PortShape) -> 
 def pressure_lag(
     level_drop: float, flow: float, density: float, inlet_volume: float, bulk_modulus: float, valve: RotaryValve
 ) -> float:
-    """By how much the pressure is late at the crossing, because the inlet volume has to be filled or emptied [s].
+    """Delay of the pressure at the crossing, because the inlet volume has to be filled or emptied [s].
 
     V/beta dP/dQ with dP/dQ = (2 R_n Q^2/a^2 + m R_c Q^m + 2 R_o Q^2)/Q at the crossing's opening a: the same for both
     edges, so that it shifts the wave and leaves its duty ratio alone.

@@ -47,7 +47,7 @@ class Believed(Protocol):
 def to_estimate(
     believed: Believed, standstill: float, innovation: float, innovation_deviation: float, missed_edges: float
 ) -> Estimate:
-    """The estimate that is made of what is believed at the time of the sample; arguments as in `Estimate`."""
+    """The estimate from a belief at the time of the sample; arguments as in `Estimate`."""
     b = believed
     angle_deviation, speed_deviation = np.sqrt(b.angle_variance), np.sqrt(b.speed_variance)
     return Estimate(

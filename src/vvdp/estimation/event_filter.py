@@ -1,7 +1,7 @@
 """The event-based Kalman filter: angle and speed of the spool from the times at which edges passed.
 
-The belief is kept at the time of the last edge. A sample without an edge costs a prediction, and what the silence says
-once an edge is late.
+The belief is kept at the time of the last edge. A sample without an edge needs a prediction, and the information of the
+silence once an edge is late.
 Derived in docs/models/event-filter.md.
 
 Source  ours, docs/models/event-filter.md, where a function names no other.
@@ -56,7 +56,7 @@ UNBELIEVABLE = 0.4
 """Share of irregular edges that shows that the believed speed is a multiple or a fraction of the true one [1]."""
 
 UNREST = 24.0
-"""Edges over which what a manoeuvre leaves behind fades [1]; assumed."""
+"""Edges over which the effect of a manoeuvre fades [1]; assumed."""
 
 TELLABLE = (0.25 * TURN) ** 2.0
 """Variance of the angle below which a turn that agrees with the index confirms it [rad^2]."""
@@ -207,7 +207,7 @@ def manoeuvre_after(
 def look_for_index(
     memory: EventFilterMemory, reading: Reading, variance: float, settings: EventFilter
 ) -> EventFilterMemory:
-    """The memory once the index has been asked about the edge just taken in; mostly the numbers stay.
+    """The memory after the check of the index at the edge just used; mostly the numbers stay.
 
     variance  of the angle at which the edge was seen [rad^2]
     """

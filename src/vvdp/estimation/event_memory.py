@@ -25,7 +25,8 @@ class LastEdge(NamedTuple):
 
 
 class Tally(NamedTuple):
-    """How edges are reported: `started` is 1 after the first, `associating` once the belief shows them and none counts.
+    """Counts of edges: `started` is 1 after the first, `associating` once the belief shows their numbers without
+    counting.
 
     `ignored` edges have come since the last used one; `irregular` is the share of edges that were missed or ignored,
     and rests on `watched` edges.
@@ -40,8 +41,8 @@ class Tally(NamedTuple):
 
 
 class Manoeuvre(NamedTuple):
-    """Density of the acceleration, and what it falls to at first after a manoeuvre, for others follow; the sums of
-    innovations that show when the speed changes."""
+    """Density of the acceleration, and the value to which it falls at first after a manoeuvre, since others follow; the
+    sums of innovations that show when the speed changes."""
 
     density: AccelerationDensity
     unrest: AccelerationDensity
@@ -50,9 +51,9 @@ class Manoeuvre(NamedTuple):
 
 
 class EventFilterMemory(NamedTuple):
-    """Memory of the filter from sample to sample: its belief at `time`, and what it knows of edges and index.
+    """Memory of the filter from sample to sample: its belief at `time`, and the state of edges and index.
 
-    The belief is about the mean course; `ripple` is what the ports add to it. `time` differs from that of the last edge
+    The belief is about the mean course; `ripple` is the part of the ports. `time` differs from that of the last edge
     where another sensor shows the angle between edges. `slip` is the variance of the angle that no later edge can show:
     the wheel may have turned back while it stood.
     """

@@ -28,9 +28,9 @@ class EventFilterValues(Params):
     `association_speed_deviation`. A manoeuvre is declared when the sum of innovations exceeds `manoeuvre_gate`; the
     acceleration then has `manoeuvre_density`, which fades over `manoeuvre_edges` edges.
 
-    Stops, and slow passages, begin at `stop_rate`; with 0 a silence says nothing. A ripple of `ripple_order` periods a
-    turn is estimated, 0: none; `ripple_variance` is that of its cosine and of its sine part, each over the mean speed,
-    before the first edge, and `ripple_drift` lets them change.
+    Stops, and slow passages, begin at `stop_rate`; with 0 a silence carries no information. A ripple of `ripple_order`
+    periods a turn is estimated, 0: none; `ripple_variance` is that of its cosine and of its sine part, each over the
+    mean speed, before the first edge, and `ripple_drift` lets them change.
     """
 
     acceleration_density: AccelerationDensity

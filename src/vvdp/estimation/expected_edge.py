@@ -32,7 +32,7 @@ class Expected(NamedTuple):
 
 
 class EdgeNoise(Protocol):
-    """How well edges are seen: settings that have these of the event filter."""
+    """Noise of the edges: settings that include these of the event filter."""
 
     @property
     def edge_variance(self) -> float: ...
@@ -43,7 +43,7 @@ class EdgeNoise(Protocol):
 def edge_angle_variance(speed: float, edge_interval: float, settings: EdgeNoise) -> float:
     """Variance of the angle at which an edge was seen, R = (omega T)^2 / 12 + R_2 [rad^2].
 
-    speed          believed [rad/s]
+    speed          as estimated [rad/s]
     edge_interval  T, in which the edge passed, 0 where it was time-stamped [s]
 
     Source  wang2017, eq. 3.4, with the threshold's part an angle: docs/errata.md
@@ -89,7 +89,7 @@ def knows_edges(belief: AngleSpeed, settings: EventFilter) -> bool:
 
 
 def mean_angle_at(edge: float, ripple: Ripple, settings: EventFilter) -> float:
-    """Angle that the mean course has when an edge passes [rad]: that of the edge, less what the ripple is ahead."""
+    """Angle of the mean course when an edge passes [rad]: that of the edge minus the displacement by the ripple."""
     angle = edge_angle(edge, settings.wheel)
     if settings.ripple_order > 0.0:
         angle -= displacement(ripple, place_of(angle, settings.ripple_order))

@@ -221,7 +221,7 @@ def fusion_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) 
 
 
 def _turns(memory: FusionMemory, time: float, settings: Fusion) -> bool:
-    """Whether the pressure shows that the spool turns: then an encoder that is silent says nothing."""
+    """Whether the pressure shows that the spool turns: then a silence of the encoder carries no information."""
     pitch = 2.0 * np.pi / settings.sections
     since = (time - memory.doubts.pressure_time) * maximum(memory.filter.belief.speed, settings.filter.lowest_speed)
     turns: bool = memory.doubts.pressure_time > memory.filter.last.time and since < PATIENT_PITCHES * pitch
@@ -268,7 +268,7 @@ def _believe(mean: Array, covariance: Array, belief: AngleSpeed) -> None:
 
 
 def _move(mean: Array, covariance: Array, h: float) -> None:
-    """On by h [s] or, if negative, back, in place, as if nothing but the speed moved the angle."""
+    """Prediction over h [s] or, if negative, back, in place, as if only the speed moved the angle."""
     x, P = mean, covariance
     x[0] += h * x[1]
     for i in range(5):
@@ -402,7 +402,7 @@ def _after_pressure_edge(memory: FusionMemory, reading: FusionReading, settings:
 
 
 def run_on(run: float, innovation: float) -> float:
-    """How many innovations in a row lay more than `FAR` deviations to one side, negative below [1], with one more.
+    """Number of innovations in a row beyond `FAR` standard deviations on one side, negative below [1], with one more.
 
     run         before
     innovation  over its deviation [1]

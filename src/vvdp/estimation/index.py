@@ -24,14 +24,14 @@ CERTAIN = 16.0
 
 
 CONFIRMED = 3.0
-"""Logarithm of the likelihood ratio by which a turn has to speak for the numbers as they are to confirm them [1]."""
+"""Logarithm of the likelihood ratio in favour of the present numbers with which a revolution confirms them [1]."""
 
 
 class IndexMemory(NamedTuple):
-    """Edges of the last turn and what the turns have said.
+    """Edges of the last revolution, and the evidence of all revolutions.
 
-    `verdict` is by how many edges the last turn would have shifted the numbers, `turns` how many turns in a row have
-    said so, `found` 1 once enough have. `evidence` for each shift is gathered only from then on.
+    `verdict` is the shift of the numbers, in edges, by the last revolution, `turns` the number of revolutions in a row
+    with this verdict, `found` 1 once they are enough. `evidence` for each shift is gathered only from then on.
     """
 
     numbers: Annotated[Array, NUMBER]
@@ -44,8 +44,8 @@ class IndexMemory(NamedTuple):
 
 
 class Shift(NamedTuple):
-    """The memory after an edge, the edges to be added to all numbers, mostly none, and 1 where a turn that has just
-    ended speaks clearly for the numbers as they are."""
+    """The memory after an edge, the number to be added to the numbers of all edges, mostly 0, and 1 if a revolution
+    that has just ended clearly confirms the present numbers."""
 
     memory: IndexMemory
     edges: float

@@ -54,7 +54,7 @@ class CylinderStep(NamedTuple):
 
 
 class LoadGains(NamedTuple):
-    """By which an innovation of the position [m] corrects position [1], velocity [1/s] and load [N/m]."""
+    """Corrections of position [1], velocity [1/s] and load [N/m] per innovation of the position [m]."""
 
     position: float
     velocity: float
@@ -89,14 +89,15 @@ def load_gains(step: CylinderStep, settings: LoadObserver) -> LoadGains:
 
 
 def load_observer_start(position: float, load_force: float) -> LoadMemory:
-    """The memory before the first sample, at rest.  position: [m]; load_force: as believed, that way positive [N]."""
+    """The memory before the first sample, at rest.  position: [m]; load_force: as expected, positive in its direction
+    [N]."""
     return LoadMemory(
         position=position, velocity=0.0, load_estimate=load_force, load_force=load_force, oil_force=-load_force
     )
 
 
 def load_observer_step(memory: LoadMemory, position: float, oil_force: float, settings: LoadObserver) -> LoadMemory:
-    """The memory after a sample: its `velocity` and `load_force` are what is believed.
+    """The memory after a sample: its `velocity` and `load_force` are the estimates.
 
     position   as measured [m]
     oil_force  F_H of the pressures as measured [N]; between two samples their mean is held

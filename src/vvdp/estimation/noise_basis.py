@@ -60,12 +60,12 @@ def gaussian_basis(bumps: int, width: float) -> NoiseBasis:
 
 
 def function_count(basis: NoiseBasis) -> int:
-    """How many functions a basis has."""
+    """Number of functions of a basis."""
     return int(2.0 * basis.harmonics) + bell_count(basis)
 
 
 def bell_count(basis: NoiseBasis) -> int:
-    """How many of them are bells."""
+    """Number of bells among the functions."""
     return max(int(basis.bumps) - 1, 0)
 
 
@@ -91,13 +91,13 @@ def write_basis(phase: float, basis: NoiseBasis, row: Array, first: int) -> None
 
 
 def turned_variance(number: int, squares: Array, slip: float, basis: NoiseBasis) -> float:
-    """By how much the square of coefficient `number` may change where the angle is off by a Gaussian number.
+    """Mean square change of coefficient `number` if the angle has a Gaussian error.
 
     The pair of harmonic k turns by k times as much: (a^2 + b^2)(1 - exp(-k^2 s/2)) for each of the two. Bells become
     others of that size: 2 c^2 (1 - exp(-s/(2 w^2))), c^2 their mean square.
 
     squares  of all coefficients, as far as they are known (n,)
-    slip     variance s of what the angle is off by [rad^2]
+    slip     variance s of the error of the angle [rad^2]
     """
     pairs = int(basis.harmonics)
     if number < 2 * pairs:
@@ -119,7 +119,7 @@ def from_centre(phase: float, number: int, basis: NoiseBasis) -> float:
 
 
 def basis_slope(phase: float, basis: NoiseBasis, mean: Array, row: Array, first: int) -> float:
-    """By how much the periodic sensor error changes with the phase [m/rad].
+    """Slope of the periodic sensor error over the phase [m/rad].
 
     mean, row  coefficients and values of the functions, both from place `first` on
     """

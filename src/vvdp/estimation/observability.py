@@ -20,7 +20,7 @@ from vvdp.base.rules import require_positive_value
 WARN_BELOW = 0.01
 """Margin below which an observer is uncertain."""
 FREEZE_BELOW = 1e-3
-"""Margin below which what is believed of the noise should stay as it is."""
+"""Margin below which the estimate of the noise should stay unchanged."""
 MOST_HARMONICS = 200
 CLOSEST = 1e-8
 """Relative distance from a unobservable speed at which rounding hides the margin, which goes with its square."""

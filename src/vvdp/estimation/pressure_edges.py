@@ -14,16 +14,16 @@ from vvdp.base.rules import refuse, require_positive
 from vvdp.base.select import clip, maximum, minimum
 
 LOW_SHARE = 0.05
-"""Share of all samples that lies below the low plateau as it is followed."""
+"""Share of all samples below the low plateau as tracked."""
 HIGH_SHARE = 0.3
 """Share of the samples clear of the low plateau that lies below the high one: above the ramps, which take 10 to 20 % of
 them, and below the spikes at the relief setting, which do not draw it however high they are."""
 SETTLING = 4.0
-"""Times `level_time` until edges are believed. Until then plateaus move faster, by as much at its beginning."""
+"""Times `level_time` until edges are used. Until then plateaus move faster, by as much at its beginning."""
 
 
 class PressureEdges(Params):
-    """How edges are found in a pulsating pressure.
+    """Parameters for finding edges in a pulsating pressure.
 
     `level_share` places the crossing level between the plateaus; an edge counts once the pressure is `hysteresis`
     times the swing beyond it. Where the plateaus are less than `least_swing` apart there are no edges; noise has to

@@ -1,4 +1,4 @@
-"""Where the spool is, with the chamber pressure as a state that is measured as well.
+"""Position of the spool by an observer with the chamber pressure as a further measured state.
 
 P' = beta/V (Q - A x'): the flow that fills the chamber shows the velocity without the optical sensor, and the loss of
 observability at the spring's own frequency disappears. Derived in docs/models/axial-observer.md.

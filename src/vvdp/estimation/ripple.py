@@ -71,7 +71,7 @@ def without_covariance(ripple: Ripple) -> Ripple:
 
 
 def place_of(angle: float, order: float) -> Place:
-    """Where an angle [rad] lies in a ripple of `order` periods a turn: (sin N theta, -cos N theta)/N."""
+    """Place of an angle [rad] in a ripple of `order` periods per revolution: (sin N theta, -cos N theta)/N."""
     return Place(np.sin(order * angle) / order, -np.cos(order * angle) / order)
 
 
@@ -83,7 +83,7 @@ def place_beside(place: Place, angle: float, order: float) -> Place:
 
 
 def displacement(ripple: Ripple, place: Place) -> float:
-    """By how much the ripple has brought the spool ahead of its mean course [rad]."""
+    """Displacement of the spool from its mean course by the ripple [rad]."""
     return ripple.cosine * place.cosine + ripple.sine * place.sine
 
 
@@ -142,7 +142,7 @@ def update_with_ripple(
 def of_the_instant(belief: AngleSpeed, ripple: Ripple, order: float) -> AngleSpeed:
     """Angle and speed with the ripple in them: theta = phi + delta(theta), omega/(1 - delta'(theta)).
 
-    Theta by two steps from phi, which leaves what is of the third order in the ripple; the covariance by the gradients
+    Theta by two steps from phi, with an error of the third order in the ripple; the covariance by the gradients
     of both with respect to the mean angle, the mean speed, a and b.
     """
     b, r, N = belief, ripple, order

@@ -135,7 +135,7 @@ def generator_start(settings: GeneratorObserver, position: float) -> GeneratorMe
 def generator_observer_step(
     memory: GeneratorMemory, seen: AxialSeen, settings: GeneratorObserver
 ) -> tuple[GeneratorMemory, AxialEstimate]:
-    """Memory and estimate after a sample. It sees no angle: the period is that of its design, whatever the speed.
+    """Memory and estimate after a sample. It uses no angle: the period is that of its design, whatever the speed.
 
     Its deviation holds for that period alone: it is NaN where the spool turns with another speed.
 
@@ -202,7 +202,7 @@ def lumped_observer_step(
 def plain_estimate(
     position: float, velocity: float, pollution: float, innovation: float, seen: AxialSeen, deviation: float
 ) -> AxialEstimate:
-    """The estimate of an observer that never freezes and knows no margin; `deviation` of the position [m]."""
+    """The estimate of an observer that never freezes and has no margin; `deviation` of the position [m]."""
     return AxialEstimate(
         position=position,
         velocity=velocity,

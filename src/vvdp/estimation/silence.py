@@ -1,7 +1,7 @@
 """Information in the absence of edges: the belief between two edges, and whether the wheel stands still.
 
-The wheel turns forward only, so that the silence up to now says the same as the angle now: that it lies before the
-next edge, unless edges were missed. Derived in docs/models/event-filter.md, "Silence".
+The wheel turns forward only, so that the silence up to now carries the same information as the angle now: it lies
+before the next edge, unless edges were missed. Derived in docs/models/event-filter.md, "Silence".
 
 Source  ours, docs/models/event-filter.md, where a function names no other.
 """
@@ -39,7 +39,7 @@ UNLIKELY = 0.05
 """Probability below which the wheel is not taken to have turned back [1]; assumed."""
 
 STARTS = 30.0
-"""How often an edge comes of a wheel that turned back [1/s]; assumed."""
+"""Rate at which edges come of a wheel that turned back [1/s]; assumed."""
 
 STARTED = 0.02
 """Time from rest to the first edge [s], in which a start is not seen; assumed, about that of a spool of 28 ms."""

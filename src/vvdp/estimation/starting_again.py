@@ -30,7 +30,7 @@ def start_again(
 
     The belief from before is kept in doubt: perhaps the sensor was silent. Innovation and deviation as `after_edge`.
 
-    believed  what was expected just before the edge
+    believed  expectation just before the edge
     """
     m, tally, wheel, R, q_m = memory, memory.tally, settings.wheel, expected.variance, settings.manoeuvre_density
     silence = silence_until(memory, reading.edge_time, memory.tally.ignored + reading.edges, settings)

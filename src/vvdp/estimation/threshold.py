@@ -44,7 +44,7 @@ class ThresholdAdaptation(Params):
 
     `threshold_adaptation` has the usual ones. `gain` is gamma; `ramp_slope` w, the angle over which the light changes
     divided by the swing of the signal. The threshold stays between `lowest` and `highest`. `dither` is the full width
-    of a known up and down of the threshold from edge to edge; 0 is none, `dither_width` is what a sampled clock needs.
+    of a known up and down of the threshold from edge to edge; 0 is none, `dither_width` is the one for a sampled clock.
     """
 
     filter: EventFilter
@@ -115,7 +115,7 @@ def adapted_threshold(threshold: float, innovation: float, polarity: float, gain
 def effective_gain(gain: float, angle_gain: float, speed_gain: float) -> float:
     """Share of an offset that one edge takes away with the filter in the loop [1]: gamma / (1 - k1/2 - k2 T/4).
 
-    The filter takes part of an alternating offset for motion of alternating sign and so sees it enlarged.
+    The filter takes part of an alternating offset for motion of alternating sign, which enlarges it in the innovations.
 
     angle_gain  k1, the filter's [1]
     speed_gain  k2 T, the filter's, times the time between edges [1]
@@ -136,7 +136,7 @@ def residual_deviation(gain: float, noise_variance: float) -> float:
     """Standard deviation that the noise of single edges leaves in the offset [rad]: sqrt(gamma R/(2 - gamma)).
 
     gain            gamma, the effective one [1]
-    noise_variance  R, of an edge, as it is and not as the filter assumes it [rad^2]
+    noise_variance  R, of an edge, the true one and not that of the filter [rad^2]
     """
     deviation: float = np.sqrt(gain * noise_variance / (2.0 - gain))
     return deviation
@@ -202,9 +202,9 @@ def threshold_step(
 ) -> tuple[ThresholdMemory, AdaptedThreshold]:
     """Memory, estimate and threshold after a sample.
 
-    Adapts at edges that the filter has used, once it is associated and while it sees no manoeuvre. The comparator gets
-    a new threshold half a sector later, where the signal is far from it: a threshold that jumps on the ramp would make
-    an edge of its own. The known dither is taken out of the edge's time before the filter sees it.
+    Adapts at edges that the filter has used, once it is associated and while it detects no manoeuvre. The comparator
+    gets a new threshold half a sector later, where the signal is far from it: a threshold that jumps on the ramp would
+    make an edge of its own. The known dither is taken out of the edge's time before the filter sees it.
     """
     before, event, w = memory.filter, settings.filter, settings.ramp_slope
     shift = 0.0
@@ -244,7 +244,7 @@ def threshold_step(
 
 
 def _place(expected: float, reading: Reading) -> float:
-    """Where in the interval of the reading's edge the expected edge lies [1]."""
+    """Place of the expected edge in the interval of the reading's edge [1]."""
     begin = reading.edge_time - 0.5 * reading.edge_interval
     return (expected - begin) / reading.edge_interval if reading.edge_interval > 0.0 else 0.0
 
@@ -310,8 +310,8 @@ def edge_offset_step(
     """Memory and estimate after a sample, with the offset delta as third state, H = [1, 0, -s].
 
     In two stages: the event filter runs as if delta were 0, and delta is estimated from its innovations, which it
-    enters with the factor u1 - s, where u is what the filter has already made of it. For a constant delta this is the
-    filter with three states exactly; association and manoeuvres stay the event filter's.
+    enters with the factor u1 - s, where u is the part of it already in the filter's state. For a constant delta this is
+    the filter with three states exactly; association and manoeuvres stay the event filter's.
 
     Source  friedland1969; docs/models/threshold-adaptation.md
     """

@@ -245,7 +245,7 @@ def compression_energy_per_volume(pressure: float, from_pressure: float, oil: Oi
 
 
 def density_rise(pressure: float, from_pressure: float, oil: Oil) -> float:
-    """By how much the fluid is denser than at another pressure, rho(P)/rho(Pd) - 1 = e^g(P, Pd) - 1 [1].
+    """Relative rise of the fluid's density from another pressure, rho(P)/rho(Pd) - 1 = e^g(P, Pd) - 1 [1].
 
     (nu(Pd) - nu(P))/nu(P), part by part: a ((P/Pd)^(1/n) - 1) of the air, l (l(Pd)/l(P) - 1) of the oil; exact for
     small differences too.  pressure: P; from_pressure: Pd, both absolute [Pa], held at P0/100 below it.

@@ -101,7 +101,7 @@ def modulus_at(temperature: float, oil: Oil) -> float:
     temperature: T [K].
 
     Source  hayward1970, fall over temperature
-    Holds   for a run whose temperature changes little: what is stored depends on the modulus, which must not change
+    Holds   for a run whose temperature changes little: the stored energy depends on the modulus, which must not change
 
     >>> from dataclasses import replace
     >>> print(round(modulus_at(333.15, replace(oil, bulk_modulus_fall=5.5e-3)) / 1e9, 3))  # GPa, 60 degC
@@ -147,7 +147,7 @@ class FilmRatios(NamedTuple):
 
 
 def film_ratios(first_pressure: float, second_pressure: float, oil: Oil) -> FilmRatios:
-    """By how much the pressures on both sides of a thin film thicken its oil [1].
+    """Viscosity and fluidity of a thin film, thickened by the pressures on both its sides, over those of its oil [1].
 
     With mu = mu_0 exp(alpha (P - P_0)) both the flow and the mean shear of the film are those of the one viscosity
     mu_0 alpha (P_1 - P_2)/(exp(-alpha (P_2 - P_0)) - exp(-alpha (P_1 - P_0))), that is mu_0 exp(alpha (P_m - P_0))

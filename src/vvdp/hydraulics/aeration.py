@@ -17,10 +17,10 @@ AirRate = Annotated[float, AIR_RATE]
 
 
 class AirChange(NamedTuple):
-    """How the free air of a volume changes, the tank volumes that would take the same room, and what it costs.
+    """Rate of the free air of a volume, the tank volumes that would take the same room, and the power loss.
 
-    The power is what the pressure in the volume loses with the room of air that dissolves, and what makes up for the
-    losses of components, which count as if what they give already had the free air of what is there.
+    The power is the work of the volume's pressure on the room of air that dissolves, and a correction of the losses of
+    components, which are calculated as if their oil already had the free air of the volume.
     """
 
     rate: AirRate
@@ -29,16 +29,17 @@ class AirChange(NamedTuple):
 
 
 def mixed_air(drawn_air: float, drawn_flow: float) -> FreeAir:
-    """Free air of what a component gives to some of its ports, per tank volume [1]: the mean of what it draws.
+    """Free air of the oil that a component gives to some of its ports, per tank volume [1]: the mean of the oil it
+    draws.
 
-    drawn_air   sum of what it draws from its ports, each times the free air there [m^3/s]
+    drawn_air   sum of the flows that it draws from its ports, each times the free air there [m^3/s]
     drawn_flow  the sum alone [tank volumes, m^3/s]
     """
     return drawn_air / select(drawn_flow > 0.0, drawn_flow, 1.0)
 
 
 def air_change(air_flow: float, volume: float, fluid: FluidState, free_air: float, oil: Oil) -> AirChange:
-    """How the free air of a volume changes, see `AirChange`.
+    """Rate of the free air of a volume, see `AirChange`.
 
     With N = V/nu: phi' = sum(q (phi_i - phi))/N + (phi_eq - phi)/tau; the room is N phi' a/nu, and the power
     -N phi' int a dP, with a the volume of air per volume at the reference pressure.

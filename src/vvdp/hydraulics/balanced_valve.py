@@ -43,7 +43,7 @@ def opening_share(lifting: float, valve: BalancedValve) -> float:
 
 
 def balanced_travel(lifting: float, opening: float, valve: BalancedValve) -> float:
-    """Where a valve stands [1]: its state, or without an opening time its static travel.
+    """Travel of a valve [1]: its state, or without an opening time its static travel.
 
     lifting  pressure that moves it, above that behind its spring [Pa]
     opening  as a state; read only with an opening time [1]

@@ -48,7 +48,7 @@ def spring_frequency(mass: float, spring: Spring) -> float:
 def oil_stiffness(volume: float, bulk_modulus: float, plunger: Plunger) -> float:
     """Stiffness of the oil enclosed a chamber [N/m]: beta A^2/V.
 
-    volume        V of the chamber at the position, what the piston has swept included [m^3]
+    volume        V of the chamber at the position, the swept volume included [m^3]
     bulk_modulus  beta [Pa]
     """
     return bulk_modulus * plunger.area_a * plunger.area_a / volume

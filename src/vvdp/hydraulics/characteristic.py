@@ -1,4 +1,4 @@
-"""How the flow of a throttle grows with the position of its spool: dead band, then linear or progressive.
+"""Flow of a throttle over the position of its spool: dead band, then linear or progressive.
 
 Source  ours, docs/models/components.md, where a function names no other.
 """

@@ -72,7 +72,7 @@ def check_opening_compiled(pressure_drop: float, check: CheckPoppet) -> float:
 
 
 def check_side(pressure_drop: float, check: CheckPoppet) -> float:
-    """On which side of its cracking pressure and of its rated drop a check valve stands [1], see `base.modes.between`.
+    """Side of its cracking pressure and of its rated drop on which a check valve stands [1], see `base.modes.between`.
 
     pressure_drop  in the direction of the valve [Pa]
     """

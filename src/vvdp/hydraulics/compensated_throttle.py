@@ -45,7 +45,7 @@ def metering_share(opening: float, compensator_opening: float, valve: Compensate
 
 
 def compensator_lift(drop: float, valve: CompensatedThrottle) -> float:
-    """How far a compensator would open, not bounded [1]: (dP_m - dP)/override.
+    """Opening of a compensator, not bounded [1]: (dP_m - dP)/override.
 
     drop  dP over its throttle [Pa]
     """
@@ -72,7 +72,7 @@ def compensator_rate(drop: float, compensator_opening: float, valve: Compensated
 
 
 def flow_opening(valve: CompensatedThrottle, flow: float) -> float:
-    """How far a compensated throttle is opened for a flow [1]: Q/(K root(dP_m)).
+    """Opening of a compensated throttle for a flow [1]: Q/(K root(dP_m)).
 
     flow  [m^3/s]
 

@@ -10,8 +10,8 @@ from vvdp.hydraulics.orifice import Orifice
 
 
 class Cushion(Orifice):
-    """Between the positions `cushion_begin` and `cushion_end` the spear takes the area from `port_area` down to
-    `throttle_area`. Oil that flows into the chamber has the whole area, through a check valve.
+    """Cushion of a cylinder: between the positions `cushion_begin` and `cushion_end` the spear reduces the area from
+    `port_area` to `throttle_area`. Oil that flows into the chamber has the whole area, through a check valve.
     """
 
     port_area: Area

@@ -26,8 +26,8 @@ class Cylinder(Plunger):
     """A double-acting cylinder; the position counts from the end where chamber A is smallest.
 
     A piston on an equal rod either way has two equal areas. `leakage_conductance` is that past the piston. The
-    volumes that its ports join are what is left at the ends, with the hoses; what the piston has swept comes on top.
-    `stroke` shows how much that is in chamber B, and holds no rod.
+    volumes that its ports join are the dead volumes at the ends, with the hoses; the swept volumes are added.
+    `stroke` determines the swept volume of chamber B, and limits no motion.
     """
 
     area_b: Area

@@ -20,7 +20,7 @@ DirtLoad = Annotated[float, DIRT_LOAD]
 class FilterElement(Params):
     """An element that passes `clean_conductance` while new and nothing once it holds `dirt_capacity`.
 
-    `dirt_content` is what the oil brings, all of which stays. From the drop `bypass_pressure` on, a bypass opens with
+    `dirt_content` is that of the oil; all of it stays. From the drop `bypass_pressure` on, a bypass opens with
     `bypass_conductance`.
     """
 
@@ -35,7 +35,7 @@ class FilterElement(Params):
 
 
 class FilterState(NamedTuple):
-    """Dirt in the element over what it can hold."""
+    """Dirt in the element over its capacity."""
 
     clogging: DirtLoad
 
@@ -65,7 +65,7 @@ def filter_flows(drop: float, clogging: float, element: FilterElement) -> Filter
 
 
 def clogging_rate(flow: float, element: FilterElement) -> float:
-    """How fast a filter's element clogs [1/s]: C max(Q, 0)/M; flowing back washes nothing out.
+    """Rate of clogging of a filter's element [1/s]: C max(Q, 0)/M; flow back washes nothing out.
 
     flow  Q through the element [m^3/s]
     """

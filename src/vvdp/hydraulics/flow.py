@@ -64,7 +64,8 @@ def passage(flow: float, upstream: FluidState, downstream: FluidState) -> Passag
 
 
 def flow_side(flow: float) -> float:
-    """The direction of a flow as the side of a kink [1], see `base.modes.side`: what is counted one way has one at 0.
+    """The direction of a flow as the side of a kink [1], see `base.modes.side`: a flow that counts in one direction
+    only has a kink at 0.
 
     flow  either sign [m^3/s]
     """

@@ -21,7 +21,7 @@ class OnOffValve(Params):
     """A valve that is open or closed: it passes `rated_flow` at `rated_drop`.
 
     Its poppet travels from end to end in `opening_time` or `closing_time` after a command; `dead_travel` of that at
-    either end leaves the flow as it is. So half the flow is there, or gone, after half the time.
+    either end does not change the flow. So half the flow is there, or gone, after half the time.
     """
 
     rated_flow: Flow
@@ -53,7 +53,7 @@ class UnitValve(OnOffValve):
 
 
 class PoppetState(NamedTuple):
-    """How far a poppet has travelled, 0 closed and 1 open."""
+    """Travel of a poppet, 0 closed and 1 open."""
 
     travel: Fraction
 
@@ -111,7 +111,7 @@ class FlowControlUnit(OnOffValve):
 
 
 def code_count(valves: tuple[UnitValve, ...]) -> int:
-    """How many codes a unit has, from 0 on: 2^N of binary sizes, N + 1 of equal ones."""
+    """Number of codes of a unit, from 0 on: 2^N of binary sizes, N + 1 of equal ones."""
     return int(max(valve.modulus for valve in valves))
 
 
@@ -162,7 +162,7 @@ def poppet_rate(command: float, travel: float, valve: OnOffValve) -> float:
 
 
 def poppet_opening(travel: float, valve: OnOffValve) -> float:
-    """Travel less the dead one, over what is left of it [1]: below 0 closed, above 1 fully open.
+    """Travel minus the dead travel, over the effective travel [1]: below 0 closed, above 1 fully open.
 
     travel  [1]
     """

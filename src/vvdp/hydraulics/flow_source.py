@@ -37,7 +37,7 @@ class SourceState(NamedTuple):
 def source_rate(command: float, flow: float, source: LaggingSource) -> float:
     """Rate of the flow of a source with a lag [m^3/s^2]: (command - Q)/lag.
 
-    command  wanted flow [m^3/s]
+    command  commanded flow [m^3/s]
     flow     Q, now [m^3/s]
 
     Source  wang2017, ch. 6 (the pump as a first-order lag)
@@ -48,7 +48,7 @@ def source_rate(command: float, flow: float, source: LaggingSource) -> float:
 def source_flow(flow: float, outlet_volume_ratio: float, source: FlowSource) -> float:
     """Flow of an ideal source [tank volumes, m^3/s]: the flow, or flow/nu(outlet) where it is counted there.
 
-    flow                 as it is counted; negative from outlet to inlet [m^3/s]
+    flow                 as counted; negative from outlet to inlet [m^3/s]
     outlet_volume_ratio  nu of the oil at the outlet [1]
 
     Source  ours, docs/models/components.md

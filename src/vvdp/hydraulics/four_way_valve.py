@@ -103,7 +103,7 @@ class EdgeDrops(NamedTuple):
 
 
 def _travels(position: float, valve: LappedValve) -> Edges:
-    """How far each edge is open, before it is held between 0 and 1: (y - lap)/(1 - lap), y towards its side [1]."""
+    """Opening of each edge, before it is held between 0 and 1: (y - lap)/(1 - lap), y towards its side [1]."""
     x = position
     return Edges(
         pa=(x - valve.overlap_pa) / (1.0 - valve.overlap_pa),
@@ -153,7 +153,7 @@ def sensing_openings(position: float, bypass: float) -> SensingOpenings:
 
 
 def flow_push(edges: Edges, drops: EdgeDrops, valve: LappedValve) -> float:
-    """By how much flow forces push a spool back to its middle [1]: c (y_pa |dp| + y_bt |dp| - y_pb |dp| - y_at |dp|).
+    """Displacement of a spool back to its middle by flow forces [1]: c (y_pa |dp| + y_bt |dp| - y_pb |dp| - y_at |dp|).
 
     A jet pushes its edge closed with 0.43 w x dp, w the width of the edge and x its opening; over the stiffness k that
     centres the spool that is c = 0.43 w/k per opening and drop.

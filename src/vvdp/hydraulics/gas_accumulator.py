@@ -173,7 +173,7 @@ def seat_stiffness(accumulator: GasAccumulator) -> float:
 
 
 def accumulator_pressure(gas_pressure: float, gas_volume: float, accumulator: GasAccumulator) -> float:
-    """Pressure of the oil in an accumulator [Pa, absolute]: that of the gas, less what the seat carries.
+    """Pressure of the oil in an accumulator [Pa, absolute]: that of the gas minus the pressure on the seat.
 
     gas_pressure  absolute [Pa]
     gas_volume    now [m^3]

@@ -68,7 +68,7 @@ class GerotorMap(Params):
 
 
 class GerotorBelief(GerotorMap):
-    """The map as a controller believes it; a flow wanted below `straight_flow` goes straight through the dead band."""
+    """The map in a controller; a flow demanded below `straight_flow` goes straight through the dead band."""
 
     straight_flow: Flow
 
@@ -86,7 +86,7 @@ class GerotorBelief(GerotorMap):
 class GerotorCalibration(Params):
     """Measured rows of command and flow; between them straight lines, beyond them the outermost flows.
 
-    The flow may stay as it is from row to row, as within the dead band, but never fall.
+    The flow may be constant from row to row, as within the dead band, but never fall.
     """
 
     commands: Annotated[tuple[float, ...], SIGNED_FRACTION]
@@ -146,7 +146,7 @@ def gerotor_command(flow: float, belief: GerotorBelief) -> float:
     Below `straight_flow` the command goes in a straight line through zero, so that noise does not jump over the dead
     band.
 
-    flow  wanted, positive forward [m^3/s]
+    flow  demanded, positive forward [m^3/s]
     """
     small = clip(flow / belief.straight_flow, -1.0, 1.0) * belief.straight_flow
     largest_back = belief.backward_gain * belief.largest_flow
@@ -167,7 +167,7 @@ def calibrated_flow(command: float, calibration: GerotorCalibration) -> float:
 def calibrated_command(flow: float, calibration: GerotorCalibration) -> float:
     """Command [1] for a flow, from measured rows; 0 for none, and where several give it that at the end of their range.
 
-    flow  wanted, positive forward, held between the outermost rows [m^3/s]
+    flow  demanded, positive forward, held between the outermost rows [m^3/s]
     """
     commands, flows = calibration.commands, calibration.flows
     command = commands[0]
@@ -184,7 +184,7 @@ def gerotor_rate(
 ) -> GerotorState:
     """Rates of the flow [m^3/s^2] and of the position [m/s]: (settled - Q)/lag, and Q/A while no end holds the spool.
 
-    settled_flow        what the command leads to [m^3/s]
+    settled_flow        in the steady state of the command [m^3/s]
     at_lower, at_upper  1 while that end holds the spool, else 0
 
     Source  wang2017, eq. 4.17; lag and ends: ours, docs/models/axial-drives.md

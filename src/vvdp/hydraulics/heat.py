@@ -71,7 +71,8 @@ def warm_medium(medium: Medium, temperature: float, oil: Oil) -> Medium:
 
 
 def carried_heat(flow: float, own: float, carried: float, entering: float) -> float:
-    """Heat that a component's flow brings to a node [W]: its share of what the others gave, less what it takes.
+    """Heat that a component's flow brings to a node [W]: its share of the heat that the component takes out, minus the
+    heat of the oil that it draws from the node.
 
     flow      into the node [tank volumes, m^3/s]
     own       heat per tank volume of the node [J/m^3]

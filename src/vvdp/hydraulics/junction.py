@@ -1,8 +1,8 @@
 """The pressure of a place that holds no oil, at which as much flows in as out.
 
-It is searched for in rounds; each asks the laws of what meets there for the net inflow at one pressure, `guess`. That
-inflow must not grow with the pressure. The interval that holds the pressure is first the one between the pressures
-around, then, where a pump pushes or draws, all up to `HIGHEST` or down to `LOWEST`.
+It is searched for in rounds; each evaluates the laws of the components there for the net inflow at one pressure,
+`guess`. That inflow must not grow with the pressure. The interval that holds the pressure is first the one between the
+pressures around, then, where a pump pushes or draws, all up to `HIGHEST` or down to `LOWEST`.
 """
 
 from typing import NamedTuple
@@ -17,16 +17,16 @@ TOLERANCE = 1e-6
 ROUNDS = 54.0
 """Rounds after which every search has ended: both ends, one to spare, and 50 halvings of `HIGHEST`."""
 TRUNCATION = 0.2
-"""How far a guess is moved from the secant towards the middle, times interval over first interval [1]."""
+"""Distance from the secant towards the middle by which a guess is moved, times interval over first interval [1]."""
 LEAST_FLOW = 1e-300
 """Least flow, which keeps the secant of two inflows of zero finite [m^3/s]."""
 
 
 class PressureSearch(NamedTuple):
-    """Where a search stands: the pressure lies from `low` to `high`, with these net inflows there.
+    """State of a search: the pressure lies from `low` to `high`, with these net inflows there.
 
-    width  of the interval once both ends were asked [Pa]
-    reach  what halving alone would have left of it, doubled [Pa]
+    width  of the interval once both ends were evaluated [Pa]
+    reach  width that halving alone would have left, doubled [Pa]
     rounds that are over
     """
 
@@ -77,7 +77,8 @@ def next_search(search: PressureSearch, inflow: float) -> PressureSearch:
 
 
 def _next_guess(search: PressureSearch) -> float:
-    """Where the next round asks [Pa]: at the upper end, then inside; where the last one did once that is found."""
+    """Guess of the next round [Pa]: at the upper end, then inside; that of the last round once the pressure is
+    found."""
     low, high = search.low, search.high
     middle, interval = 0.5 * (low + high), high - low
     share = search.inflow_low / maximum(search.inflow_low - search.inflow_high, LEAST_FLOW)

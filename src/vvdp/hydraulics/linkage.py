@@ -190,7 +190,7 @@ def arm_lever(angle: float, arm: Arm) -> float:
 
 
 def arm_stretch(shaft: ShaftState, rod: RodState, arm: Arm) -> float:
-    """By how much the rod of an arm's cylinder is longer than the place between its eyes [m]."""
+    """Length of the rod of an arm's cylinder beyond the distance between its eyes [m]."""
     return rod.position + arm.retracted_length - arm_length(shaft.angle, arm)
 
 

@@ -52,8 +52,8 @@ def motor_torque(a: FluidState, b: FluidState, motor: Displacing) -> float:
 def motor_compression_loss(shaft_speed: float, a: FluidState, b: FluidState, motor: Displacing) -> float:
     """Power lost where a motor's chambers meet the pressure of the other side [W], never negative.
 
-    D omega ((h_a - h_b)/nu - (P_a - P_b)), nu on the side that the oil comes from: what the oil gives and the torque
-    does not take.
+    D omega ((h_a - h_b)/nu - (P_a - P_b)), nu on the side that the oil comes from: the power of
+    the oil that the torque does not take.
 
     shaft_speed  omega [rad/s]
     a, b         oil at the first and at the second port

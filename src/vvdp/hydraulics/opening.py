@@ -10,7 +10,7 @@ from vvdp.base.select import select
 
 
 class OpeningState(NamedTuple):
-    """How far a valve with one edge is open; a relief valve is open by 1 at its rated point, and goes beyond."""
+    """Opening of a valve with one edge; a relief valve is open by 1 at its rated point, and goes beyond."""
 
     opening: Opening
 

@@ -22,7 +22,7 @@ class LinePipe(Params):
 
     `hose_compliance` is the relative growth of its volume over pressure; 0 is rigid, `wall_compliance` gives that of a
     tube. `wall_friction` multiplies the friction of a smooth wall; 0 has none. `damping` takes swings from piece to
-    piece: 0.3 leaves a sudden change no overshoot, and what it takes from long waves vanishes with their number.
+    piece: 0.3 leaves a sudden change no overshoot, and its effect on long waves vanishes with their number.
     """
 
     length: Length

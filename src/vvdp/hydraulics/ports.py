@@ -7,7 +7,7 @@ from vvdp.base.kinds import Angle, Density, DynamicViscosity, Flow, Kind, Positi
 SURPLUS = Kind("surplus flow", "m^3/s", -1.0, 1.0, "1 lpm")
 EXCHANGED_POWER = Kind("exchanged power", "W", -1e9, 1e9, "5.6 kW")
 ExchangedPower = Annotated[float, EXCHANGED_POWER]
-"""Power that may go either way, such as what a force from outside gives or takes."""
+"""Power that may go either way, such as that of an external force."""
 Surplus = Annotated[float, SURPLUS]
 """Flow into the volume at a component's first port without that component, minus the flow that its walls take up [m^3/s
 at the pressure there]."""
@@ -41,7 +41,7 @@ class RodState(NamedTuple):
 
 
 class Wall(NamedTuple):
-    """A wall that moves in a volume: what it has added to that volume, and how fast it does."""
+    """A wall that moves in a volume: the volume that it has added, and its rate."""
 
     volume: Volume
     rate: Flow

@@ -89,11 +89,11 @@ class RackState(NamedTuple):
 
 
 def governed_share(shortfall: float, held: float, least: float, mover: GovernedMover) -> float:
-    """Share of its torque that a governor asks for [1]: x + (omega_r - omega)/band, held between `least` and 1.
+    """Share of its torque that a governor demands [1]: x + (omega_r - omega)/band, held between `least` and 1.
 
     shortfall  omega_r - omega [rad/s]
     held       x, its state [1]
-    least      -1 of what brakes too, 0 of what only drives [1]
+    least      -1 of a mover that also brakes, 0 of one that only drives [1]
     """
     share: float = clip(_wanted_share(shortfall, held, mover), least, 1.0)
     return share
@@ -104,7 +104,7 @@ def _wanted_share(shortfall: float, held: float, mover: GovernedMover) -> float:
 
 
 def governed_side(shortfall: float, held: float, least: float, mover: GovernedMover) -> float:
-    """Whether a governor asks for the least torque, one in between, or the whole [1]; see `base.modes.between`.
+    """Whether a governor demands the least torque, one in between, or the maximum [1]; see `base.modes.between`.
 
     shortfall, held, least  as in `governed_share`
     """

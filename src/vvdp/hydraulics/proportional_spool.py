@@ -43,7 +43,7 @@ class ProportionalSpool(Params):
 
 
 class ValveSpool(NamedTuple):
-    """Position of a spool, 1 forward and -1 backward, and what its drive asks of its rate, in strokes per second."""
+    """Position of a spool, 1 forward and -1 backward, and the rate that its drive demands, in strokes per second."""
 
     position: SpoolPosition
     wanted_rate: SignedRate
@@ -77,7 +77,7 @@ def error_side(command: float, position: float, pushed_back: float, valve: Propo
 
 
 def spool_motion(moving: float, spool: ValveSpool, valve: ProportionalSpool) -> ValveSpool:
-    """Rates of a spool's position [1/s] and of the rate that its drive asks for [1/s^2].
+    """Rates of a spool's position [1/s] and of the rate that its drive demands [1/s^2].
 
     x' = clip(v, +-r), v' = omega^2 e - 2 zeta omega v: below the largest rate r a second-order system; at it v is held
     there, and does not wind up. Of first order: x' = clip(e/T, +-r).

@@ -25,7 +25,7 @@ class ProportionalValve(Params):
 def opening_rate(command: float, opening: float, valve: ProportionalValve) -> float:
     """Rate of the opening of a proportional valve [1/s]: (command - opening)/lag, the command held between 0 and 1.
 
-    command  wanted opening [1]
+    command  commanded opening [1]
     opening  now [1]
 
     Source  ours, docs/models/components.md

@@ -16,10 +16,10 @@ from vvdp.fluid.mixture import FluidState
 class Pump(Params):
     """A pump; its flow swings by `ripple_amplitude` of the mean, `ripple_count` (vanes, pistons) times per revolution.
 
-    `friction_torque` is what the shaft takes beyond the hydraulic torque, whatever the pressure and speed.
+    `friction_torque` is the torque of the shaft beyond the hydraulic torque, independent of pressure and speed.
     `dead_volume` is the oil that stays behind in all chambers in one revolution, and expands before they fill.
-    `precompression` is the share of the compression in closed chambers: at 1 they meet the pressure that they have, at
-    0 a chamber at one pressure is joined with the other, and what flows in to fill it is lost.
+    `precompression` is the share of the compression in closed chambers: at 1 they open at their own pressure, at 0 a
+    chamber at one pressure is joined with the other, and the energy of the oil that fills it is lost.
     """
 
     displacement: Displacement
@@ -39,15 +39,15 @@ class Delivery(NamedTuple):
 
 
 def is_ideal(pump: Pump) -> bool:
-    """Whether the chambers of a pump lose nothing and keep nothing, so that `tank_displacement` says all of them."""
+    """Whether the chambers of a pump neither lose nor keep oil, so that `tank_displacement` describes them fully."""
     return pump.dead_volume == 0.0 and pump.precompression == 1.0
 
 
 def tank_displacement(shaft_angle: float, inlet: FluidState, pump: Pump) -> float:
     """Displacement of a pump without dead volume per angle [tank volumes, m^3/rad]: D (1 + r sin(z theta))/nu_in.
 
-    It fills at its inlet's pressure, so what it displaces is counted there and does not depend on the pressure it is
-    pushed against. Times the speed it is the flow, times h_out - h_in the hydraulic torque.
+    It fills at its inlet's pressure, so its displacement is counted there and does not depend on the outlet
+    pressure. Times the speed it is the flow, times h_out - h_in the hydraulic torque.
 
     shaft_angle  theta [rad]
     inlet        oil where the pump fills
@@ -83,7 +83,7 @@ def delivery(shaft_angle: float, inlet: FluidState, outlet: FluidState, pump: Pu
 
 
 def flow_ripple(shaft_angle: float, pump: Pump) -> float:
-    """How far the flow of a pump is from its mean, over the mean [1]: r sin(z theta).
+    """Deviation of the flow of a pump from its mean, over the mean [1]: r sin(z theta).
 
     shaft_angle  theta [rad]
     """

@@ -37,17 +37,17 @@ def torque_share(pressure_rise: float, compensator: PumpCompensator) -> float:
 
 
 def compensated_share(shortfall: float, pressure_rise: float, swivel: float, compensator: PumpCompensator) -> float:
-    """Share of its displacement that a compensator asks of a pump [1]: that of its pressure, or of its torque.
+    """Share of its displacement that a compensator demands of a pump [1]: that of its pressure, or of its torque.
 
     shortfall      P_set - P [Pa]
-    pressure_rise  outlet less inlet [Pa]
+    pressure_rise  outlet minus inlet [Pa]
     swivel         state of the pressure control [1]
     """
     return minimum(swivel_share(shortfall, swivel, compensator), torque_share(pressure_rise, compensator))
 
 
 def torque_distance(shortfall: float, pressure_rise: float, swivel: float, compensator: PumpCompensator) -> float:
-    """How far what the pressure asks for lies above what the torque allows [1]; negative where the pressure decides.
+    """Share demanded by the pressure minus the share allowed by the torque [1]; negative where the pressure decides.
 
     shortfall, pressure_rise, swivel  as in `compensated_share`
     """

@@ -4,7 +4,7 @@ Redlich and Kwong's equation, whose attraction and own volume a factor of 0 take
 
 Source  redlich1949; heat capacity of a diatomic gas, 5/2 R
 Holds   for nitrogen above -70 degC, up to some 400 bar
-Error   open; the equation knows no more of the gas than its critical point, and is off by a few percent at most
+Error   open; the only data of the gas in the equation is its critical point; errors of a few percent at most
 """
 
 from typing import Annotated, NamedTuple

@@ -118,7 +118,7 @@ def opened_relief_flow(pressure_drop: float, tank_pressure: float, opening: floa
 
 
 def setting_fall(load_pressure: float, relief: LoadReliefValve) -> float:
-    """By how much the setting of a relief valve that follows a load lies below its cracking pressure [Pa].
+    """Reduction of the setting of a relief valve that follows a load, from its cracking pressure [Pa].
 
     max(P_cr - max(P_load + margin, P_least), 0): with it on top of the pressure that it limits, it is a plain one.
 

@@ -28,7 +28,7 @@ from vvdp.hydraulics.rod import GRAVITY
 class Reservoir(Params):
     """A tank of straight walls. Its suction mouth lies `suction_height` above the bottom, and is as wide as its area.
 
-    `elevation` is the height of the bottom over what the ports join, such as the inlet of a pump. Vented, the air
+    `elevation` is the height of the bottom over the connected ports, such as the inlet of a pump. Vented, the air
     keeps `air_pressure` (absolute); `sealed` 1 closes it in, and it has that pressure at the first `tank_volume`.
     """
 

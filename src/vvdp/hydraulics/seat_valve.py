@@ -32,7 +32,7 @@ def seat_flow(pressure_drop: float, opening: float, valve: SeatValve) -> float:
 
 
 def seat_rate(wanted_opening: float, opening: float, valve: SeatValve) -> float:
-    """Rate of the opening of a seat valve [1/s]: (wanted - y)/lag, the wanted one held between 0 and 1.
+    """Rate of the opening of a seat valve [1/s]: (y_c - y)/lag, the commanded opening y_c held between 0 and 1.
 
     wanted_opening  [1]
     opening         y, now [1]

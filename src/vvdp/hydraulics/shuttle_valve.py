@@ -25,7 +25,7 @@ class ShuttleValve(Params):
 
 
 def ball_share(pressure_difference: float, shuttle: ShuttleValve) -> float:
-    """Where the ball stands, before it is held between its seats [1]: 0 closes port a, 1 closes port b.
+    """Position of the ball, before it is held between its seats [1]: 0 closes port a, 1 closes port b.
 
     1/2 + (P_a - P_b)/(2 dP_c)
 
@@ -35,7 +35,7 @@ def ball_share(pressure_difference: float, shuttle: ShuttleValve) -> float:
 
 
 def ball_position(pressure_difference: float, shuttle: ShuttleValve) -> float:
-    """Where the ball stands [1]: 0 on the seat of port a, 1 on that of port b.
+    """Position of the ball [1]: 0 on the seat of port a, 1 on that of port b.
 
     pressure_difference  P_a - P_b [Pa]
 

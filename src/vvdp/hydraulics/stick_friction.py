@@ -24,7 +24,7 @@ class StickFriction(Params):
 
 
 class StickState(NamedTuple):
-    """By how much the surfaces have given way."""
+    """Elastic deflection of the surfaces."""
 
     give: Position
 

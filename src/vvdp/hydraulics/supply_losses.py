@@ -24,7 +24,7 @@ def metered_loss(pump_flow: float, delivered: float, load_rise: float, relief_ri
 
 
 def bled_off_loss(pump_flow: float, delivered: float, load_rise: float) -> float:
-    """Power lost when a fixed pump runs at load pressure and a throttle sends what is too much to the tank [W].
+    """Power lost when a fixed pump runs at load pressure and a throttle bleeds the surplus flow to the tank [W].
 
     (Q - q) P_L: the best that throttling a fixed pump can do, without any drop on the way to the load.
 

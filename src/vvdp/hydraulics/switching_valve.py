@@ -89,8 +89,8 @@ def spool_rate(
     """Rates of position [m/s] and velocity [m/s^2] of a switching spool.
 
     x'' = omega^2 (u stroke - x) - 2 zeta omega x'. An end of the stroke holds the position and takes the outward
-    velocity within 1/(50 omega), so that the spool does not rebound and leaves as soon as it is called back. What it is
-    beyond an end, by rounding, does not pull it back.
+    velocity within 1/(50 omega), so that the spool does not rebound and leaves as soon as it is called back. An
+    excess beyond an end, by rounding, does not pull it back.
 
     command              u: 0 to the second port, 1 to the first [1]
     spool                position and velocity
@@ -194,7 +194,7 @@ def pulse_value(t: float, duty_ratio: float, frequency: float) -> float:
 
 
 def pulse_edge(t: float, duty_ratio: float, frequency: float) -> float:
-    """The next edge [s] after `t` of pulses whose duty ratio stays as it is; infinity at a duty ratio of 0 or 1.
+    """The next edge [s] after `t` of pulses with a constant duty ratio; infinity at a duty ratio of 0 or 1.
 
     t           time [s]
     duty_ratio  d, held between 0 and 1 [1]

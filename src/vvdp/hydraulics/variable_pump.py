@@ -17,7 +17,7 @@ class PumpControl(Params):
     highest pressure whatever the load, as a pressure-compensated pump does.
 
     A shortfall of the pressure by `proportional_band` strokes the pump from rest to its full displacement at once;
-    what is missing then is made up with the time constant `reset_time`, so that nothing is missing in the end.
+    the remaining shortfall vanishes with the time constant `reset_time`, so that none is left in the steady state.
     """
 
     margin: PressureDifference
@@ -30,7 +30,7 @@ class PumpControl(Params):
 
 
 class SwivelState(NamedTuple):
-    """Share of its displacement to which a control has brought a pump without what is missing now."""
+    """Share of its displacement to which a control has brought a pump, without its proportional part."""
 
     swivel: Fraction
 
@@ -47,7 +47,7 @@ def held_level(control: PumpControl, load_pressure: float, second_pressure: floa
 
 
 def wanted_swivel(shortfall: float, swivel: float, control: PumpControl) -> float:
-    """Share of a pump's displacement that its control asks for [1], not bounded: s + (P_set - P)/band.
+    """Share of a pump's displacement that its control demands [1], not bounded: s + (P_set - P)/band.
 
     shortfall  P_set - P [Pa]
     swivel     s, the control's state [1]

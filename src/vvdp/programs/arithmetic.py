@@ -72,7 +72,7 @@ def _product_quantity(read: Sequence[Kind], values: Written) -> Kind:
 
 
 class Looked(NamedTuple):
-    """Where in the table."""
+    """Place in the table."""
 
     reads: Input
     second: Second = 0.0

@@ -1,4 +1,5 @@
-"""Pictures of a controlled axial drive: where the spool should be, is, and is believed to be; what the loop stores."""
+"""Charts of a controlled axial drive: reference, true and estimated position of the spool, and the storage of the
+loop."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from vvdp.simulation.record import Record
 
 TABLE = "axial"
-"""Name of the table that holds what is drawn."""
+"""Name of the table behind the charts."""
 
 
 TURN = 2.0 * np.pi
@@ -23,8 +24,8 @@ Columns = dict[str, tuple[Array, Kind, str]]
 
 
 class DrivePaths(NamedTuple):
-    """Where a record has what is drawn of an axial drive: true position, and of its control the reference, what the
-    sensor shows, the estimate with its deviation and the periodic sensor error, the spool's angle, the stage."""
+    """Paths in a record of an axial drive: true position, and of its control the reference, the measured position, the
+    estimate with its standard deviation and the periodic sensor error, the spool's angle, the stage."""
 
     spool: str
     reference: str
@@ -37,7 +38,7 @@ class DrivePaths(NamedTuple):
 
 
 class ChamberPaths(NamedTuple):
-    """The same of a chamber: its pressure, the desired one, and what the loop stores."""
+    """Paths in a record of a chamber: its pressure, the desired pressure, and the storage of the loop."""
 
     pressure: str
     desired_pressure: str
@@ -51,9 +52,9 @@ def values_over_time(record: "Record", path: str) -> Array:
 
 
 def motion_columns(record: "Record", paths: DrivePaths, period: float) -> Columns:
-    """Where the spool should be, is and is believed to be, over time.
+    """Reference, true and estimated position of the spool over time.
 
-    A row shows what was commanded at the last sample before it: errors are those against the position at that sample,
+    A row shows the command of the last sample before it: errors are those against the position at that sample,
     of which there is one every `period` [s].
     """
     shown = {word: values_over_time(record, path) for word, path in paths._asdict().items()}

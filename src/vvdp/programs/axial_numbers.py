@@ -1,4 +1,5 @@
-"""How well an axial drive is controlled: errors of position and estimate, and whether the storage obeys passivity."""
+"""Quality of the control of an axial drive: errors of position and estimate, and whether the storage obeys
+passivity."""
 
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
@@ -55,7 +56,7 @@ CHAMBER: Quantities = MappingProxyType(
 
 
 class ExactLaw(Protocol):
-    """A law with the drive as it believes it; `gains` are those of passivity or of backstepping."""
+    """A law with its model of the drive; `gains` are those of passivity or of backstepping."""
 
     @property
     def drive(self) -> ChamberDrive: ...
@@ -82,8 +83,8 @@ class Controlled(NamedTuple):
 
 
 class Moved(NamedTuple):
-    """How a spool moved while it was controlled, at its samples: time [s], true position and reference [m], and what
-    an observer believed [m]; NaN where there is none. Each (rows,)."""
+    """Motion of a spool under control, at its samples: time [s], true position, reference and estimated position [m];
+    NaN where there is no observer. Each (rows,)."""
 
     times: Array
     true: Array
@@ -94,7 +95,7 @@ class Moved(NamedTuple):
 
 
 def motion_numbers(moved: Moved, helix_length: float) -> dict[str, float]:
-    """How well a spool was held, from `SETTLED` after the start of control on; empty where it was not that long.
+    """Tracking and estimation errors, from `SETTLED` after the start of control on; empty if control was shorter.
 
     helix_length  duty ratio 0 to 1 [m]; NaN: not known
     """
@@ -122,12 +123,13 @@ def motion_numbers(moved: Moved, helix_length: float) -> dict[str, float]:
 
 
 def storage_numbers(found: Controlled, law: ExactLaw, period: float) -> dict[str, float]:
-    """How often W_P of the true states rose, from sample to sample, beyond what is allowed.
+    """Rises of W_P of the true states, from sample to sample, beyond the allowed ones: number, largest, its time; and
+    the largest W_P.
 
     Empty where rows are not one sample apart.
 
-    Allowed is what the spool gave, eq. 5.27: W_P' <= -(P - P_d) A e_v; and what the exact law does not answer for: that
-    the flow is held over a sample, and that its estimate is off, by up to `EXPLAINED` of the deviations it states.
+    Allowed is the power from the spool, eq. 5.27: W_P' <= -(P - P_d) A e_v; and two effects outside of the exact law:
+    the flow is held over a sample, and its estimate has errors, of up to `EXPLAINED` of their standard deviations.
 
     period  of the samples [s]
 
@@ -158,8 +160,8 @@ def storage_numbers(found: Controlled, law: ExactLaw, period: float) -> dict[str
 
 
 def flow_deviation(found: Controlled, law: ExactLaw) -> Array:
-    """How far the flow that the law asks for may be off [m^3/s], by the observer's stated standard deviations; shape
-    (rows,).
+    """Standard deviation of the flow that the law commands [m^3/s], from the observer's stated standard deviations;
+    shape (rows,).
     """
     gains, true, shown = law.gains, found.true, found.shown
     flow_of: Any = passivity_law if isinstance(gains, PassivityGains) else backstepping_law
@@ -175,7 +177,7 @@ def flow_deviation(found: Controlled, law: ExactLaw) -> Array:
 
 
 def control_merits(found: Mapping[str, float | bool]) -> Iterator[str]:
-    """That the storage never rose, where that is so."""
+    """Sentence that the storage never rose, if this holds."""
     if found.get("storage_rises") == 0.0:
         yield (
             "what the chamber stores against its desired pressure never rose beyond what the spool gave it: at every "

@@ -25,7 +25,7 @@ HOME, LEARN, RUN, STOP = 0.0, 1.0, 2.0, 3.0
 """Stages: to the stop; there, with the periodic sensor error being learned; controlled; de-energised for good."""
 
 SETTLED = 1.0
-"""From so long after the start of control on errors count [s]."""
+"""Time after the start of control from which on errors count [s]."""
 
 SLOWEST = 20.0
 """Spool speed from which on its angle may be known [rad/s]; assumed."""
@@ -74,7 +74,7 @@ class AxialObserverTable(Params):
 
 
 class Stage(NamedTuple):
-    """In which stage a drive is, and since when; `held` is 1 while the spool rests at its stop."""
+    """Stage of a drive, and the time of its begin; `held` is 1 while the spool rests at its stop."""
 
     number: Count
     since: Time
@@ -117,7 +117,7 @@ def sight_of(
 ) -> AxialSeen:
     """Inputs of an observer at a sample. A sensor that is dark, or of a drive not homed yet, shows nothing.
 
-    flow      into the drive, as it is known [m^3/s]
+    flow      into the drive, as far as it is known [m^3/s]
     pressure  of its chamber, 0 where it has none [Pa, absolute]
     margin    of observability [1]
     """

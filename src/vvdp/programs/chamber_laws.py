@@ -1,4 +1,4 @@
-"""The laws of the chamber drive as programs: from a reference and what is believed of the spool to the valve's command.
+"""Laws of the chamber drive as programs: from a reference and the estimated motion of the spool to the valve's command.
 
 Source  ours, docs/models/passivity-control.md, where a function names no other.
 """
@@ -66,14 +66,14 @@ class KnownChamber(Params):
 
 
 class PrintedPassivityTable(PassivityGains, KnownChamber):
-    """Gains of a passivity law, and the drive as it believes it."""
+    """Gains of a passivity law, and its model of the drive."""
 
     def check(self) -> None:
         known_drive(self)
 
     @property
     def sample_period(self) -> float | None:
-        """How often the law is called if it has a hold time [s]; None leaves it open."""
+        """Period of the calls if the law has a hold time [s]; None leaves it open."""
         return self.flow_hold or None
 
 
@@ -82,7 +82,7 @@ class PassivityTable(VolumeLearning, PrintedPassivityTable):
 
 
 class BacksteppingTable(BacksteppingGains, KnownChamber):
-    """Gains of backstepping, and the drive as it believes it."""
+    """Gains of backstepping, and its model of the drive."""
 
     def check(self) -> None:
         refuse_flow_gain(self, known_drive(self))
@@ -152,8 +152,8 @@ def backstepping_settings(table: BacksteppingTable) -> BacksteppingLaw:
 
 
 class ChamberTask(NamedTuple):
-    """The reference with its derivatives, what is believed of the spool, and the measured pressure of its chamber,
-    absolute. While `released` is 0 the valve is wide open to the tank."""
+    """The reference with its derivatives, the estimated position and velocity of the spool, and the measured pressure
+    of its chamber, absolute. While `released` is 0 the valve is wide open to the tank."""
 
     reference: Position
     reference_velocity: Velocity
@@ -166,8 +166,8 @@ class ChamberTask(NamedTuple):
 
 
 class ChamberCommand(NamedTuple):
-    """The command of the valve, the flow that it is to pass, the pressure that would move the spool as wanted,
-    absolute, what the closed loop stores, as believed, and the volume of the chamber at position 0, as learned."""
+    """The command of the valve, the flow that it is to pass, the desired pressure, absolute, the estimated storage of
+    the closed loop, and the learned volume of the chamber at position 0."""
 
     command: SignedFraction
     flow: Flow
@@ -189,8 +189,8 @@ def believed_motion(task: ChamberTask) -> ChamberReading:
 def chamber_command(
     task: ChamberTask, wanted: ChamberFlow, gains: PositionGains, drive: ChamberDrive
 ) -> ChamberCommand:
-    """The command of the valve that gives the flow a law asks for, once the spool is released; until then it empties
-    the chamber."""
+    """The command of the valve for the flow that a law commands, once the spool is released; before, the chamber is
+    emptied."""
     command, storage = -1.0, 0.0
     if task.released > 0.5:
         command = valve_command(wanted.flow, task.pressure, drive.valve)

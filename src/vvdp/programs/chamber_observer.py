@@ -74,7 +74,7 @@ def is_pressed(pressure: float, observer: ChamberObserver) -> bool:
 
 
 class ChamberObserverTable(SpringDrive, AxialObserverTable, AxialSequence):
-    """The drive as it is believed, what is noise, and how long it homes and learns; the stop is at `stop_position`.
+    """Controller model of the drive, noise, and the times of homing and learning; the stop is at `stop_position`.
 
     The duty ratio is the position over the `helix_length`.
     """
@@ -91,7 +91,7 @@ class ChamberObserverSettings(Params):
 
     @property
     def sample_period(self) -> float:
-        """How often it is called [s]."""
+        """Period of the calls [s]."""
         return self.observer.sample_period
 
     @property

@@ -62,7 +62,8 @@ def reach_numbers(drive: ChamberDrive, helix_length: float) -> dict[str, float]:
 
 
 class ChamberLawReport(SpoolReport):
-    """Of a law that reads the `pressure` of a chamber too: what the chamber stores, and how far its supply reaches."""
+    """Report of a law that also reads the `pressure` of a chamber: the storage of the chamber, and the reach of its
+    supply."""
 
     QUANTITIES = MappingProxyType({**CHAMBER, **REACH})
 

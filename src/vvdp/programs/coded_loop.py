@@ -46,8 +46,8 @@ class CodedCommand(NamedTuple):
 def coded_step(
     t: float, memory: LoopMemory, seen: CylinderReading, settings: CodedLoop
 ) -> tuple[LoopMemory, CodedCommand]:
-    """Position loop of a cylinder behind a digital flow control unit: the code whose flow is closest to the wanted one,
-    a directional valve for the sign, a meter-out throttle."""
+    """Position loop of a cylinder behind a digital flow control unit: the code whose flow is closest to the demand, a
+    directional valve for the sign, a meter-out throttle."""
     kept, command = one_way_step(t, memory, seen, settings.loop)
     drop = max(settings.pump_pressure - kept.pressures.supply, LEAST_DROP)
     unit = settings.rated_flow * np.sqrt(drop / settings.rated_drop)

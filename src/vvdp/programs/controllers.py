@@ -26,7 +26,7 @@ class Limited(Params):
 
 
 class Pi(Limited):
-    """K, T_i, the limits of the command and what it starts from; a `tracking_time` of 0 clamps the integral."""
+    """K, T_i, the limits of the command and its start value; a `tracking_time` of 0 clamps the integral."""
 
     gain: Gain
     reset_time: Time
@@ -42,7 +42,7 @@ class Pi(Limited):
 
 
 class Pid(Pi):
-    """A PI controller with a derivative of what is measured, filtered with `derivative_time`/`filter_ratio`."""
+    """A PI controller with a derivative of the measured value, filtered with `derivative_time`/`filter_ratio`."""
 
     derivative_time: Time
     filter_ratio: Ratio = 10.0

@@ -1,4 +1,4 @@
-"""Pictures of a cylinder under displacement control: its motion, its pressures, what is asked of the drives."""
+"""Charts of a cylinder under displacement control: its motion, its pressures, the commands of the drives."""
 
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from vvdp.simulation.record import Record
 
 TABLE = "displacement"
-"""Name of the table that holds what a law reads and commands."""
+"""Name of the table of the inputs and commands of a law."""
 OPENING = Lines(lines=(Line(x="time_s", y="opening", colour=Colour.GREEN),), low=0.0, high=1.05)
 """Panel of the return valve."""
 DIRECTION = Lines(
@@ -35,7 +35,7 @@ def columns_over_time(record: "Record", sources: Mapping[str, Source]) -> dict[s
 
 
 def table_over_time(record: "Record", columns: Mapping[str, tuple[Array, Kind, str]]) -> Table:
-    """The table of what is drawn over time."""
+    """Table of the drawn columns over time."""
     every = {"time_s": (record.times, DURATION, "time"), **columns}
     shown = {key: Column(*column) for key, column in every.items()}
     return Table(title="Displacement control", columns=shown, is_data=True)
@@ -44,7 +44,7 @@ def table_over_time(record: "Record", columns: Mapping[str, tuple[Array, Kind, s
 def motion_charts(record: "Record", sources: Mapping[str, Source]) -> Iterator[tuple[Chart, Table]]:
     """Course of a run with its error; nothing without the `position`, `reference` and `error` among the sources.
 
-    A row shows what was commanded at the last sample before it: errors are those against the position at that sample.
+    A row shows the command of the last sample before it: errors are those against the position at that sample.
     """
     words = {"position": "position", "reference": "filtered reference", "error": "error against the reference"}
     keys = {"position": "position_m", "reference": "reference_m", "error": "tracking_error_m"}
@@ -62,7 +62,7 @@ def motion_charts(record: "Record", sources: Mapping[str, Source]) -> Iterator[t
 def law_charts(
     record: "Record", sources: Mapping[str, Source], bounds: PressureBounds
 ) -> Iterator[tuple[Chart, Table]]:
-    """The pressures that a law reads within their bounds, with the mode, and what it asks of the drives.
+    """The pressures that a law reads within their bounds, with the mode, and its commands to the drives.
 
     sources  of pressures, commands and, where it is known, the delivered flow
     """

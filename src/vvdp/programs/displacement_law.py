@@ -1,4 +1,4 @@
-"""Displacement control of a cylinder as a program: from a reference and what is measured to valves and flow.
+"""Displacement control of a cylinder as a program: from a reference and measured values to valves and flow.
 
 Source  ours, docs/models/displacement-control.md
 """
@@ -50,7 +50,7 @@ from vvdp.programs.generic import GenericProgram
 
 
 class KnownCylinder(CylinderBelief, CylinderEnds, LineBelief):
-    """Cylinder, load, line and return valve as the law believes them; oil volumes at position 0, hoses included."""
+    """Controller model of cylinder, load, line and return valve; oil volumes at position 0, hoses included."""
 
     tank_pressure: Pressure = ATMOSPHERE
     line_volume: Volume = 0.0
@@ -63,9 +63,10 @@ class KnownCylinder(CylinderBelief, CylinderEnds, LineBelief):
 class DisplacementTable(
     KnownCylinder, ForceGains, DirectionSettings, FlowSplit, PressureBounds, SupplySupport, Adaptation
 ):
-    """Gains and limits of the law, and the cylinder as it believes it; it is called every `sample_period`.
+    """Gains and limits of the law, and its model of the cylinder; it is called every `sample_period`.
 
-    `uses_delivered_flow` 1 asks for `delivered_flow`: the return valve then makes up for what the pump does not give.
+    `uses_delivered_flow` 1 needs `delivered_flow`: the return valve then compensates flow that the pump does not
+    deliver.
     """
 
     uses_delivered_flow: Fraction = 0.0
@@ -98,10 +99,10 @@ def _part(cls: type[Part], table: Params) -> Part:
 
 
 class CylinderTask(NamedTuple):
-    """The reference with its derivatives, what is believed of the rod, and the measured pressures, absolute.
+    """The reference with its derivatives, the estimated motion of the rod, and the measured pressures, absolute.
 
     `mean_...` are pressures averaged over a period of a pulsating supply; at 0 bara the measured one counts. While
-    `released` is 0 all valves are closed and no flow is asked for.
+    `released` is 0 all valves are closed and the commanded flow is 0.
     """
 
     reference: Position
@@ -124,8 +125,8 @@ class CylinderTask(NamedTuple):
 class CylinderCommand(NamedTuple):
     """Command of the directional valve (1 extends), opening of the return valve, flow of the pump.
 
-    The rest shows how they came about: U* as `effort`, F_H - F_v, the number of the pressure mode, 1 while the opening
-    is at an end, the flow of the split before any limit, load and mass as believed, with what was learned.
+    The other fields show how they were calculated: U* as `effort`, F_H - F_v, the number of the pressure mode, 1 while
+    the opening is at an end, the flow of the split before any limit, load and mass of the controller model as adapted.
     """
 
     direction: SignedFraction

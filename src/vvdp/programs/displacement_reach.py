@@ -123,7 +123,7 @@ def moves_of(cycle: ProgramPart) -> list[Move]:
 
 
 def refuse_speed(reach: Reach, move: Move) -> None:
-    """Raises ParameterError where a line of a cycle takes more flow than the law asks of the pump."""
+    """Raises ParameterError if a line of a cycle needs more flow than the law can command."""
     area = reach.cylinder.area_a if move.velocity > 0.0 else reach.cylinder.area_b
     largest, speed = reach.settings.split.largest_flow, abs(move.velocity)
     if speed > largest / area:

@@ -72,7 +72,7 @@ class DisplacementReport(ProgramReport):
         }
 
     def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:
-        """Pressures within their bounds, and what is asked of the drives."""
+        """Charts of the pressures within their bounds, and of the commands of the drives."""
         name, settings = self.program.name, self.program.settings
         assert isinstance(settings, DisplacementSettings)
         commands = {key: f"{name}.{key}" for key in ("flow", "opening", "direction", "mode")}

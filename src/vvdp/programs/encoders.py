@@ -40,7 +40,7 @@ class ShaftEncoder(EncoderTable):
 
 
 class WatchedShaft(NamedTuple):
-    """The shaft at a sample, and what is added to the threshold of the comparator."""
+    """The shaft at a sample, and the value added to the threshold of the comparator."""
 
     time: Time
     angle: Angle
@@ -138,7 +138,8 @@ class ThresholdSettings(Params):
 
 
 class ThresholdSeen(NamedTuple):
-    """Angle and speed of the shaft, the threshold without dither, and what the encoder is to add to its own."""
+    """Angle and speed of the shaft, the threshold without dither, and the value that the encoder adds to its own
+    threshold."""
 
     angle: Angle
     speed: Speed

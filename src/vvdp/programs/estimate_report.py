@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from vvdp.simulation.run import Run
 
 SETTLED = 0.5
-"""From this time of a run on the errors of the estimate are counted [s]: the filter has found speed and index."""
+"""Time of a run from which on the errors of the estimate are counted [s]: the filter has found speed and index."""
 STATED = 2.0
 """Within so many stated standard deviations 95 % of the errors lie if they are Gaussian and the deviations true."""
 COVERAGE = (0.90, 0.99)
-"""Between these the share of the errors within so many deviations lies where the estimate knows how good it is."""
+"""Range of the share of the errors within ±2σ if the stated standard deviation is right."""
 MODEST = 2.0
 """Stated standard deviation over the errors from which on, beyond chance, an estimate is far less sure than it may
 be.
@@ -65,8 +65,8 @@ def shaft_watch(network: Network, shaft: str) -> ShaftWatch | None:
 
 
 class EstimateErrors(NamedTuple):
-    """Errors of the estimates shown at the recorded times, at their samples: angle within half a turn [rad], speed
-    [rad/s]; `true_speed` is what the estimated one is held against [rad/s]."""
+    """Errors of the estimates shown at the recorded times, at their samples: angle within half a revolution [rad],
+    speed [rad/s]; `true_speed` is the speed with which the estimate is compared [rad/s]."""
 
     angle: Array
     speed: Array
@@ -158,7 +158,8 @@ def of_what(pitch: float) -> str:
 
 
 def estimate_doubts(found: Mapping[str, float | bool], watch: ShaftWatch) -> Iterator[str]:
-    """Where the estimate of a run is surer than it may be, or far less sure, and not by chance: a sentence each.
+    """Warnings, a sentence each, if the stated standard deviation of a run is too small, or far too large, and not by
+    chance.
 
     found  numbers of the run
     """
@@ -181,7 +182,7 @@ def estimate_doubts(found: Mapping[str, float | bool], watch: ShaftWatch) -> Ite
 
 
 class EstimateReport(ProgramReport):
-    """Of an event filter that knows the angle of a shaft: errors, stated standard deviation, coverage."""
+    """Report of an event filter that knows the angle of a shaft: errors, stated standard deviation, coverage."""
 
     def __init__(self, network: Network, name: str, sample_period: float) -> None:
         super().__init__(network, name, sample_period)
@@ -192,7 +193,7 @@ class EstimateReport(ProgramReport):
             self.UNSHOWN = frozenset(key for key in self.QUANTITIES if key.endswith(("_nees", "_errors")))
 
     def numbers(self, run: "Run") -> dict[str, float]:
-        """How good the estimate was; empty for a short run."""
+        """Errors and coverage of the estimate; empty for a short run."""
         if self.watch is None:
             return {}
         estimate, sampled = getattr(run.command, self.watch.filter), run.memory[self.watch.encoder]

@@ -71,7 +71,7 @@ def slope_start(settings: LowPass) -> SlopeMemory:
 
 
 def slope_step(t: float, memory: SlopeMemory, reading: Read, settings: LowPass) -> tuple[SlopeMemory, Rate]:
-    """Rate of what is read, behind a first-order filter; from sample to sample, at time t [s], 0 at the first."""
+    """Rate of the input, behind a first-order filter; from sample to sample, at time t [s], 0 at the first."""
     rate = 0.0
     if memory.begun > 0.5:
         slope = (reading.reads - memory.reads) / (t - memory.time)
@@ -80,7 +80,7 @@ def slope_step(t: float, memory: SlopeMemory, reading: Read, settings: LowPass) 
 
 
 class RateLimit(Params):
-    """How fast the command may rise and fall, both above 0."""
+    """Highest rates of rise and fall of the command, both above 0."""
 
     rise: OutputRate
     fall: OutputRate
@@ -99,7 +99,7 @@ def rate_limit_step(t: float, memory: LastValue, reading: Read, settings: RateLi
 
 
 class Limits(Limited):
-    """Between which values the command stays."""
+    """Limits of the command."""
 
     lowest: Output = -LARGEST
     highest: Output = LARGEST
@@ -122,8 +122,8 @@ class Led(NamedTuple):
 
 
 class LedReference(ReferenceFilter):
-    """The filter; with `leads` 1 what is read counts from the sample before on, and the reference moves a sample
-    earlier than for an input that is held from now on."""
+    """The filter; with `leads` 1 an input counts from the sample before on, and the reference moves a sample earlier
+    than for an input that is held from now on."""
 
     leads: Fraction = 0.0
 

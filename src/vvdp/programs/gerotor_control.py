@@ -56,7 +56,7 @@ ALWAYS_SEEN = 2.0
 
 
 class DriveBelief(GerotorBelief):
-    """The drive's map, and the `lag` with which its flow follows a command, as believed."""
+    """Controller model of the drive: its map, and the `lag` with which its flow follows a command."""
 
     lag: Time
 
@@ -65,7 +65,7 @@ class DriveBelief(GerotorBelief):
 
 
 class BelievedDrive(DriveBelief, AxialSequence):
-    """The drive's map as it is believed, and how long it homes and learns; the stop is at `stop_position`. The flow
+    """Controller model of the drive, and the times of homing and learning; the stop is at `stop_position`. The flow
     moves `area`; the duty ratio is the position over the `helix_length`."""
 
     area: Area
@@ -77,7 +77,7 @@ class BelievedDrive(DriveBelief, AxialSequence):
 
 
 class GerotorObserverTable(BelievedDrive, AxialObserverTable):
-    """The drive as it is believed, and what is noise."""
+    """Controller model of the drive, and noise."""
 
 
 class DriveWatch(Params):
@@ -140,7 +140,7 @@ class WatchedDrive(NamedTuple):
 
 
 class DriveStage(NamedTuple):
-    """Stage of a drive, what the pump's flow is taken to have come to, and how far the angle may have slipped."""
+    """Stage of a drive, the estimated flow of the pump, and the variance of slips of the angle."""
 
     stage: Stage
     flow: Flow
@@ -184,7 +184,7 @@ def flow_after(settled: float, flow: float, period: float, lag: float) -> float:
 
 
 def drive_sight(before: DriveStage, reading: WatchedDrive, watch: DriveWatch) -> DriveSight:
-    """Stage, flow, and what an observer sees at a sample."""
+    """Stage, flow, and inputs of an observer at a sample."""
     phase = known_phase(reading, reading.slip, before.slip)
     settled = 0.0
     if before.stage.number == RUN:
@@ -223,7 +223,7 @@ def gerotor_observer_program_step(
 
 
 class FeedforwardTable(GerotorBelief):
-    """Gains over the `area` that the flow moves, K_p/A_s and K_i/A_s; the pump's map as it is believed; and the command
+    """Gains over the `area` that the flow moves, K_p/A_s and K_i/A_s; the pump's map in the controller; and the command
     with which it homes, backward."""
 
     area: Area
@@ -269,8 +269,8 @@ def feedforward_settings(table: FeedforwardTable) -> FeedforwardSettings:
 
 
 class DriveTask(NamedTuple):
-    """The reference with its velocity, and what is believed of the spool. In stage 0 the pump drives it backward to its
-    stop, in stage 2 it is controlled, and else left where it is."""
+    """The reference with its velocity, and the estimated motion of the spool. In stage 0 the pump drives it backward to
+    its stop, in stage 2 it is controlled, and else it is not moved."""
 
     reference: Position
     reference_velocity: Velocity

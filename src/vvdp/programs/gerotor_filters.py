@@ -34,7 +34,7 @@ from vvdp.programs.gerotor_control import (
 
 
 class LumpedTable(BelievedDrive):
-    """The drive as it is believed; the periodic sensor error is taken for noise, behind a `bandwidth`."""
+    """Controller model of the drive; the periodic sensor error is treated as noise, behind a `bandwidth`."""
 
     sample_period: Time
     bandwidth: Speed
@@ -79,7 +79,7 @@ def lumped_step(
 
 
 class GeneratorTable(BelievedDrive):
-    """The drive as it is believed, the period of the sensor error, and deviations of a sample."""
+    """Controller model of the drive, the period of the sensor error, and standard deviations per sample."""
 
     sample_period: Time
     noise_period: Time

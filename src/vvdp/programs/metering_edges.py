@@ -106,7 +106,7 @@ def metered_edges(flow: float, opening: float, sides: Sides, settings: EdgeLoop)
 
 
 def best_codes(speed: float, edges: Edges, sides: Sides, settings: EdgeLoop) -> Edges:
-    """The codes next to two commands whose steady speed is closest to the wanted one [m/s]."""
+    """The codes next to two commands whose steady speed is closest to `speed` [m/s]."""
     best, least = Edges(np.floor(edges.into), np.floor(edges.out)), np.inf
     for more_in in (0.0, 1.0):
         for more_out in (0.0, 1.0):
@@ -133,7 +133,7 @@ def edge_step(
 
 
 class EdgeDemand(NamedTuple):
-    """Memory after a sample, what stands against each other, and what is asked for: flow and opening of the return."""
+    """Memory after a sample, areas and loads of the cylinder, and the demand: flow and opening of the return."""
 
     memory: LoopMemory
     sides: Sides

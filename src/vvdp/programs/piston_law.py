@@ -23,7 +23,7 @@ class PistonLaw(Params):
 
 
 class FlowDemand(NamedTuple):
-    """The flow that is asked of the pump."""
+    """The demanded flow of the pump."""
 
     flow: Flow
 
@@ -67,7 +67,7 @@ def piston_step(
 
 
 def ones(number: float) -> float:
-    """How many bits of a whole number are 1.
+    """Number of bits of a whole number that are 1.
 
     >>> ones(11.0)
     3.0

@@ -66,8 +66,8 @@ class LoopTable(Params):
 class PositionLaw(Params):
     """Model of the plant in a position loop, and its table.
 
-    `valve_conductance` is that of an edge of the valve that moves the cylinder, or of the throttle in its return;
-    `largest_flow` what the pump can give.
+    `valve_conductance` is that of an edge of the valve that moves the cylinder, or of the meter-out throttle;
+    `largest_flow` is that of the pump.
     """
 
     table: LoopTable
@@ -109,7 +109,7 @@ class Pressures(NamedTuple):
 
 
 class Joint(NamedTuple):
-    """How a circuit is joined: the `side` from -1 to 1 on its way to the one that is `wanted`."""
+    """Side to which a circuit is joined: `side` from -1 to 1 on its way to the one that is `wanted`."""
 
     wanted: SignedFraction
     side: SignedFraction
@@ -141,7 +141,7 @@ class CylinderCommand(NamedTuple):
 
 
 class Wanted(NamedTuple):
-    """The velocity that a loop asks for, with the force of the oil on the rod that holds its load."""
+    """The velocity that a loop demands, with the force of the oil on the rod that holds its load."""
 
     velocity: Velocity
     force: Force
@@ -170,7 +170,7 @@ def loop_gain(viscous_friction: float, mass: float, gain_margin: float) -> float
 
 
 def throttle_opening(velocity: float, force: float, supply: float, loop: PositionLoop) -> float:
-    """How far a 4/3 valve with four equal edges opens for a velocity [1]; backward below 0.
+    """Opening of a 4/3 valve with four equal edges for a velocity [1]; backward below 0.
 
     Extending, P_a = P_s - (A_a v/(K y))^2 and P_b = (A_b v/(K y))^2 give y = v/K root((A_a^3 + A_b^3)/(P_s A_a - F));
     retracting, P_s A_b + F stands below the root.
@@ -187,7 +187,7 @@ def throttle_opening(velocity: float, force: float, supply: float, loop: Positio
 
 
 def return_opening(velocity: float, force: float, loop: PositionLaw) -> float:
-    """How far a meter-out throttle opens so that the supply side keeps its level [1].
+    """Opening of a meter-out throttle with which the supply side keeps its level [1].
 
     The return may rise to P_r = (P_s A_s - F)/A_r, F in the direction of the velocity: u = A_r v/(K root(P_r)).
 
@@ -226,7 +226,7 @@ def next_memory(t: float, memory: LoopMemory, seen: CylinderReading, loop: Posit
 
 
 def wanted_motion(memory: LoopMemory, position: float, loop: PositionLaw) -> Wanted:
-    """The velocity that the position error asks for, and the oil's force as the filtered pressures show it.
+    """Demanded velocity from the position error, and the oil's force from the filtered pressures.
 
     position  of the rod [m]
     """
@@ -246,7 +246,7 @@ def change_side(t: float, joint: Joint, wanted: float, loop: PositionLoop) -> Jo
 def cylinder_command(
     t: float, memory: LoopMemory, settings: PositionLoop, flow: float = 0.0, valve: float = 0.0
 ) -> CylinderCommand:
-    """The command of a loop at `t` [s]; what a circuit does not have stays 0."""
+    """The command of a loop at `t` [s]; commands that a circuit does not have stay 0."""
     return CylinderCommand(
         flow=flow,
         valve=valve,
@@ -272,8 +272,8 @@ def throttle_step(
 def one_way_step(
     t: float, memory: LoopMemory, seen: CylinderReading, settings: PositionLoop
 ) -> tuple[LoopMemory, CylinderCommand]:
-    """Position loop of a cylinder whose pump gives flow one way: a directional valve for the sign, a meter-out
-    throttle; or a throttle that lets to the tank what a fixed pump gives beyond that."""
+    """Position loop of a cylinder whose pump delivers flow one way: a directional valve for the sign, a meter-out
+    throttle; or a throttle that bleeds the surplus flow of a fixed pump to the tank."""
     kept = next_memory(t, memory, seen, settings)
     found = one_way_actuation(kept, seen.position, settings)
     supply = kept.pressures.supply - settings.reference_pressure
@@ -298,7 +298,8 @@ class OneWay(NamedTuple):
 
 
 def one_way_actuation(memory: LoopMemory, position: float, loop: PositionLaw) -> OneWay:
-    """Side, flow and opening for the velocity that the position error asks for; the side stays while that is small.
+    """Side, flow and opening for the velocity that the position error demands; the side stays while this velocity is
+    small.
 
     position  of the rod [m]
     """
@@ -312,7 +313,8 @@ def one_way_actuation(memory: LoopMemory, position: float, loop: PositionLaw) ->
 
 
 def bleed_opening(flow: float, supply: float, loop: PositionLoop) -> float:
-    """How far a throttle beside the supply opens for what the cylinder does not take [1]: (Q_p - Q)/(K root(P_s)).
+    """Opening of a throttle beside the supply for the flow that the cylinder does not take [1]: (Q_p - Q)/(K
+    root(P_s)).
 
     flow    Q, to the cylinder [m^3/s]
     supply  P_s, gauge [Pa]

@@ -60,8 +60,8 @@ class ValveLoop(CylinderLoop):
 
 
 class OneWayLoop(ValveLoop):
-    """The same with a pump that is asked for no flow below `lowest_flow`; a fixed one is bled off through a throttle
-    of `bleed_conductance`."""
+    """The same with a pump whose least flow is `lowest_flow`; a fixed one is bled off through a throttle of
+    `bleed_conductance`."""
 
     bleed_conductance: Conductance = FEWEST
     lowest_flow: Flow = 0.0

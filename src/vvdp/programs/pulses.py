@@ -17,7 +17,7 @@ from vvdp.programs.quantities import OUTPUT, Output, OutputChange, with_kinds, w
 SHORTEST = 1e-9
 """Share of a period below which pulses have no width."""
 NEXT = 0.999
-"""How near to the next whole number a count comes before its edge: rounding is not to carry it over."""
+"""Part of a period after which a count is taken as the next whole number, so that rounding does not pass an edge."""
 
 
 class CycleTable(Params):
@@ -106,7 +106,7 @@ def _cycle_quantity(read: Sequence[Kind], values: Written) -> Kind:
 
 
 class Pulses(Params):
-    """How often a second a pulse begins."""
+    """Frequency at which pulses begin."""
 
     frequency: Frequency
 

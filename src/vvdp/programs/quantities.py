@@ -1,4 +1,5 @@
-"""Quantities of programs that work for any of them: what a program reads decides the units of its values.
+"""Quantities of programs that work for any of them: the quantity of the input decides the units of the program's
+values.
 
 A program for any quantity is written with the kinds of this module; `with_kinds` puts those of one circuit there.
 """
@@ -57,7 +58,7 @@ SECOND_RATE = Kind("second derivative of the command", "1/s^2", -LARGEST, LARGES
 THIRD_RATE = Kind("third derivative of the command", "1/s^3", -LARGEST, LARGEST, "0.5 1/s^3")
 """Kinds that stand for those of a circuit; their units are those of a fraction that follows a pressure."""
 INPUTS = (INPUT, SECOND, THIRD, FOURTH)
-"""Kinds of what is read; a program that reads several quantities gives each input its own."""
+"""Kinds of the inputs; a program that reads several quantities gives each input its own."""
 OF_ANY_QUANTITY = frozenset({*INPUTS, OUTPUT, OUTPUT_CHANGE, GAIN, OUTPUT_RATE, SECOND_RATE, THIRD_RATE})
 """All that stand for others."""
 
@@ -112,7 +113,7 @@ def quantity(of: Dimension) -> Kind:
 
 
 def written_dimension(entry: Any) -> Dimension | None:
-    """The dimension of the first value in what a file gives for a key; None where there is none."""
+    """The dimension of the first value in a file's entry for a key; None if there is none."""
     match entry:
         case str():
             try:
@@ -129,7 +130,7 @@ def written_dimension(entry: Any) -> Dimension | None:
 
 
 def written_quantity(entry: Any) -> Kind:
-    """The quantity of the first value in what a file gives for a key; a plain number where there is none."""
+    """The quantity of the first value in a file's entry for a key; a plain number if there is none."""
     found = written_dimension(entry)
     return PLAIN if found is None else quantity(found)
 
@@ -148,7 +149,7 @@ def product(one: Kind, other: Kind) -> Kind:
 
 
 def of_gain(entry: Any, read: Kind) -> Kind:
-    """The quantity of a gain, as a file gives it, times what is read; with a plain number that of what is read."""
+    """The quantity of a gain, as a file gives it, times the input; with a plain number that of the input."""
     gain = written_dimension(entry)
     if gain is None:
         return PLAIN
@@ -162,7 +163,7 @@ def _per(unit: str, other: str) -> str:
 
 
 def ratio(name: str, above: Kind, below: str, shown: str) -> Kind:
-    """The quantity of `above` per a unit, SI and as it is shown."""
+    """The quantity of `above` per unit: `below` in SI, `shown` for display."""
     unit, example = _per(above.unit, below), _per(above.display_unit or "1", shown)
     return Kind(name, unit, -LARGEST, LARGEST, f"1 {example}" if unit != "1" else "1")
 

@@ -47,7 +47,7 @@ def observer_rows(run: "Run", observer: ProgramPart | None, word: str, after: Ar
 
 
 def true_path(network: Network, source: Source | None, quantity: str) -> str:
-    """The path of a true quantity of a node or component behind what a law reads, through programs that pass it on;
+    """The path of a true quantity of a node or component behind an input of a law, through programs that pass it on;
     empty without one."""
     program, path = origin(network, source)
     while program is not None:
@@ -96,7 +96,7 @@ class SpoolReport(ProgramReport):
         return found | {"real_time_factor": speed} if found and np.isfinite(speed) else found
 
     def paths(self) -> DrivePaths | None:
-        """Where a record has what is drawn; None without an observer, and where the reference is no command."""
+        """Paths in a record of the drawn values; None without an observer, and if the reference is no command."""
         reference = self.program.reads["reference"]
         if not self.spool or self.observer is None or not isinstance(reference, str):
             return None

@@ -1,4 +1,4 @@
-"""Programs that decide what a machine does next: comparator, sequence of stages, supervision.
+"""Programs for the sequence of a machine: comparator, sequence of stages, supervision.
 
 Source  ours, docs/programs.md
 """
@@ -30,7 +30,7 @@ from vvdp.programs.quantities import (
 )
 
 ROUNDING = 1e-9
-"""By how much earlier a time counts as reached, since sample times are rounded [s]."""
+"""Tolerance by which a time counts as reached earlier, since sample times are rounded [s]."""
 CONDITIONS = 4
 """Inputs of a sequence."""
 YES = 0.5
@@ -130,7 +130,7 @@ class StageCommand(NamedTuple):
 
 
 def stage_start(settings: Stages) -> StageMemory:
-    """In the first stage."""
+    """The memory in the first stage."""
     return StageMemory(stage=1.0, since=0.0, timed_out=0.0, stopped=0.0, begun=0.0)
 
 
@@ -180,7 +180,7 @@ class Watched(NamedTuple):
 
 
 class Bounds(Params):
-    """Between which values each reading has to stay, and for how long it may be beyond."""
+    """Limits of each reading, and the time for which it may be beyond."""
 
     first_lowest: Input = -LARGEST
     first_highest: Input = LARGEST
@@ -238,7 +238,7 @@ def supervision_step(t: float, memory: WatchMemory, reading: Watched, settings: 
 
 
 def _residual(value: float, lowest: float, highest: float) -> float:
-    """2 beyond the limits and for what is not a number, else 0."""
+    """2 beyond the limits and for a value that is not a number, else 0."""
     return 0.0 if lowest <= value <= highest else 2.0
 
 

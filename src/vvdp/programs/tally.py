@@ -1,6 +1,6 @@
-"""How well a cylinder under displacement control follows, added up by a program from the truth.
+"""Tracking errors of a cylinder under displacement control, added up by a program from true values.
 
-It moves nothing, so that what it reads need not be what a control can measure.
+It commands nothing, so its inputs may be values that a control cannot measure.
 
 Source  ours, docs/models/displacement-control.md
 """
@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 
 
 class CylinderTruth(NamedTuple):
-    """How a cylinder truly is at a sample, its reference, and what its control has just made of both.
+    """True motion and pressures of a cylinder at a sample, its reference, and the commands of its control.
 
     `line_pressure`, the gain of a flow map and the angle of a spool are those of a supply by a rotary valve; a sample
     counts where `counted` is 1.
@@ -123,7 +123,7 @@ PRESSURES = ("pressure_a", "pressure_b", "line_pressure")
 
 
 class TallyReport(ProgramReport):
-    """How well the cylinder follows, between which pressures, and the pace of the run."""
+    """Report of tracking errors, extremes of pressures, and the real-time factor of the run."""
 
     GROUP = "Displacement control"
     QUANTITIES = MappingProxyType(

@@ -1,6 +1,6 @@
-"""How well a cylinder follows its reference, added up sample by sample inside the program that controls it.
+"""Tracking errors of a cylinder, added up sample by sample inside the program that controls it.
 
-Nothing is lost between recorded rows, so the numbers do not depend on what is recorded.
+Every sample counts, so the numbers do not depend on the recorded rows.
 
 Source  ours, docs/models/displacement-chapter6.md
 """
@@ -28,7 +28,7 @@ from vvdp.control.pressure_modes import PressureMode
 from vvdp.programs.report import Quantities
 
 SETTLED = 1.0
-"""From so long after the start of control on errors count [s]."""
+"""Time after the start of control from which on errors count [s]."""
 
 MODES = (1.0, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 5.5)
 """The pressure modes."""
@@ -63,7 +63,7 @@ TRACKING: Quantities = MappingProxyType(
         **{share_key(mode): (EFFICIENCY, f"time in mode {mode:g}: {WORDS[mode]}") for mode in MODES},
     }
 )
-"""Kind and label of what `tracking_numbers` gives."""
+"""Kind and label of the results of `tracking_numbers`."""
 
 TOGETHER: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {

@@ -50,7 +50,7 @@ def unloading_start(settings: UnloadingSettings) -> UnloadingMemory:
 
 
 def unloading_level(reading: UnloadingReading, settings: UnloadingSettings) -> float:
-    """Where the pilot pressure is [1]: 0 at cut-in and 1 at cut-out; its floor changes there and nowhere else.
+    """Level of the pilot pressure [1]: 0 at cut-in and 1 at cut-out; its floor changes there and nowhere else.
 
     reading  pilot pressure, absolute [Pa]
     """

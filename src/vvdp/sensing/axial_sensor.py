@@ -75,7 +75,7 @@ class AxialSensor(Params):
 
 
 class SpoolPlace(NamedTuple):
-    """How the spool truly stands at a sample."""
+    """True position and angle of the spool at a sample."""
 
     time: Time
     position: Position

@@ -1,4 +1,4 @@
-"""The coarse encoder: from the shaft's motion between two samples to what the acquisition reports.
+"""The coarse encoder: from the shaft's motion between two samples to the report of the acquisition.
 
 The comparator works all the time and a counter counts its edges; only the counter is read at samples. When each edge
 passes is found on the cubic through both ends of the interval. Derived in docs/models/encoder.md.
@@ -31,7 +31,7 @@ FOR_GOOD = 1e6
 
 
 class Shaft(NamedTuple):
-    """How the shaft truly stands at a sample."""
+    """True motion of the shaft at a sample."""
 
     time: Time
     angle: Angle
@@ -39,7 +39,7 @@ class Shaft(NamedTuple):
 
 
 class Acquisition(Params):
-    """How the time of an edge is reported: `SAMPLED`, `INTERPOLATED`, or by a unit made with `capture_unit`."""
+    """Time stamp of an edge: `SAMPLED`, `INTERPOLATED`, or by a unit made with `capture_unit`."""
 
     interpolated: Fraction
     captured: Fraction
@@ -128,7 +128,7 @@ class Encoder(Params):
 
 
 class EncoderMemory(NamedTuple):
-    """Where the shaft stood at the last sample, the last edge passed, and what the counter showed.
+    """The shaft at the last sample, the last edge passed, and the count.
 
     `disturbance` is the noise of the light [1] at the next edge ahead, `last_disturbance` at the one behind.
     """
@@ -347,7 +347,8 @@ def encoder_reading(
 def _interpolate(
     memory: EncoderMemory, now: Shaft, crossed: float, threshold: float, encoder: Encoder
 ) -> tuple[float, float]:
-    """When edge `crossed` passed, by a line through both samples of the wave, and the width of what it leaves unknown.
+    """Time at which edge `crossed` passed, by a line through both samples of the wave, and the width of its remaining
+    uncertainty.
 
     Where a sample lies off its ramp, that began or ended somewhere within the interval: nothing is gained then. On
     the ramp nothing is left unknown: the noise of the light moves the edge as a whole, as a wrong threshold does.

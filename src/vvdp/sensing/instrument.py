@@ -70,7 +70,7 @@ class InstrumentMemory(NamedTuple):
 
 
 def ideal_instrument(low: float, high: float) -> Instrument:
-    """An instrument that shows what is there, from `low` to `high`; the others are made from it by a change."""
+    """An instrument without errors, from `low` to `high`; the others are made from it by a change."""
     return Instrument(
         range_low=low, range_high=high, resolution=0.0, lag=0.0, offset=0.0, noise=0.0,
         freeze_begin=0.0, freeze_end=0.0, dropout_begin=0.0, dropout_end=0.0,
@@ -97,7 +97,7 @@ def instrument_step(
     """Memory and reading after a sample, in the unit of the value.
 
     t      time of the sample [s]
-    value  what is there
+    value  true value
     """
     followed = value
     if memory.started > 0.0:

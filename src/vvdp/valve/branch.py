@@ -347,9 +347,9 @@ def choking_ratio_compiled(free: BranchFlow, upstream_pressure: float, law: Bran
 def choked_flow(free: BranchFlow, ratio: float, law: BranchLaw) -> BranchFlow:
     """A flow held at that of choked nozzles, Q/sqrt(ratio), where the ratio exceeds 1 [m^3/s, 1].
 
-    Behind the nozzles the drops follow their laws at that flow, and what is left of the whole is the nozzles' own.
+    Behind the nozzles the drops follow their laws at that flow, and the rest of the whole is that of the nozzles.
 
-    free   what flows without choking
+    free   flow without choking
     ratio  `choking_ratio` [1]
 
     Source  iec2011; the shares are ours, docs/models/rotary-valve.md
@@ -370,7 +370,7 @@ def choked_flow(free: BranchFlow, ratio: float, law: BranchLaw) -> BranchFlow:
 def choked_flow_compiled(free: BranchFlow, ratio: float, law: BranchLaw) -> BranchFlow:
     """The same as `choked_flow`, which it replaces in compiled code: mostly nothing chokes.
 
-    free   what flows without choking
+    free   flow without choking
     ratio  `choking_ratio` [1]
 
     Source  iec2011

@@ -220,7 +220,7 @@ def quasi_steady_mean(duty_ratio: float, at: Condition, valve: RotaryValve) -> C
 def mean_of_cycle(cycle: Cycle, at: Condition) -> CycleMean:
     """Mean flows, inlet pressure and power lost of a cycle [m^3/s, Pa, W]; see `quasi_steady_mean`.
 
-    at  what the cycle was found for
+    at  condition of the cycle
     """
     load_flow, rise = float(np.mean(cycle.load.flow)), cycle.inlet_pressure - at.tank_pressure
     mean_rise = float(np.mean(rise))

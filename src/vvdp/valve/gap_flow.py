@@ -1,4 +1,4 @@
-"""Cavitation at the nozzles, and what the oil in the clearance does besides sealing and dragging.
+"""Cavitation at the nozzles, and effects of the oil in the clearance besides sealing and drag.
 
 Derived in docs/design.md, "Where the model leaves its range".
 
@@ -56,7 +56,7 @@ def taylor_number(spool_speed: float, density: float, viscosity: float, valve: R
 def sheared_temperature_rise(
     spool_speed: float, viscosity: float, thermal_conductivity: float, valve: RotaryValve
 ) -> float:
-    """How much warmer the middle of the clearance is than its walls, mu (omega R)^2/(8 lambda) [K].
+    """Temperature rise of the middle of the clearance over its walls, mu (omega R)^2/(8 lambda) [K].
 
     Shear turns mu (u/c)^2 per volume to heat, which is conducted to two walls of one temperature.
 
@@ -71,7 +71,7 @@ def sheared_temperature_rise(
 def carried_temperature_rise(
     friction_power: float, pressure_difference: float, leakage_flow: float, density: float, specific_heat: float
 ) -> float:
-    """How much the leaking oil warms when it alone carries off friction and its own throttling [K].
+    """Temperature rise of the leaking oil if it alone carries off friction and its own throttling [K].
 
     (P_f + q dP)/(rho c_p q): an upper bound, since the walls carry off heat too.
 

@@ -1,4 +1,4 @@
-"""How far the nozzles look into the load and the tank pockets of the spool, from its angle and its axial position.
+"""Openings of the nozzles to the load and the tank pockets of the spool, from its angle and its axial position.
 
 Derived in docs/models/rotary-valve.md, "Port openings".
 
@@ -115,7 +115,7 @@ def passed_edges(distance: float, half_width: float, ramp: float) -> PassedEdges
 
 
 class JetSkews(NamedTuple):
-    """How much more than its opening a jet counts, load and tank, because the barrier covers its nozzle from one side
+    """Excess of a jet's effect over its opening, load and tank, because the barrier covers its nozzle from one side
     more than from the other."""
 
     load: SignedFraction
@@ -168,7 +168,8 @@ def uneven_skews(spool_angle: float, axial_position: float, asymmetry: float, sh
 
 
 def wedge_skew(distance: float, half_width: float, ramp: float) -> float:
-    """Opening towards a row of wedges, or of what is not wedge, times how unevenly its two sides cover a nozzle [1].
+    """Opening towards a row of wedges, or of the space between them, times the unevenness with which its two sides
+    cover a nozzle [1].
 
     S = (u - d)(u d - n)(1 - n), with u, d and n as in `wedge_opening`: a (1 - a) where one edge lies over the nozzle,
     0 where two cover it alike, and never more than the opening a, nor than 1 - a.
@@ -219,7 +220,7 @@ def shape_openings(spool_angle: float, axial_position: float, shape: PortShape) 
 
 
 def port_edges(spool_angle: float, axial_position: float, shape: PortShape) -> PortEdges:
-    """On which side of the angles at which a port begins or ceases to open or closed the spool stands [1].
+    """Sides of the angles at which a port begins or ends to be open or closed, on which the spool stands [1].
 
     The openings have kinks where |2 |w| -/+ d_c|/2 pitches lie between the nozzle's centre and the middle of the
     nearest wedge, w half the width of the load's wedge or of the load's with both barriers, d_c the nozzle's width.

@@ -16,7 +16,7 @@ from vvdp.base.select import clip, maximum, select
 from vvdp.fluid.mixture import NODES, WEIGHTS
 
 STEPS = 5
-"""Of Newton, to where the relief valve closes: what is left of it moves a mean by its square only."""
+"""Newton steps to the opening where the relief valve closes: their remaining error enters a mean as its square only."""
 RELIEF_STEPS = 3
 """Of Newton, to the pressure at which the relief valve takes the rest: the flows hardly bend over its override."""
 LEAST_JOINT = 1e-9
@@ -35,7 +35,7 @@ class Ends(NamedTuple):
 
 
 class JoinedPorts(NamedTuple):
-    """Integrals over the tank port's open fraction while both ports are open: what is lost in excess of the fully open
+    """Integrals over the tank port's open fraction while both ports are open: the drop in excess of the fully open
     valve [Pa], flow to the load, flow over the relief valve [parts of the pump flow]."""
 
     excess_drop: PressureDifference
@@ -49,7 +49,7 @@ def joined_ports(joint: float, ends: Ends) -> JoinedPorts:
     By 16 Gauss points on each of three stretches, which end where the relief valve closes, and where it opens again or
     the load begins to flow back.
 
-    joint  what the open fractions add up to [1]
+    joint  sum of the open fractions [1]
     """
     whole = maximum(joint, LEAST_JOINT)
     closes, turns = _breaks(whole, ends)

@@ -96,7 +96,7 @@ def throttling_power(flow: float, opening: float, density: float, valve: RotaryV
 
 
 def relief_rise(at: Condition) -> float:
-    """How far the relief valve lets the pressure rise above its setting with the whole pump flow over it [Pa].
+    """Rise of the pressure above the setting of the relief valve with the whole pump flow over it [Pa].
 
     o Q / Q_r root((P_R + o - P_T) / (P_R + o Q / Q_r - P_T)): the valve's law, exact at its rated flow Q_r.
     """
@@ -148,7 +148,7 @@ def transition_loss(at: Condition, valve: RotaryValve) -> TransitionLoss:
 
     at  with a flow > 0
 
-    Holds   where `range_warnings` says nothing
+    Holds   where `range_warnings` gives no warning
 
     >>> at = Condition(flow=6.3e-4, load_pressure=70e5, relief_pressure=80e5, tank_pressure=1e5, density=870.0)
     >>> print(round(transition_loss(at, valve).loss, 1))
@@ -175,7 +175,7 @@ def transition_loss(at: Condition, valve: RotaryValve) -> TransitionLoss:
 
 
 def closed_form_load_flow(duty_ratio: float, at: Condition, valve: RotaryValve) -> float:
-    """Mean flow to the load, Q d_0 less what the transitions send over the relief valve [m^3/s].
+    """Mean flow to the load, Q d_0 minus the flow over the relief valve in the transitions [m^3/s].
 
     duty_ratio  d_0, between kappa and 1 - kappa [1]
     at          with a flow > 0

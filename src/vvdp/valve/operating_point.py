@@ -48,8 +48,8 @@ the error by 100 or more, as the mean inlet pressure changes little with the flo
 
 
 class SetPoint(NamedTuple):
-    """Where the valve works: pump flow, oil temperature, duty ratio, absolute pressures; relief valve and pump as in
-    `Condition`."""
+    """Operating condition of the valve: pump flow, oil temperature, duty ratio, absolute pressures; relief valve and
+    pump as in `Condition`."""
 
     flow: Flow
     temperature: Temperature
@@ -90,12 +90,12 @@ class SetPoint(NamedTuple):
 class OperatingPoint(NamedTuple):
     """The valve at one flow and temperature.
 
-    `flow` is what the pump delivers at its mean pressure, the pump flow less its leakage. Drops, torques, `spool_speed`
+    `flow` is delivered by the pump at its mean pressure, the pump flow minus its leakage. Drops, torques, `spool_speed`
     and `full_open_pwm_frequency` are those of the fully open valve; `averaged_pwm_frequency` is the one that the same
     valve settles at while it switches. The losses add up to `total_loss`; `friction_loss` is part of the full-open loss
     and is not added. `transition_loss` and the total hold where `warnings` is empty; `cycle` holds at any duty ratio.
-    The transition loss is a closed form for a pump without leakage, else what `cycle` loses beyond pump and fully open
-    valve.
+    The transition loss is a closed form for a pump without leakage, else the loss of `cycle` minus those of the pump
+    and of the fully open valve.
     """
 
     flow: Flow

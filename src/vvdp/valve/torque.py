@@ -50,7 +50,7 @@ def jet_section(opening: float, skew: float, exponent: float) -> float:
     """a^(1 - s) (a + skew) [1]: how the torque of a jet at a given drop falls as its port closes.
 
     opening   open fraction a, 0 to 1 [1]
-    skew      what the jet's asymmetry adds to it, `geometry.JetSkews` [1]
+    skew      addition by the jet's asymmetry, `geometry.JetSkews` [1]
     exponent  s, 0 to 1 [1]
     """
     concentration: float = power(opening, 1.0 - exponent)
@@ -61,7 +61,7 @@ def jet_section_compiled(opening: float, skew: float, exponent: float) -> float:
     """The same as `jet_section`, which it replaces in compiled code: most of the time a port is closed or open.
 
     opening   open fraction a, 0 to 1 [1]
-    skew      what the jet's asymmetry adds to it [1]
+    skew      addition by the jet's asymmetry [1]
     exponent  s, 0 to 1 [1]
     """
     if exponent == 0.0 or opening == 0.0 or opening == 1.0:
@@ -89,7 +89,7 @@ def inlet_torque(
     full_section_flow  flow over open fraction [m^3/s]
     opening            open fraction a, 0 to 1 [1]
     density            [kg/m^3]
-    skew               what the jet's asymmetry adds to the opening, `geometry.JetSkews` [1]
+    skew               addition to the opening by the jet's asymmetry, `geometry.JetSkews` [1]
 
     Source  wang2017, eq. 2.6, with the area of all nozzles; exponent s, skew and the ratio r of the effective area to
             it are ours, docs/models/rotary-valve.md

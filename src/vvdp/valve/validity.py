@@ -14,15 +14,16 @@ LAMINAR = 20.0
 """Reynolds number below which a nozzle's drop is no longer quadratic: twice the (0.61/0.2)^2 at which the two
 laws of merritt1967 meet, below which C_d = 0.2 sqrt(Re)."""
 CAVITATION_PRESSURE = 3e4
-"""Below which oil is held to cavitate where a system says nothing else [Pa, absolute]; assumed."""
+"""Pressure below which oil is assumed to cavitate if a system gives no other [Pa, absolute]."""
 CAVITATION_NUMBER = 0.4
 """Cavitation number of a nozzle below which oil evaporates behind it; assumed, between the 0.2 and 1 of reports."""
 TAYLOR_NUMBER = 41.2
-"""From which vortices stand in the clearance and friction is more than linear; taylor1923."""
+"""Taylor number from which on vortices stand in the clearance and friction is more than linear; taylor1923."""
 SHEAR_WARMING = 5.0
 """Warming of the film by its own shear [K] from which it is thinner than the oil; it changes viscosity by a fifth."""
 ECCENTRICITY = 0.9
-"""Where a tenth of the clearance is left, about the roughness of ground steel: above it the spool touches."""
+"""Eccentricity at which a tenth of the clearance is left, about the roughness of ground steel: above it the spool
+touches."""
 CURVATURE = 0.01
 """Clearance over radius; plane films and journal are laws of its lowest order, so that they are off by as much."""
 SLOT_LENGTH = 10.0
@@ -32,7 +33,7 @@ WAVE_TRANSITS = 10.0
 
 
 def wave_transits(pwm_frequency: float, pressure: float, density: float, oil: Oil, valve: RotaryValve) -> float:
-    """How often a pressure wave crosses the valve while a port opens or closes, kappa a/(f_pwm L) [1].
+    """Number of times that a pressure wave crosses the valve while a port opens or closes, kappa a/(f_pwm L) [1].
 
     L is the helix length, the longest way in the valve, a the speed of sound sqrt(K/rho).
 

@@ -1,1 +1,1 @@
-"""Estimators that others are measured by: known methods without a model of faults, and one that knows the torques."""
+"""Baseline estimators: known methods without a model of faults, and one with a model of the torques."""

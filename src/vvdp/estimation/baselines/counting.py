@@ -1,6 +1,6 @@
-"""Counting edges, which every simple estimator rests on.
+"""Counting of edges, the basis of every simple estimator.
 
-The simple estimators have no model of the shaft. They count edges forward from where they believe to start, so an edge
+The simple estimators have no model of the shaft. They count edges forward from their assumed start, so an edge
 that was missed is not detected and leaves them a sector behind for good; deviations are unknown (NaN), `missed_edges`
 stays 0. Derived and compared in docs/models/simple-estimators.md.
 
@@ -50,7 +50,8 @@ def update_count(last: LastEdge, reading: Reading, wheel: CodeWheel) -> LastEdge
 
 
 def overdue_speed(speed: float, last: LastEdge, time: float, wheel: CodeWheel) -> float:
-    """`speed`, or what it can be at most since the next edge has not come yet [rad/s]: sector / time since the last.
+    """`speed`, or its highest possible value since the next edge has not come yet [rad/s]: sector / time since the
+    last.
 
     The time that has passed for certain counts, from the end of the interval in which the last edge happened.
 

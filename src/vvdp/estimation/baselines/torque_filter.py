@@ -1,7 +1,7 @@
-"""Angle and speed from edges by a filter that knows what drives the spool and what holds it back.
+"""Angle and speed from edges by a filter with a model of the torques on the spool.
 
 At a constant flow the spool's speed is a first-order lag, so that every interval is propagated exactly. The third
-spin is how much more torque there is than the model says. Derived in docs/models/torque-filter.md.
+spin is the excess of the torque over that of the model. Derived in docs/models/torque-filter.md.
 
 Source  ours, docs/models/torque-filter.md, where a function names no other.
 """

@@ -44,7 +44,7 @@ class Tracked(NamedTuple):
 
 
 class TrackingLoopMemory(NamedTuple):
-    """The count, and what the loop has reached at `time`."""
+    """The count, and the state of the loop at `time`."""
 
     last: LastEdge
     time: Time

@@ -1,4 +1,4 @@
-"""The file of a foreign FMU: a zip archive from anyone, of which only what is needed is unpacked."""
+"""The file of a foreign FMU: a zip archive from an unknown source, of which only the necessary entries are unpacked."""
 
 import stat
 import zipfile
@@ -87,7 +87,7 @@ def _check_entries(infos: list[zipfile.ZipInfo]) -> None:
 
 
 def _content(file: zipfile.ZipFile, name: str, most: int) -> bytes:
-    """An entry of at most so many bytes, whatever the archive says of its size."""
+    """Content of an entry, of at most so many bytes, whatever size the archive states."""
     if (size := file.getinfo(name).file_size) > most:
         raise ParameterError(f"{name} has {size / 2**20:.0f} MB; expected at most {most // 2**20} MB")
     try:

@@ -62,7 +62,7 @@ class _Element(NamedTuple):
 
 
 def read_description(text: bytes) -> Description:
-    """The description in `modelDescription.xml`. Raises ParameterError with what is wrong with it."""
+    """The description in `modelDescription.xml`. Raises ParameterError with its fault."""
     elements = _elements(text)
     if not elements or elements[0].path != ("fmiModelDescription",):
         raise ParameterError("the description is not that of an FMU; expected the element fmiModelDescription")

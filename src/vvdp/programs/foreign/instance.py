@@ -155,7 +155,7 @@ class Instance:
 
 
 def _instantiate(plan: Plan, function: Any, hear: Callable[[bytes | None], None]) -> tuple[int, Any]:
-    """A component, 0 if it is refused, and what it calls; `hear` is given its messages."""
+    """A component, 0 if it is refused, and its callbacks; `hear` is given its messages."""
     name, key, off = b"vvdp", plan.token.encode(), ctypes.c_bool()
     if plan.fmi == 3:
         logger3, none = _LOGGER3(lambda _, status, category, words: hear(words)), ctypes.c_void_p()

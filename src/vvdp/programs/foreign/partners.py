@@ -34,7 +34,7 @@ _Exchange = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_double, ctypes.c_vo
 
 @dataclass(frozen=True)
 class Foreign:
-    """A foreign FMU in its place: `plan` unpacks it and says how it is called; raises ParameterError.
+    """A foreign FMU in its place: `plan` unpacks it and returns the data for its calls; raises ParameterError.
 
     With `is_single` each instance needs a process of its own, trusted or not.
     """

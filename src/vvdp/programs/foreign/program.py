@@ -25,7 +25,7 @@ from vvdp.simulation.exchange import Partner
 def foreign_program(name: str, path: Path, table: Mapping[str, object]) -> ProgramType:
     """The program that the FMU in a file makes with the keys `KEYS` of its table; nothing of it is run.
 
-    Raises FieldError with the key and what is wrong.
+    Raises FieldError with the key and its fault.
     """
     try:
         archive, digest = open_known(path)
@@ -86,7 +86,7 @@ def _plan(
     references: Sequence[Sequence[int]],
     parameters: Sequence[tuple[int, float]],
 ) -> Plan:
-    """How the FMU in a file with a hash is called; unpacks it. Raises ParameterError."""
+    """Data for the calls of the FMU in a file with a hash; unpacks it. Raises ParameterError."""
     folder, binary = _unpack(*file)
     return Plan(
         fmi=known.fmi,
@@ -102,7 +102,7 @@ def _plan(
 
 
 _folders: list[tempfile.TemporaryDirectory[str]] = []
-"""Where FMUs are unpacked, until the process ends."""
+"""Folders in which FMUs are unpacked, until the process ends."""
 
 
 @cache

@@ -35,8 +35,8 @@ class ExchangeReport(ProgramReport):
         return {"exchange_throughput_J": passed, "exchange_made_J": made, **share}
 
     def warnings(self, found: Mapping[str, float | bool]) -> Iterator[str]:
-        """A sentence where the exchange makes more than `LIMIT`: what it makes is proportional to the period, or to its
-        square where outputs are extrapolated."""
+        """A sentence if the exchange creates more energy than `LIMIT`: this energy is proportional to the period, or to
+        its square if outputs are extrapolated."""
         share = abs(found.get("exchange_share", 0.0))
         if share > LIMIT:
             order = 2 if self.program.type.ramps else 1

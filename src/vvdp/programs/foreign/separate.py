@@ -1,4 +1,4 @@
-"""A foreign FMU in a process of its own: what it does there ends that process, and no other.
+"""A foreign FMU in a process of its own: a crash of the FMU ends that process, and no other.
 
 Both sides speak in packets: a length, then JSON or numbers. It is no sandbox: the process has the rights of its user.
 """

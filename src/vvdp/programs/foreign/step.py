@@ -1,8 +1,8 @@
 """The step of a program with a foreign FMU, written for its variables.
 
-At a sample the circuit is there already: the inputs are set to what is read then (with extrapolated outputs to the mean
-over the period), the FMU steps to this instant, and its outputs are the command from then on. Where a command and a
-reading make a power, what the exchange creates or loses is counted, by the trapezoidal rule on both sides:
+At a sample the circuit is there already: the inputs are set to the values read then (with extrapolated outputs to the
+mean over the period), the FMU steps to this instant, and its outputs are the command from then on. Where a command and
+a reading make a power, the energy that the exchange creates or loses is counted, by the trapezoidal rule on both sides:
 E = T/2 [(y_0 u_0 + y_e u_1) - u (y_0 + y_1)], with the reading and the output at the begin (0) and the end (1) of the
 period T, the input u that was set, and the output y_e that the circuit had at its end (y_0 if it is held). Held, E adds
 up to T/2 times the change of -y u, whatever the length of a run; extrapolated, E is proportional to T^2.
@@ -101,7 +101,7 @@ class StepText:
             yield f"further_{name}_rate = (gave_{name} - memory.gave_{name}) * per_period"
 
     def _energy_lines(self) -> Iterator[str]:
-        """Lines that add up what the exchange creates or loses, and what passes."""
+        """Lines that add up the energy that the exchange creates or loses, and its throughput."""
         made, passed = f"further_{MADE}", f"further_{THROUGHPUT}"
         yield f"{made}, {passed} = memory.{MADE}, memory.{THROUGHPUT}"
         for y, u in self.power:

@@ -128,7 +128,7 @@ def _joint(archive: Archive, key: str, name: str, variable: Variable, told: str)
 
 
 def _unit(archive: Archive, name: str) -> FmuUnit | None:
-    """A unit of an FMU, as it describes it or as its name says; None if neither does."""
+    """A unit of an FMU, by its description or by its name; None if neither is known."""
     return archive.description.units.get(name) or _named_unit(name)
 
 

@@ -1,4 +1,4 @@
-"""Pictures of the whole machine: pressures, what is asked of the drives, and the phase under each."""
+"""Charts of the whole machine: pressures, commands of the drives, and the phase under each."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from vvdp.simulation.record import Record
 
 TABLE = "machine"
-"""Name of the table that holds what is drawn."""
+"""Name of the table behind the charts."""
 PRESSURES = {"pressure_a": "chamber a", "pressure_b": "chamber b", "line_pressure": "line"}
 COMMANDS = {
     "wanted": ("wanted_m", POSITION, "cycle"),

@@ -42,7 +42,7 @@ def working_pressures(
 ) -> WorkingPressures:
     """Supply pressures at the most that a cylinder needs to move steadily [Pa], none below zero.
 
-    P_s A_s = F + b v + F_c + P_r A_r with the return at P_r = (A_r v / (u K_r))^2, F what the load takes that way.
+    P_s A_s = F + b v + F_c + P_r A_r with the return at P_r = (A_r v / (u K_r))^2, F the load in that direction.
 
     return_conductance  K_r of the return valve, fully open [m^3/(s Pa^0.5)]
 

@@ -36,7 +36,7 @@ class CommonLoop(Params):
 
     @property
     def command_range(self) -> dict[str, tuple[float, float]]:
-        """That of the machine."""
+        """Command range of the machine."""
         return self.machine.command_range
 
 

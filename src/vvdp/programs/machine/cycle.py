@@ -109,12 +109,12 @@ def points_of(cycle: Triangle | OwnCycle) -> Points:
 
 
 def fastest(points: Points) -> float:
-    """The highest speed that a cycle asks for, before any filter [m/s]."""
+    """Highest speed of a cycle, before any filter [m/s]."""
     return float(np.max(np.abs(np.diff(points.positions) / np.diff(points.times))))
 
 
 def cycle_position(time: float, points: Points) -> float:
-    """The position that a cycle asks for [m], before any filter.
+    """Position of a cycle [m], before any filter.
 
     time  since control began [s]
     """

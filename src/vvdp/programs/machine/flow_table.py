@@ -26,7 +26,7 @@ PRESSURES = (0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
 def valve_condition(
     flow: float, oil_density: float, tank_pressure: float, pump: Pump, relief_valve: ReliefValve
 ) -> Condition:
-    """Between what the valve of a pump unit works, the line as empty as the tank.
+    """Operating conditions of the valve of a pump unit, with the line at tank pressure.
 
     flow           that the pump displaces [m^3/s]
     oil_density    [kg/m^3]

@@ -1,4 +1,4 @@
-"""The outer loop of the whole machine: what stands before the cylinder's sensors, to what every drive is asked to do.
+"""The outer loop of the whole machine: from the values measured at the cylinder to the commands of all drives.
 
 Fast signals act in the force law and in the load observer; slow ones are averages over one PWM period.
 
@@ -91,7 +91,8 @@ class MachinePlace(NamedTuple):
 
 
 class SpoolRange(Params):
-    """How the spool's position makes a duty ratio, between which it moves, and how many PWM periods a turn has."""
+    """Length of the helix over which the position becomes a duty ratio, limits of the spool's position, and PWM periods
+    per revolution."""
 
     helix_length: Length
     rest_position: Position
@@ -283,7 +284,7 @@ def machine_sight(
     """Inputs of the supervision.
 
     slow      pressures averaged over a PWM period [Pa]
-    velocity  as believed [m/s]
+    velocity  as estimated [m/s]
     """
     period = settings.law.sample_period
     return MachineSight(
@@ -352,7 +353,7 @@ def controlled_demand(
 def learned_gain(memory: MachineMemory, view: MachineView, direction: float, settings: MachineLoop) -> FlowGainMemory:
     """The gain of the flow map a sample later; it rests while the cylinder is not controlled or its valve moves.
 
-    direction  that is asked for now [1]
+    direction  commanded now [1]
     """
     cylinder, seen = settings.law.cylinder, view.seen
     is_fed = direction != 0.0 and direction == memory.direction
@@ -370,7 +371,7 @@ def learned_gain(memory: MachineMemory, view: MachineView, direction: float, set
 
 
 class SpoolDemand(NamedTuple):
-    """The mean flow that is asked for, and what lets it through: duty ratio, position of the spool, gain of the map."""
+    """The mean flow that is demanded, and its realisation: duty ratio, position of the spool, gain of the map."""
 
     flow: Flow
     duty_ratio: Number
@@ -379,9 +380,9 @@ class SpoolDemand(NamedTuple):
 
 
 def spool_demand(flow: float, view: MachineView, gain: float, settings: MachineLoop) -> SpoolDemand:
-    """Where the spool should be: at rest while no flow may come, else as map and gain have it.
+    """Demanded position of the spool: its rest position while no flow may pass, else by map and gain.
 
-    flow  that the laws ask for [m^3/s]
+    flow  demanded by the laws [m^3/s]
     gain  of the flow map [1]
     """
     spool, number = settings.spool, view.phase.number
@@ -414,7 +415,7 @@ def carried_out(
     demand: DisplacementDemand,
     settings: MachineLoop,
 ) -> tuple[MachineMemory, MachineCommand]:
-    """Memory and command after a sample in which a position loop has asked for a `demand`; `law` is its memory."""
+    """Memory and command after a sample, given the `demand` of a position loop; `law` is its memory."""
     gain = learned_gain(memory, view, demand.direction, settings)
     spool = spool_demand(demand.flow, view, gain.gain, settings)
     after = MachineMemory(
@@ -434,7 +435,7 @@ def carried_out(
 
 
 def shown_command(view: MachineView, demand: DisplacementDemand, spool: SpoolDemand) -> MachineCommand:
-    """The command of a sample, with what is believed and wanted."""
+    """The command of a sample, with estimates and references."""
     orders = orders_of(view.phase.number)
     seen, slow, reference = view.seen, view.seen.slow, view.reference
     return MachineCommand(

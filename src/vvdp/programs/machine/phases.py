@@ -44,7 +44,7 @@ class MachineSequence(Params):
 
 
 class Phase(NamedTuple):
-    """In which phase the machine is, and since when."""
+    """Phase of the machine, and the time of its begin."""
 
     number: Count
     since: Time
@@ -87,7 +87,7 @@ def next_phase(phase: Phase, time: float, progress: Progress, sequence: MachineS
     """The phase at a sample; phases that have nothing to do are passed at once.
 
     time      of the sample [s]
-    progress  what is seen of the machine
+    progress  measured values and flags of the machine
     """
     number, since = phase.number, phase.since
     if time >= sequence.emergency_time or number == EMERGENCY:

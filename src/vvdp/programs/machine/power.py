@@ -1,4 +1,4 @@
-"""Where the power of the whole machine goes: means over a time, from its books.
+"""Mean powers of the whole machine over a time, from its energy balance.
 
 Source  ours, docs/models/whole-machine.md
 """
@@ -68,7 +68,7 @@ def whole_periods(run: Run, begin: float, period: float) -> tuple[float, float]:
 def mean_powers(run: Run, begin: float, end: float) -> dict[str, float]:
     """Mean powers and their shares between the recorded rows next to two times [s].
 
-    The powers of pump, losses and load are those of the books, so that they add up to what the oil has stored.
+    The powers of pump, losses and load are those of the books, so that they add up to the stored energy of the oil.
     """
     rows = [int(np.argmin(np.abs(run.times - time))) for time in (begin, end)]
     duration = float(run.times[rows[1]] - run.times[rows[0]])

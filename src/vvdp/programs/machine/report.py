@@ -55,7 +55,7 @@ class MachineReport(ProgramReport):
         self.shown = [origin(network, self.program.reads[each]) for each in ("spool_reference", "spool_position")]
 
     def outcome_numbers(self, run: "Outcome", found: Mapping[str, float | bool]) -> dict[str, float]:  # noqa: ARG002
-        """For how long the cylinder has been controlled; the alarm, and when it was reported."""
+        """Duration of the control of the cylinder; the alarm, and its time."""
         memory = run.memory[self.program.name]
         alarm, controlled = memory.supervision.alarm, max(run.end - memory.begin, 0.0)
         told = {"alarm_time_s": alarm.time} if alarm.alarm else {}
@@ -72,9 +72,9 @@ class MachineReport(ProgramReport):
         return mean_powers(run, begin, end) | (self.spool_numbers(run, rows) if self.spool else {})
 
     def spool_numbers(self, run: "Run", rows: Any) -> dict[str, float]:
-        """How well the spool follows and is known at these rows.
+        """Tracking and estimation errors of the spool at these rows.
 
-        A row shows what was commanded at the sample before it; the spool hardly moves in between.
+        A row shows the command of the sample before it; the spool hardly moves in between.
         """
         position = state_rows(run, self.spool)[rows]
         reference, believed = (
@@ -96,7 +96,7 @@ class MachineReport(ProgramReport):
             yield f"supervision stopped the machine at {found['alarm_time_s']:.4g} s: {WATCHED[told - 1]}"
 
     def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:
-        """Pressures, what is asked of the drives."""
+        """Charts of the pressures, and of the commands of the drives."""
         return machine_charts(record, self.program, self.loop.law.bounds)
 
     def complete(self, chart: Chart, record: "Record") -> Chart:

@@ -186,8 +186,8 @@ def supervision_start() -> SupervisionMemory:
 
 
 class Differences(NamedTuple):
-    """By how much the line's pressure differs from the supply chamber's, and the return flow from what the cylinder
-    sweeps, which is the third."""
+    """Difference of the line's pressure from the supply chamber's, and of the return flow from the flow that the
+    cylinder sweeps, which is the third field."""
 
     line: PressureDifference
     flow: Flow
@@ -211,7 +211,8 @@ def differences(sight: MachineSight, before: CircuitPressures, settings: Supervi
 
 
 def spring_difference(sight: MachineSight, spring: SpoolSpring) -> float:
-    """Where the chamber's pressure holds the spring, less where the spool is believed to be [m]; 0 without a spring."""
+    """Position at which the chamber's pressure holds the spring, minus the estimated position of the spool [m]; 0
+    without a spring."""
     if spring.stiffness == 0.0:
         return 0.0
     force = spring.area * (sight.chamber_pressure - spring.reference_pressure) - spring.preload
@@ -262,7 +263,8 @@ def supervise(memory: SupervisionMemory, sight: MachineSight, settings: Supervis
 
 
 def patiences(limits: Supervision) -> tuple[float, ...]:
-    """For how long each limit may be passed [s], in the order of `WATCHED`: means have been waited for already."""
+    """Time for which each limit may be exceeded [s], in the order of `WATCHED`: the time of averaging has passed
+    already."""
     brief, long = limits.brief_time, limits.patience
     return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, long, long, 0.0, long, brief, brief, long, 0.0)
 

@@ -65,7 +65,7 @@ class MachineBelief(CylinderBelief, LineBelief):
 
 
 class LoadObserverTable(Params):
-    """How fast the three errors of the load observer fade, and the reported load follows."""
+    """Rates at which the three errors of the load observer decay, and the reported load follows."""
 
     observer_rate: Rate
     load_rate: Rate
@@ -100,10 +100,10 @@ class KnownUnit(Params):
 
 
 class MachineTable(KnownUnit, CylinderEnds):
-    """The cycle, the laws, what they believe, the sensors and the stages; it is called every `sample_period`.
+    """The cycle, the laws with their models, the sensors and the stages; it is called every `sample_period`.
 
-    Without `supervision` nothing is watched, without a `spring` no chamber moves the spool. With a `loop` the position
-    loop of the rival circuits leads the cylinder in place of the laws.
+    Without `supervision` nothing is monitored, without a `spring` no chamber moves the spool. With a `loop` the
+    position loop of the rival circuits leads the cylinder in place of the laws.
     """
 
     cycle: Triangle | OwnCycle
@@ -192,7 +192,7 @@ def supervision_of(table: MachineTable, model: CylinderModel) -> Supervised:
 
 
 def spool_range(unit: KnownUnit) -> SpoolRange:
-    """Between which positions the spool moves, and how its position makes a duty ratio. Raises ParameterError where its
+    """Limits of the spool's position, and the helix over which it becomes a duty ratio. Raises ParameterError if the
     stroke ends below the highest duty ratio."""
     length = unit.valve.helix_length
     highest, end = HIGHEST_DUTY * length, unit.highest_spool_position
@@ -210,7 +210,7 @@ def spool_range(unit: KnownUnit) -> SpoolRange:
 
 
 def believed_map(table: MachineTable) -> FlowMap:
-    """The flow map of the valve, with the relief valve as it is believed to be set."""
+    """The flow map of the valve, with the relief valve of the controller model."""
     relief = replace(table.relief_valve, cracking_pressure=table.belief.relief_pressure)
     at = valve_condition(
         table.pump.displacement * table.rated_speed.base,
