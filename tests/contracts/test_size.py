@@ -111,7 +111,6 @@ RECORD = "a record that is filled by name, one line for each of its fields"
 FACADE = "one value with what it can be asked, each answer a few lines"
 CHOICE = "one branch for each case of a closed list"
 ALLOWED = {
-    "base.units._to_si": CHOICE,
     "components.rotary_valve.rotary_valve": RECORD,
     "components.switching_valves._three_way": LAW,
     "components.switching_valves._two_way": LAW,
@@ -121,7 +120,6 @@ ALLOWED = {
     "estimation.fusion.pressure_edge_angle": LAW,
     "estimation.index.index_after_edge": ONE_SAMPLE,
     "estimation.pressure_edges.pressure_edges_step": ONE_SAMPLE,
-    "geometry.solids.nozzle": "the measures of a nozzle, each its own",
     "offline.config_text._config_lines": GOES_BY,
     "offline.diagnostics.summary": GOES_BY,
     "offline.cutting.Cutter": GOES_BY,
