@@ -112,8 +112,6 @@ FACADE = "one value with what it can be asked, each answer a few lines"
 CHOICE = "one branch for each case of a closed list"
 ALLOWED = {
     "components.rotary_valve.rotary_valve": RECORD,
-    "components.switching_valves._three_way": LAW,
-    "components.switching_valves._two_way": LAW,
     "estimation.baselines.torque_filter._after_edge": ONE_SAMPLE,
     "estimation.event_filter.take_in": ONE_SAMPLE,
     "estimation.fusion._after_pressure_edge": ONE_SAMPLE,
