@@ -18,6 +18,7 @@ from vvdp.machines.axial_tally import tally_of
 from vvdp.machines.chamber_bench import controlled_circuit, rows_under_control, seeded_case
 from vvdp.network.build import Circuit
 from vvdp.simulation.batch import simulate_batch
+from vvdp.simulation.crew import Crew
 from vvdp.simulation.link import quiet
 from vvdp.simulation.prepare import prepare
 from vvdp.simulation.run import Stepping, simulate
@@ -144,7 +145,7 @@ def _scores(plan: _Plan, loops: _Loops, name: str, trials: Sequence[Trial], core
     cases = [seeded_case(loops.circuits[trial.scenario, name], trial.seed) for trial in trials]
     scenario = trials[0].scenario
     stepping = loop_stepping(plan.scenarios[scenario])
-    run = simulate_batch(loops.circuits[scenario, name].model, cases, stepping, cores=cores)
+    run = simulate_batch(loops.circuits[scenario, name].model, cases, stepping, Crew(cores))
     return [
         loop_score(tally_of(case, memories), reason is None)
         for case, memories, reason in zip(cases, run.final_memories, run.reasons, strict=True)
