@@ -117,8 +117,6 @@ ALLOWED = {
     "estimation.fusion._after_pressure_edge": ONE_SAMPLE,
     "estimation.index.index_after_edge": ONE_SAMPLE,
     "estimation.pressure_edges.pressure_edges_step": ONE_SAMPLE,
-    "offline.cutting.Cutter": GOES_BY,
-    "offline.offline_filter.OfflineFilter": GOES_BY,
     "network.classes.Classes": TEXT_WRITER,
     "network.component.Component": FACADE,
     "network.functions.Functions": TEXT_WRITER,
