@@ -159,7 +159,6 @@ ALLOWED = {
     "simulation.stiff.stiff_step": COMPILED,
     "evaluation.bench.RotaryBench": FACADE,
     "systems.drawing.Drawer": DRAWN_FILE,
-    "valve.operating_point.operating_point": RECORD,
     "valve.torque.spool_torque": LAW,
 }
 """What may exceed a limit, by its name below vvdp, with the reason."""

@@ -156,8 +156,7 @@ class Cutter:
         return Follow(taken, float(known_times(taken)[-1]))
 
     def _silence(self, *, turned: bool) -> Follow:
-        """Rows after the last edge of a piece, as far as they can be given; a wheel that slowed down may have turned back
-        then."""
+        """Rows after the last edge of a piece, as far as they are known; a wheel that slowed may have turned back."""
         after = float(self._pending.times[0])
         if not turned and self._course.has_slowed:
             self.tally.slow_passages.append(float(0.5 * (self._course.times[-1] + after)))

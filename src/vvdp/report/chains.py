@@ -44,7 +44,8 @@ def setting(graph: Graph, texts: Callable[[str], tuple[str, ...]]) -> Setting:
     }
     fits = {component.name: fit_symbol(component, kinds, fed) for component in graph.components}
     positions = {n.name: n.position for n in graph.nodes} | {c.name: c.position for c in graph.components}
-    return Setting(graph, texts, fits, node_levels(graph, fits), kinds, positions)
+    levels = node_levels(graph, fits)
+    return Setting(graph=graph, texts=texts, fits=fits, level=levels, kinds=kinds, positions=positions)
 
 
 def blocks(given: Setting) -> list[Block]:
