@@ -14,7 +14,6 @@ MOST = 5
 OWN_ORDER = "an array for each field of the same record, in its own order"
 ALLOWED = {
     ("simulation/prepare.py", "Reached"): OWN_ORDER,
-    ("simulation/batch.py", "Reached"): OWN_ORDER,
     ("estimation/smoother.py", "Forward"): "a row of the record's own numbers, as the compiled replay takes it",
     ("estimation/smoother.py", "Between"): "a row of the columns stacked in its order, as the compiled replay takes it",
 }

@@ -25,7 +25,6 @@ POINTS_AND_SPANS = {
     "_cut.segment": "x and y of both ends",
     "largest_jump.places": "begin and end of two spans",
     "_jump.places": "begin and end of two spans",
-    "pump.steps": "before and after",
     "checked_steps.steps": "before and after",
     "dynamics.steps": "before and after",
     "_bode_panel.ends": "least and greatest",

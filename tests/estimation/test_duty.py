@@ -220,7 +220,7 @@ def test_simulated_edges_lie_where_the_geometry_has_them(simulated_waves, duty_r
         drop = level - TANK
         wave = duty + duty_excess(drop, FLOW, DENSITY, VALVE)
         lag = pressure_lag(drop, FLOW, DENSITY, TABLES["inlet"].volume, bulk_modulus(level, OIL), VALVE)
-        place = angle - pressure_edge_angle(0.0, s, wave, 0.0, lag, speed, VALVE.sections)
+        place = angle - pressure_edge_angle(0.0, s, wave, 0.0, speed * lag, VALVE.sections)
         left.append((place + 0.5 * pitch) % pitch - 0.5 * pitch)
     assert np.max(np.abs(left)) < 0.006
 

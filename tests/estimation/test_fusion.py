@@ -137,8 +137,8 @@ def encoder_alone():
 
 def test_edges_by_hand():
     """d 0.5, phase 0.1, lag 0.2 ms at 150 rad/s: (2 - 0.25) 2.0944 + 0.1 + 0.03 = 3.7952, and (2 + 0.25) ... 4.8424."""
-    assert pressure_edge_angle(2.0, 1.0, 0.5, 0.1, 2e-4, 150.0, 3.0) == pytest.approx(3.795191, abs=1e-6)
-    assert pressure_edge_angle(2.0, -1.0, 0.5, 0.1, 2e-4, 150.0, 3.0) == pytest.approx(4.842389, abs=1e-6)
+    assert pressure_edge_angle(2.0, 1.0, 0.5, 0.1, 2e-4 * 150.0, 3.0) == pytest.approx(3.795191, abs=1e-6)
+    assert pressure_edge_angle(2.0, -1.0, 0.5, 0.1, 2e-4 * 150.0, 3.0) == pytest.approx(4.842389, abs=1e-6)
 
 
 @given(st.floats(0.31, 0.69), st.integers(-5, 5))
@@ -146,7 +146,7 @@ def test_edges_are_where_the_valve_shuts_one_port_and_opens_the_other(duty, numb
     """At zero lap both ports are shut just there, and the load port opens after an up edge, before a down edge."""
     valve = load_system("prototype-constant-load").tables["valve"]
     for s in (1.0, -1.0):
-        at = pressure_edge_angle(number, s, duty, 0.0, 0.0, 0.0, valve.sections)
+        at = pressure_edge_angle(number, s, duty, 0.0, 0.0, valve.sections)
         here, after, before = (
             port_openings(at + h, duty * valve.helix_length, valve) for h in (0.0, s * 0.05, -s * 0.05)
         )
@@ -160,8 +160,7 @@ def test_edges_are_where_the_valve_shuts_one_port_and_opens_the_other(duty, numb
 def test_the_mean_of_a_pair_is_free_of_the_duty_ratio(duty, error):
     """1 % of duty ratio moves an up edge by -0.0105 rad, a down edge by +0.0105 rad."""
     moved_by = [
-        pressure_edge_angle(1.0, s, duty + error, 0.2, 0.0, 0.0, 3.0)
-        - pressure_edge_angle(1.0, s, duty, 0.2, 0.0, 0.0, 3.0)
+        pressure_edge_angle(1.0, s, duty + error, 0.2, 0.0, 3.0) - pressure_edge_angle(1.0, s, duty, 0.2, 0.0, 3.0)
         for s in (1.0, -1.0)
     ]
     assert sum(moved_by) == pytest.approx(0.0, abs=1e-12)

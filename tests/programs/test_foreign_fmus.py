@@ -20,6 +20,7 @@ from vvdp.programs.foreign.archive import MOST_DESCRIPTION
 from vvdp.programs.foreign.platforms import this_platform
 from vvdp.runs.simulate import run_system
 from vvdp.simulation.batch import simulate_batch
+from vvdp.simulation.crew import Crew
 from vvdp.simulation.run import simulate
 from vvdp.systems.system import load_system
 from vvdp.workbench.offer import Asked, offer_at
@@ -150,7 +151,7 @@ def test_own_process_version_and_threads_have_the_same_bits(system):
     for other in others:
         assert other.states.tobytes() == one.states.tobytes()
     loaded = system(2)
-    batch = simulate_batch(loaded.model, [loaded.case] * 5, replace(loaded.stepping, average_from=0.05), cores=2)
+    batch = simulate_batch(loaded.model, [loaded.case] * 5, replace(loaded.stepping, average_from=0.05), Crew(2))
     assert batch.reasons == (None,) * 5
     assert (batch.final == one.final).all()
     assert not partners._slots  # every instance has been ended

@@ -29,7 +29,7 @@ from vvdp.rigs.pressure_drop import pressure_drop
 from vvdp.simulation.outcome import outcome
 from vvdp.simulation.run import simulate
 from vvdp.steady.steady_states import steady_states
-from vvdp.steady.test_stand import stand
+from vvdp.steady.test_stand import stand, standstill
 from vvdp.studies import work
 from vvdp.studies.dask_engines import LocalDask
 from vvdp.studies.engine import ThisProcess
@@ -229,7 +229,7 @@ def test_spool_that_cannot_turn_is_refused_at_once(source_stand, tmp_path):
     assert state.reason is not None
     assert wording.map.ports_nearly_shut in state.reason
     driven = braked.with_motor(70.0)
-    assert driven.standstill(COARSE.points[5], driven.means(COARSE.points[5])) is None
+    assert standstill(COARSE.points[5], driven.means(COARSE.points[5]), driven) is None
 
 
 def test_map_without_any_result_is_drawn(orifice_stand, tmp_path):

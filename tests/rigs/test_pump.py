@@ -12,7 +12,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.rigs import maps
 from vvdp.rigs.map_axes import Axes
 from vvdp.rigs.maps import simulated_map
-from vvdp.rigs.pump import control_numbers, dead_band, linearity, pump, pump_axes
+from vvdp.rigs.pump import PumpTest, control_numbers, dead_band, linearity, pump, pump_axes
 from vvdp.studies import work
 
 
@@ -36,7 +36,7 @@ def test_whole_test_and_going_on(source_stand, tmp_path):
         pump_axes(source_stand), duty_ratios=(0.04, 0.1, 0.4, 0.6, 0.8), pump_speeds=(188.49555921538757,),
         load_pressures=(41e5, 81e5),
     )  # fmt: skip
-    found = pump(source_stand, tmp_path, axes)
+    found = pump(source_stand, tmp_path, PumpTest(axes))
     assert set(found.tables) == {"steady", "step_up", "step_down", "frequency"}
     assert found.tables["steady"].rows == 10
     assert found.finished
@@ -48,7 +48,7 @@ def test_whole_test_and_going_on(source_stand, tmp_path):
     assert 0.0 < n["flow_loss_per_pressure_m3_s_Pa"] * 40e5 < 0.03 * 40e-3 / 60.0
     assert {"iso17559", "iso4409", "iso8426"} == set(found.references)
     assert "ISO 17559" in found.manner
-    again = pump(source_stand, tmp_path, axes)
+    again = pump(source_stand, tmp_path, PumpTest(axes))
     np.testing.assert_array_equal(again.tables["steady"]["delivered_flow_m3_s"],
                                   found.tables["steady"]["delivered_flow_m3_s"])  # fmt: skip
 
@@ -57,16 +57,18 @@ def test_interrupted_test_leaves_out_the_dynamics(source_stand, tmp_path, monkey
     monkeypatch.setattr(maps, "BATCHING", work.Batching(least=2, seconds=0.0))
     axes = replace(pump_axes(source_stand), duty_ratios=(0.4, 0.6), load_pressures=(41e5,))
     part = pump(
-        source_stand, tmp_path, axes, progress=lambda done, total: done == 2 and os.kill(os.getpid(), signal.SIGINT)
+        source_stand,
+        tmp_path,
+        PumpTest(axes),
+        progress=lambda done, total: done == 2 and os.kill(os.getpid(), signal.SIGINT),
     )
     assert not part.finished
     assert set(part.tables) == {"steady"}
 
 
-def test_bad_step_is_refused_before_the_map(source_stand, tmp_path):
+def test_bad_step_is_refused_before_the_map(source_stand):
     with pytest.raises(ParameterError, match=wording.rig.two_duty_ratios.format(begin=0.4, end=1.4)):
-        pump(source_stand, tmp_path, steps=(0.4, 1.4))
-    assert not list(tmp_path.iterdir())
+        PumpTest(pump_axes(source_stand), (0.4, 1.4))
 
 
 def test_numbers_of_a_map_without_results_are_missing(source_stand, tmp_path):

@@ -10,6 +10,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.signal import step, table
 from vvdp.simulation import batch as batches
 from vvdp.simulation.batch import simulate_batch
+from vvdp.simulation.crew import Crew
 from vvdp.simulation.layout import vectors
 from vvdp.simulation.outcome import kept_marks, outcome
 from vvdp.simulation.run import Stepping, simulate
@@ -56,11 +57,11 @@ def test_batch_equals_single_runs_to_the_last_bit(switching, cases):
 
 def test_the_number_of_cores_changes_no_number(switching, cases):
     model, _ = switching
-    with_one = simulate_batch(model, cases, STEPPING, cores=1)
+    with_one = simulate_batch(model, cases, STEPPING, Crew(1))
     with_all = simulate_batch(model, cases, STEPPING)
     assert np.array_equal(with_one.final, with_all.final)
     with pytest.raises(ParameterError, match="4097 cores; expected 1 to"):
-        simulate_batch(model, cases, STEPPING, cores=4097)
+        Crew(4097)
 
 
 def test_more_marks_than_room_still_give_those_on_the_way(switching, cases, monkeypatch):

@@ -8,6 +8,7 @@ import pytest
 from vvdp.base.signal import constant, step, table
 from vvdp.evaluation.bench import rotary_bench
 from vvdp.simulation.batch import simulate_batch
+from vvdp.simulation.crew import Crew
 from vvdp.simulation.run import Method, simulate
 from vvdp.simulation.symbols import Untraceable
 from vvdp.simulation.trace import trace
@@ -110,7 +111,7 @@ def test_every_case_of_a_mixed_batch_agrees_with_its_single_run(prototype, mixed
 
 
 def test_company_order_and_cores_change_no_bit(prototype, mixed):
-    whole = simulate_batch(prototype.model, mixed, prototype.stepping, cores=1)
+    whole = simulate_batch(prototype.model, mixed, prototype.stepping, Crew(1))
     order = np.random.default_rng(4).permutation(len(mixed))
     turned = simulate_batch(prototype.model, [mixed[row] for row in order], prototype.stepping)
     assert same(turned, whole, order)

@@ -16,6 +16,7 @@ from vvdp.simulation import batch as batches
 from vvdp.simulation import places
 from vvdp.simulation import run as runs
 from vvdp.simulation.batch import simulate_batch
+from vvdp.simulation.crew import Crew
 from vvdp.simulation.link import link, quiet
 from vvdp.simulation.loops import compiled_loop
 from vvdp.simulation.model import Case, Model
@@ -143,7 +144,7 @@ def test_a_stopped_batch_keeps_the_cases_that_have_ended(monkeypatch, lanes, par
     clocks, carried = [], getattr(batches, part)
 
     def watched(*given):
-        clocks.extend(each.clock for each in given if isinstance(each, batches.Reached))
+        clocks.extend(each.clock for each in given if isinstance(each, batches.CaseRows))
         carried(*given)
 
     monkeypatch.setattr(batches, part, watched)
@@ -152,7 +153,7 @@ def test_a_stopped_batch_keeps_the_cases_that_have_ended(monkeypatch, lanes, par
         return bool(clocks) and clocks[0][0, places.TIME] >= ENDLESS and clocks[0][1, places.TIME] > 0.0
 
     cases, chosen = [turning(SLOW), turning(FAST)], stepping(ENDLESS)
-    run = simulate_batch(MODEL, cases, chosen, cores=1, lanes=lanes, stop=both_are_on_their_way)
+    run = simulate_batch(MODEL, cases, chosen, Crew(1, both_are_on_their_way), lanes=lanes)
     whole = simulate_batch(MODEL, cases[:1], chosen, lanes=lanes)
     assert run.stopped and not whole.stopped
     assert run.reasons[0] is None and run.reasons[1].startswith(wording.simulation.stopped_at)
@@ -169,7 +170,7 @@ def test_a_batch_that_is_stopped_before_it_begins(lanes):
     """Case 2 is not even begun: there is no lane, and no thread, for it."""
     count = 20
     chosen = stepping(ENDLESS)
-    run = simulate_batch(MODEL, [turning(FAST)] * count, chosen, cores=1, lanes=lanes, stop=lambda: True)
+    run = simulate_batch(MODEL, [turning(FAST)] * count, chosen, Crew(1, lambda: True), lanes=lanes)
     assert run.stopped and run.end.max() < ENDLESS
     assert run.reasons[-1] == wording.simulation.stopped_at + "0 s"
     assert run.final[-1].tolist() == [0.0, 1.0] == run.low[-1].tolist()
@@ -183,5 +184,5 @@ def test_an_interruption_halts_all_threads(lanes):
 
     before = threading.active_count()
     with pytest.raises(KeyboardInterrupt):
-        simulate_batch(MODEL, [turning(FAST)] * 20, stepping(ENDLESS), lanes=lanes, stop=interrupt)
+        simulate_batch(MODEL, [turning(FAST)] * 20, stepping(ENDLESS), Crew(stop=interrupt), lanes=lanes)
     assert threading.active_count() <= before

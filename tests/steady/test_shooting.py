@@ -8,10 +8,11 @@ import pytest
 from vvdp.base.errors import ParameterError
 from vvdp.base.signal import constant
 from vvdp.evaluation.summary import simulated_summary
+from vvdp.simulation.crew import Crew
 from vvdp.simulation.outcome import outcome
 from vvdp.simulation.run import simulate
 from vvdp.simulation.values import as_value, flat
-from vvdp.steady.shooting import DISTANCE, LIMIT, periodic_states
+from vvdp.steady.shooting import DISTANCE, LIMIT, Guess, periodic_states
 from vvdp.steady.steady_states import HELD, steady_states
 from vvdp.steady.test_stand import SetPoint
 
@@ -89,8 +90,8 @@ def test_pressure_that_cannot_be_held_has_a_reason(orifice_stand):
 def test_refuses_a_period_that_is_none(source_stand):
     here = source_stand.set_point
     case = source_stand.case(here, source_stand.means(here))
-    with pytest.raises(ParameterError, match="each case has a period, which must be greater than 0"):
-        periodic_states(source_stand.model, [case], source_stand.stepping, [0.0])
+    with pytest.raises(ParameterError, match="period: 0 ms must be greater than 0"):
+        periodic_states(source_stand.model, [Guess(case, 0.0)], source_stand.stepping)
 
 
 def test_case_without_a_mark_has_a_reason(source_stand):
@@ -101,13 +102,14 @@ def test_case_without_a_mark_has_a_reason(source_stand):
     operation = replace(case.params.operation, spool_motor_speed=constant(0.0))
     still = replace(case, params=replace(case.params, operation=operation))
     assert flat(still.params).size == flat(case.params).size
-    (found,) = periodic_states(braked.model, [still], braked.stepping, [0.001])
+    (found,) = periodic_states(braked.model, [Guess(still, 0.001)], braked.stepping)
     assert found.outcome is None
     assert found.reason is not None
 
 
 def test_a_search_that_is_stopped_says_so(held):
-    stand, case = held["orifice"].stand, held["orifice"].periodic.case
-    found = periodic_states(stand.model, [case], stand.stepping, [held["orifice"].periodic.period], stop=lambda: True)
+    stand, before = held["orifice"].stand, held["orifice"].periodic
+    guess, crew = Guess(before.case, before.period), Crew(stop=lambda: True)
+    found = periodic_states(stand.model, [guess], stand.stepping, crew)
     assert found[0].outcome is None
     assert found[0].reason == "stopped in round 1, before the periodic state was found"

@@ -18,8 +18,9 @@ ATMOSPHERE = 101325.0
 """Standard atmosphere [Pa]: what a gauge pressure in a file is counted from."""
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*\Z", re.DOTALL)
-_GAUGE_SUFFIX = {"barg": "bar", "psig": "psi"}
-_ABSOLUTE_SUFFIX = {"bara": "bar", "psia": "psi"}
+_ABSOLUTE = {"bara": "bar", "psia": "psi"}
+_LEVELS = {"barg": "bar", "psig": "psi", **_ABSOLUTE}
+"""Units of pressure levels alone, and what they are without the word for where they count from."""
 _OFFSET_UNITS = {"degC": "delta_degC", "degF": "delta_degF"}
 # Names, products, quotients, and one small power on a name. Pint alone would calculate `m^9^9^9` for hours.
 _UNIT_TEXT = re.compile(r"(?:[^\W\d]|[%°*/()\s1]|(?<=[^\W\d])(?:\^|\*\*)[-+]?\d\d?(?:\.\d+)?)+")
@@ -45,9 +46,7 @@ def _unit(text: str) -> Any:
 
 def is_unit(text: str) -> bool:
     """Whether the text is the name of a unit, such as `bar` or `m^3/s`."""
-    if text in _GAUGE_SUFFIX or text in _ABSOLUTE_SUFFIX:
-        return True
-    if len(text) <= 40 and known_unit(text) is not None:
+    if text in _LEVELS or (len(text) <= 40 and known_unit(text) is not None):
         return True
     try:
         return len(text) <= 40 and bool(_unit(text))
@@ -120,37 +119,38 @@ def _split(text: object, kind: Kind) -> tuple[float, str]:
 
 
 def _to_si(number: float, unit: str, text: object, kind: Kind, level: bool = True) -> float:
-    if kind.unit == "SI":
-        if unit != "SI":
-            raise ParameterError(f"{text!r}: write the number with the word SI, for example {kind.example!r}")
+    if fault := _fault_of_unit(number, unit, kind):
+        raise ParameterError(f"{text!r}{fault}")
+    if kind.unit == "SI" or not unit:
         return number
-    if not unit:
-        if kind.unit == "1":
-            return number
-        raise ParameterError(f"{text!r} has no unit; {kind.with_article} is written for example {kind.example!r}")
-    gauge = level and kind is PRESSURE_LEVEL and unit not in _ABSOLUTE_SUFFIX
-    if unit in _GAUGE_SUFFIX or unit in _ABSOLUTE_SUFFIX:
-        if kind is not PRESSURE_LEVEL:
-            raise ParameterError(f"{text!r}: {kind.with_article} has no {unit!r}; write for example {kind.example!r}")
-        unit = {**_GAUGE_SUFFIX, **_ABSOLUTE_SUFFIX}[unit]
-    if kind.units and unit not in kind.units:
-        hint = _speed_hint(number, unit) if "rpm" in kind.units else ""
-        raise ParameterError(f"{text!r} is not {kind.with_article}; {hint}use one of {', '.join(kind.units)}")
-    if (
-        kind.unit == "1" and unit != "%"
-    ):  # an angle, a decibel or turns per minute times minutes have no dimension either
-        raise ParameterError(
-            f"{text!r} is not {kind.with_article}; write a plain number or %, for example {kind.example!r}"
-        )
+    plain = _LEVELS.get(unit, unit)
     if not level:
-        unit = _OFFSET_UNITS.get(unit, unit)
+        plain = _OFFSET_UNITS.get(plain, plain)
     try:
-        value = _in_si(number, unit, kind.unit if kind.unit != "1" else "")
+        value = _in_si(number, plain, kind.unit if kind.unit != "1" else "")
     except _OtherDimension:
         raise ParameterError(f"{text!r} is not {kind.with_article}; write for example {kind.example!r}") from None
     except Exception:  # pint raises many unrelated types on malformed unit text
-        raise ParameterError(f"{text!r}: unknown unit {unit!r}; write for example {kind.example!r}") from None
-    return value + ATMOSPHERE if gauge else value
+        raise ParameterError(f"{text!r}: unknown unit {plain!r}; write for example {kind.example!r}") from None
+    return value + ATMOSPHERE if level and kind is PRESSURE_LEVEL and unit not in _ABSOLUTE else value
+
+
+def _fault_of_unit(number: float, unit: str, kind: Kind) -> str:
+    """Why a number in `unit` is no value of `kind`, as the end of a message; empty if it may be one."""
+    example = f"for example {kind.example!r}"
+    if kind.unit == "SI":
+        return "" if unit == "SI" else f": write the number with the word SI, {example}"
+    if not unit:
+        return "" if kind.unit == "1" else f" has no unit; {kind.with_article} is written {example}"
+    if unit in _LEVELS and kind is not PRESSURE_LEVEL:
+        return f": {kind.with_article} has no {unit!r}; write {example}"
+    if kind.units and _LEVELS.get(unit, unit) not in kind.units:
+        hint = _speed_hint(number, unit) if "rpm" in kind.units else ""
+        return f" is not {kind.with_article}; {hint}use one of {', '.join(kind.units)}"
+    # An angle, a decibel or turns per minute times minutes have no dimension either.
+    if kind.unit == "1" and unit != "%":
+        return f" is not {kind.with_article}; write a plain number or %, {example}"
+    return ""
 
 
 class _OtherDimension(ValueError):

@@ -152,18 +152,18 @@ def pump(
     from vvdp.cli.progress import count_lines
     from vvdp.cli.screen import say
     from vvdp.rigs.maps import map_directory
+    from vvdp.rigs.pump import PumpTest, pump_axes
     from vvdp.rigs.pump import pump as measured
-    from vvdp.rigs.pump import pump_axes
     from vvdp.steady.test_stand import stand
     from vvdp.systems.resolved import resolved_text
 
     loaded = case.on_rig("rig pump")
     held = stand(loaded, "rig pump")
-    axes = chosen_axes(held, spans, pump_axes(held))
+    test = PumpTest(chosen_axes(held, spans, pump_axes(held)), between)
     directory = work.out if work.out is not None else Path("results", f"pump-{loaded.name}")
     with map_directory(directory, "rig pump", force=work.force):
         with count_lines("points") as progress:
-            result = measured(held, directory, axes, between, cores=work.cores, progress=progress, say=say)
+            result = measured(held, directory, test, cores=work.cores, progress=progress, say=say)
         leave_out = work.no_report or not result.finished
         reported = write_with_report(directory, result, resolved_text(loaded), no_report=leave_out)
     show_result(result, directory, json=work.json, reported=reported)

@@ -151,7 +151,7 @@ def with_pressure(scenario: Scenario, record: Record) -> Array:
     phase = random.uniform(-0.5 * WAVE, 0.5 * WAVE)
     pulses = np.arange(np.floor(angle.min() / WAVE) - 2.0, np.ceil(angle.max() / WAVE) + 3.0)
     signs = np.repeat([1.0, -1.0], pulses.size)
-    places = pressure_edge_angle(np.tile(pulses, 2), signs, DUTY_RATIO, phase, 0.0, 0.0, SECTIONS)  # type: ignore[arg-type]
+    places = pressure_edge_angle(np.tile(pulses, 2), signs, DUTY_RATIO, phase, 0.0, SECTIONS)  # type: ignore[arg-type]
     seen = places + PRESSURE_DEVIATION * random.standard_normal(signs.size)
     order = np.argsort(seen)
     behind = np.searchsorted(seen[order], angle, side="right")

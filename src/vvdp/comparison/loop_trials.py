@@ -17,6 +17,7 @@ from vvdp.comparison.loop_scores import LoopScore, loop_score, loop_summary
 from vvdp.machines.drive_loop import drawn_loop, errors_under_control, seeded_case, tally_of, with_tally
 from vvdp.network.build import Circuit
 from vvdp.simulation.batch import simulate_batch
+from vvdp.simulation.crew import Crew
 from vvdp.simulation.link import quiet
 from vvdp.simulation.prepare import prepare
 from vvdp.simulation.run import Stepping, simulate
@@ -139,7 +140,8 @@ def _scores(loops: _Loops, name: str, trials: Sequence[Trial], cores: int) -> li
     """The scores of a controller in trials of one sample period."""
     cases = [seeded_case(loops.circuits[trial.scenario, name], trial.seed) for trial in trials]
     scenario = trials[0].scenario
-    run = simulate_batch(loops.circuits[scenario, name].model, cases, loops.steppings[scenario], cores=cores)
+    model, stepping = loops.circuits[scenario, name].model, loops.steppings[scenario]
+    run = simulate_batch(model, cases, stepping, Crew(cores))
     return [
         loop_score(tally_of(case, memories), reason is None)
         for case, memories, reason in zip(cases, run.final_memories, run.reasons, strict=True)

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from vvdp.base.kinds import Area, Flow, Fraction, Kink, Mode, Power
+from vvdp.base.kinds import Area, Flow, Fraction, Kink, Mode, Position, Power
 from vvdp.base.rules import refuse
 from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState
@@ -12,6 +12,7 @@ from vvdp.hydraulics.ports import Medium
 from vvdp.hydraulics.switching_valve import (
     PulseClock,
     PulseTrain,
+    SpoolEnds,
     SpoolState,
     SwitchingValve,
     port_areas,
@@ -98,7 +99,7 @@ def switching_valve(
     values: ThreeWayValve,
 ) -> ThreeWayFlows:
     """3/2 valve that joins pressure to first while `command` is 1, and to second while it is 0."""
-    return _three_way(pressure, first, second, command, at_first, at_second, state, medium, values)
+    return _three_way(pressure, first, second, _spool(command, state, at_first, at_second, values), medium, values)
 
 
 def pulsed_switching_valve(
@@ -113,7 +114,8 @@ def pulsed_switching_valve(
     values: PulsedThreeWayValve,
 ) -> ThreeWayFlows:
     """3/2 valve on a pulse train of fixed frequency and duty ratio."""
-    return _three_way(pressure, first, second, pulse_train(t, values), at_first, at_second, state, medium, values)
+    spool = _spool(pulse_train(t, values), state, at_first, at_second, values)
+    return _three_way(pressure, first, second, spool, medium, values)
 
 
 def modulated_switching_valve(
@@ -129,8 +131,8 @@ def modulated_switching_valve(
     values: ModulatedThreeWayValve,
 ) -> ThreeWayFlows:
     """3/2 valve on pulses of fixed frequency, whose duty ratio is held between samples."""
-    command = pulse_value(t, duty_ratio, values.frequency)
-    return _three_way(pressure, first, second, command, at_first, at_second, state, medium, values)
+    spool = _spool(pulse_value(t, duty_ratio, values.frequency), state, at_first, at_second, values)
+    return _three_way(pressure, first, second, spool, medium, values)
 
 
 def two_way_valve(
@@ -144,7 +146,7 @@ def two_way_valve(
     values: TwoWayValve,
 ) -> TwoWayPassage:
     """2/2 valve between a and b that `command` 1 opens, or closes where it is normally open."""
-    return _two_way(a, b, command, at_first, at_second, state, medium, values)
+    return _two_way(a, b, _spool(command, state, at_first, at_second, values), medium, values)
 
 
 def pulsed_two_way_valve(
@@ -158,7 +160,7 @@ def pulsed_two_way_valve(
     values: PulsedTwoWayValve,
 ) -> TwoWayPassage:
     """2/2 valve on a pulse train of fixed frequency and duty ratio."""
-    return _two_way(a, b, pulse_train(t, values), at_first, at_second, state, medium, values)
+    return _two_way(a, b, _spool(pulse_train(t, values), state, at_first, at_second, values), medium, values)
 
 
 def modulated_two_way_valve(
@@ -173,7 +175,8 @@ def modulated_two_way_valve(
     values: ModulatedTwoWayValve,
 ) -> TwoWayPassage:
     """2/2 valve on pulses of fixed frequency, whose duty ratio is held between samples."""
-    return _two_way(a, b, pulse_value(t, duty_ratio, values.frequency), at_first, at_second, state, medium, values)
+    spool = _spool(pulse_value(t, duty_ratio, values.frequency), state, at_first, at_second, values)
+    return _two_way(a, b, spool, medium, values)
 
 
 def modulated_stop(t: float, duty_ratio: Fraction, values: PulseClock) -> float:
@@ -181,20 +184,25 @@ def modulated_stop(t: float, duty_ratio: Fraction, values: PulseClock) -> float:
     return pulse_edge(t, duty_ratio, values.frequency)
 
 
+class _Spool(NamedTuple):
+    """Where a spool stands, how it moves, and which end of the stroke holds it."""
+
+    position: Position
+    rates: SpoolState
+    ends: SpoolEnds
+
+
+def _spool(command: float, state: SpoolState, at_first: float, at_second: float, values: SwitchingValve) -> _Spool:
+    """Response of a spool to a command."""
+    rates = spool_rate(command, state, at_first, at_second, values)
+    return _Spool(state.position, rates, spool_ends(state, at_first, at_second, values))
+
+
 def _three_way(
-    pressure: FluidState,
-    first: FluidState,
-    second: FluidState,
-    command: float,
-    at_first: Mode,
-    at_second: Mode,
-    state: SpoolState,
-    medium: Medium,
-    values: ThreeWayValve,
+    pressure: FluidState, first: FluidState, second: FluidState, spool: _Spool, medium: Medium, values: ThreeWayValve
 ) -> ThreeWayFlows:
-    """Response of a three-way valve to a command."""
-    areas, sides = port_areas(state.position, values), port_sides(state.position, values)
-    ends = spool_ends(state, at_first, at_second, values)
+    """Flows of a three-way valve whose spool moves like this."""
+    areas, sides = port_areas(spool.position, values), port_sides(spool.position, values)
     drop_1, drop_2 = pressure.pressure - first.pressure, pressure.pressure - second.pressure
     to_first = passage(orifice_flow(areas.first, drop_1, medium.density, values), pressure, first)
     to_second = passage(orifice_flow(areas.second, drop_2, medium.density, values), pressure, second)
@@ -203,35 +211,30 @@ def _three_way(
         first=to_first.flow,
         second=to_second.flow,
         loss=to_first.loss + to_second.loss,
-        rates=spool_rate(command, state, at_first, at_second, values),
+        rates=spool.rates,
         first_area=areas.first,
         second_area=areas.second,
         first_side=sides.first,
         second_side=sides.second,
-        at_first=ends.first,
-        at_second=ends.second,
+        at_first=spool.ends.first,
+        at_second=spool.ends.second,
     )
 
 
-def _two_way(
-    a: FluidState,
-    b: FluidState,
-    command: float,
-    at_first: Mode,
-    at_second: Mode,
-    state: SpoolState,
-    medium: Medium,
-    values: TwoWayValve,
-) -> TwoWayPassage:
-    """Response of a two-way valve to a command."""
-    areas, sides = port_areas(state.position, values), port_sides(state.position, values)
+def _two_way(a: FluidState, b: FluidState, spool: _Spool, medium: Medium, values: TwoWayValve) -> TwoWayPassage:
+    """Flow of a two-way valve whose spool moves like this."""
+    areas, sides = port_areas(spool.position, values), port_sides(spool.position, values)
     opens = values.normally_open > 0.5
     area, edge = select(opens, areas.second, areas.first), select(opens, sides.second, sides.first)
-    ends = spool_ends(state, at_first, at_second, values)
     flow, loss = passage(orifice_flow(area, a.pressure - b.pressure, medium.density, values), a, b)
-    rates = spool_rate(command, state, at_first, at_second, values)
     return TwoWayPassage(
-        flow=flow, loss=loss, rates=rates, area=area, side=edge, at_first=ends.first, at_second=ends.second
+        flow=flow,
+        loss=loss,
+        rates=spool.rates,
+        area=area,
+        side=edge,
+        at_first=spool.ends.first,
+        at_second=spool.ends.second,
     )
 
 

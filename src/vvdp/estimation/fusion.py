@@ -157,7 +157,7 @@ def fusion(settings: EventFilter) -> Fusion:
 
 
 def pressure_edge_angle(
-    number: float, polarity: float, duty_ratio: float, phase: float, lag: float, speed: float, sections: float
+    number: float, polarity: float, duty_ratio: float, phase: float, lag_angle: float, sections: float
 ) -> float:
     """Angle of the spool when a pressure edge is seen [rad]: (k -/+ d/2) 2 pi/N + phi + omega l.
 
@@ -165,13 +165,12 @@ def pressure_edge_angle(
     polarity    +1 tank to load, -1 load to tank
     duty_ratio  d, of the wave [1]
     phase       phi, mounting angle [rad]
-    lag         l, of the pressure behind the ports [s]
-    speed       omega [rad/s]
+    lag_angle   omega l, by which the spool turns while the pressure lags behind the ports [rad]
     sections    N [1]
 
     Source  ours, docs/models/pressure-fusion.md, with the openings of docs/models/rotary-valve.md
     """
-    angle: float = (number - 0.5 * polarity * duty_ratio) * 2.0 * np.pi / sections + phase + speed * lag
+    angle: float = (number - 0.5 * polarity * duty_ratio) * 2.0 * np.pi / sections + phase + lag_angle
     return angle
 
 

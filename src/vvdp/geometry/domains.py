@@ -168,8 +168,8 @@ def _ended_pockets(shape: ValveShape, valve: RotaryValve, kernel: Faceted, bore:
 
 def _stubs(length: float, shape: ValveShape, valve: RotaryValve, within: Part, kernel: Faceted) -> list[Part]:
     """The nozzles' stubs of a length [m], which patches inlet1 to inletN end outside, and `within` towards the bore."""
-    N, start = round(valve.sections), -4.0 * OVERLAP * valve.spool_radius
-    whole = nozzle("nozzles", shape, valve, valve.spool_radius, start, length + nozzle_width(valve), kernel)
+    N = round(valve.sections)
+    whole = nozzle(shape, valve, valve.spool_radius, length + nozzle_width(valve), kernel)
     ends = [_across_jet(f"inlet{number + 1}", shape, valve, length, kernel) for number in range(N)]
     return [(whole - end - within).rotate(2.0 * np.pi * number / N) for number, end in enumerate(ends)]
 

@@ -144,17 +144,15 @@ def spool(shape: ValveShape, valve: RotaryValve, fineness: float = FINENESS) -> 
     return require_sound(mesh, "spool", 1, 2 * round(shape.outlet_blades))
 
 
-def nozzle(
-    patch: str, shape: ValveShape, valve: RotaryValve, bore: float, start: float, end: float, kernel: Kernel[S]
-) -> S:
-    """The nozzle at angle 0 from `start` to `end` along its axis, counted outwards from its mouth.
+def nozzle(shape: ValveShape, valve: RotaryValve, bore: float, end: float, kernel: Kernel[S]) -> S:
+    """The nozzle at angle 0, from a little within the bore to `end` along its axis, counted outwards from its mouth.
 
     The mouth, at 0, is the rhombus of the hydraulic model, wrapped on the bore; the section grows linearly from there.
     """
     R, arm = valve.spool_radius, shape.nozzle_arm
     width, length = nozzle_width(valve), nozzle_length(valve)
     outwards = np.array([np.sqrt(1.0 - (arm / bore) ** 2), -arm / bore, 0.0])
-    centre = np.array([bore, 0.0, 0.0])
+    centre, start = np.array([bore, 0.0, 0.0]), -4.0 * OVERLAP * R
     growth = (shape.nozzle_taper - 1.0) / nozzle_reach(shape, valve)
 
     def sweep(a: Floats, b: Floats, c: Floats) -> Floats:
@@ -166,7 +164,7 @@ def nozzle(
 
     # Twice as fine as the rest: what the spool opens is measured here.
     side = float(np.hypot(width, length))
-    return kernel.mapped_box(patch, sweep, (side, side, 0.0))
+    return kernel.mapped_box("nozzles", sweep, (side, side, 0.0))
 
 
 def rail_angles(shape: ValveShape, valve: RotaryValve) -> tuple[float, float]:
@@ -187,8 +185,7 @@ def rail(shape: ValveShape, valve: RotaryValve, kernel: Kernel[S]) -> S:
 
 def nozzles(shape: ValveShape, valve: RotaryValve, bore: float, kernel: Kernel[S]) -> S:
     """All nozzles, from a little within the bore to the rail's centre line."""
-    start = -4.0 * OVERLAP * valve.spool_radius
-    return around(nozzle("nozzles", shape, valve, bore, start, nozzle_reach(shape, valve), kernel), valve.sections)
+    return around(nozzle(shape, valve, bore, nozzle_reach(shape, valve), kernel), valve.sections)
 
 
 def rail_port(shape: ValveShape, valve: RotaryValve, kernel: Kernel[S]) -> S:

@@ -45,6 +45,8 @@ WRITTEN = frozenset(
     )
 )
 """What the text calls its own functions, arguments, classes and values."""
+OWN = {Role.TIME: "t", Role.STATE: "s.{}", Role.HELD: "h.{}", Role.MODE: "u.modes.{}_{}"}
+"""Expressions of what stands under the name of a part, and under that of an argument of its law."""
 
 
 @dataclass
@@ -122,21 +124,19 @@ class Text:
                 return self.places.path(self.oil(part))
             case Role.PARAMS:
                 return self.places.path(self._value(part, argument))
-            case Role.STATE:
-                return f"s.{part.name}"
-            case Role.HELD:
-                return f"h.{part.name}"
-            case Role.MODE:
-                return f"u.modes.{part.name}_{argument.name}"
-            case Role.SURPLUS if self.places.at_junction(part):
-                return "0.0"
             case Role.SURPLUS:
-                node = part.nodes[part.component.hydraulic_ports[0]]
-                walls = self.walls(node, "rate")
-                return f"{node}.volume_ratio * surplus_{node}" + (f" - ({walls})" if walls else "")
+                return self._surplus(part)
             case Role.INPUT:
                 return self.source(part.inputs[argument.name], f"{part.name}.{argument.name}", argument.kind)
-        return "t"
+        return OWN[argument.role].format(part.name, argument.name)
+
+    def _surplus(self, part: Part) -> str:
+        """What else flows into the volume of a part."""
+        if self.places.at_junction(part):
+            return "0.0"
+        node = part.nodes[part.component.hydraulic_ports[0]]
+        walls = self.walls(node, "rate")
+        return f"{node}.volume_ratio * surplus_{node}" + (f" - ({walls})" if walls else "")
 
     def _warm_medium(self, part: Part) -> str:
         """The oil of a part as warm as the first volume that it joins has it, where volumes have a temperature."""

@@ -57,7 +57,7 @@ def _try_values(component: Component, values: tuple[Params, ...], oil: Oil) -> N
     own = Trial(component, values, oil)
     with np.errstate(all="ignore"):
         for _ in range(COUNT):
-            own.check(own.instant(rng))
+            _check(own, own.instant(rng))
 
 
 class Trial:
@@ -129,82 +129,89 @@ class Trial:
         found: Params = next(value for value in self.values if isinstance(value, argument.type))
         return found
 
-    def check(self, at: Instant) -> None:
-        """Refuse what makes oil or power at an instant."""
-        component = self.component
-        result = self.call(component.law, at)
-        if not np.isfinite(flat(result)).all():
-            return
-        losses = self._losses(result)
-        flows, powers = self._port_exchange(at, result)
-        energy, volume = self._stored_rates(at, result)
-        accuracy = EXACT if component.stored is None else DIFFERENCED
-        powers += [energy, *losses.values(), -getattr(result, "supplied", 0.0)]
-        flows.append(volume)
-        size = sum(map(abs, powers))
-        for name, loss in losses.items():
-            kind = component.losses[name]
-            exchanged = kind is not None and (kind is EXCHANGED_ENERGY or kind.low < 0.0)
-            if not exchanged and loss < -EXACT * size:
-                what = f"its loss {name!r}" if name else "its loss"
-                raise NetworkError(
-                    f"{component.name}: {what} is {loss:.3g} W{_where(at)}; a sink cannot give power: is a pressure "
-                    "drop taken the wrong way round?"
-                )
-        if abs(sum(flows)) > accuracy * sum(map(abs, flows)):
+
+def _check(trial: Trial, at: Instant) -> None:
+    """Refuse what makes oil or power at an instant."""
+    component = trial.component
+    result = trial.call(component.law, at)
+    if not np.isfinite(flat(result)).all():
+        return
+    losses = _losses(component, result)
+    flows, powers = _port_exchange(trial, at, result)
+    energy, volume = _stored_rates(trial, at, result)
+    accuracy = EXACT if component.stored is None else DIFFERENCED
+    powers += [energy, *losses.values(), -getattr(result, "supplied", 0.0)]
+    flows.append(volume)
+    size = sum(map(abs, powers))
+    for name, loss in losses.items():
+        kind = component.losses[name]
+        exchanged = kind is not None and (kind is EXCHANGED_ENERGY or kind.low < 0.0)
+        if not exchanged and loss < -EXACT * size:
+            what = f"its loss {name!r}" if name else "its loss"
             raise NetworkError(
-                f"{component.name}: what it gives to its ports adds up to {sum(flows):.3g} m^3/s of oil{_where(at)}; "
-                "expected 0: is a sign wrong, or a port forgotten?"
+                f"{component.name}: {what} is {loss:.3g} W{_where(at)}; a sink cannot give power: is a pressure "
+                "drop taken the wrong way round?"
             )
-        if abs(sum(powers)) > accuracy * size:
-            raise NetworkError(
-                f"{component.name}: it gives {sum(powers):.3g} W more than it takes{_where(at)}, its losses and stores "
-                "counted: is a sign wrong, or a loss forgotten?"
-            )
+    if abs(sum(flows)) > accuracy * sum(map(abs, flows)):
+        raise NetworkError(
+            f"{component.name}: what it gives to its ports adds up to {sum(flows):.3g} m^3/s of oil{_where(at)}; "
+            "expected 0: is a sign wrong, or a port forgotten?"
+        )
+    if abs(sum(powers)) > accuracy * size:
+        raise NetworkError(
+            f"{component.name}: it gives {sum(powers):.3g} W more than it takes{_where(at)}, its losses and stores "
+            "counted: is a sign wrong, or a loss forgotten?"
+        )
 
-    def _losses(self, result: Any) -> dict[str, float]:
-        if "losses" in names(self.component.result):
-            return dict(result.losses._asdict())
-        return {"": result.loss} if "loss" in names(self.component.result) else {}
 
-    def _port_exchange(self, at: Instant, result: Any) -> tuple[list[float], list[float]]:
-        """Oil [m^3/s] and power [W] that the component gives to each of its ports."""
-        component = self.component
-        given = {port: getattr(result, port, 0.0) for port in component.ports}
-        if component.is_passage:
-            first, second = component.ends
-            given |= {first: -result.flow, second: result.flow}
-        flows, powers = [], []
-        for port, amount in given.items():
-            node = at.values[port]
-            if isinstance(node, FluidState):
-                flows.append(amount)
-                powers.append(amount * node.enthalpy)
-            else:
-                powers.append(amount * (node.speed if hasattr(node, "speed") else node.velocity))
-        if component.walls:
-            for port, wall in self.call(component.walls, at)._asdict().items():
-                powers.append(-(at.values[port].pressure - self.oil.reference_pressure) * wall.rate)
-        return flows, powers
+def _losses(component: Component, result: Any) -> dict[str, float]:
+    if "losses" in names(component.result):
+        return dict(result.losses._asdict())
+    return {"": result.loss} if "loss" in names(component.result) else {}
 
-    def _stored_rates(self, at: Instant, result: Any) -> tuple[float, float]:
-        """How fast the component's own energy [W] and oil [m^3/s] grow."""
-        if self.component.stored is None:
-            return 0.0, 0.0
-        after, before = (self.call(self.component.stored, self._later(at, result, dt)) for dt in (STEP, -STEP))
-        return (after.energy - before.energy) / (2.0 * STEP), (after.volume - before.volume) / (2.0 * STEP)
 
-    def _later(self, at: Instant, result: Any, dt: float) -> Instant:
-        """A little later: state, angles and positions have gone on, pressures and speeds have not."""
-        values = dict(at.values)
-        for name, role in self.component.ports.items():
-            node = values[name]
-            if role is Role.SHAFT:
-                values[name] = node._replace(angle=node.angle + dt * node.speed)
-            elif role is Role.ROD:
-                values[name] = node._replace(position=node.position + dt * node.velocity)
-        state = at.state if at.state is None else step_record(at.state, result.rates, dt)
-        return Instant(values, state, at.held)
+def _port_exchange(trial: Trial, at: Instant, result: Any) -> tuple[list[float], list[float]]:
+    """Oil [m^3/s] and power [W] that the component gives to each of its ports."""
+    component = trial.component
+    given = {port: getattr(result, port, 0.0) for port in component.ports}
+    if component.is_passage:
+        first, second = component.ends
+        given |= {first: -result.flow, second: result.flow}
+    flows, powers = [], []
+    for port, amount in given.items():
+        node = at.values[port]
+        if isinstance(node, FluidState):
+            flows.append(amount)
+            powers.append(amount * node.enthalpy)
+        else:
+            powers.append(amount * (node.speed if hasattr(node, "speed") else node.velocity))
+    if component.walls:
+        for port, wall in trial.call(component.walls, at)._asdict().items():
+            powers.append(-(at.values[port].pressure - trial.oil.reference_pressure) * wall.rate)
+    return flows, powers
+
+
+def _stored_rates(trial: Trial, at: Instant, result: Any) -> tuple[float, float]:
+    """How fast the component's own energy [W] and oil [m^3/s] grow."""
+    if trial.component.stored is None:
+        return 0.0, 0.0
+    after, before = (
+        trial.call(trial.component.stored, _later(trial.component, at, result, dt)) for dt in (STEP, -STEP)
+    )
+    return (after.energy - before.energy) / (2.0 * STEP), (after.volume - before.volume) / (2.0 * STEP)
+
+
+def _later(component: Component, at: Instant, result: Any, dt: float) -> Instant:
+    """A little later: state, angles and positions have gone on, pressures and speeds have not."""
+    values = dict(at.values)
+    for name, role in component.ports.items():
+        node = values[name]
+        if role is Role.SHAFT:
+            values[name] = node._replace(angle=node.angle + dt * node.speed)
+        elif role is Role.ROD:
+            values[name] = node._replace(position=node.position + dt * node.velocity)
+    state = at.state if at.state is None else step_record(at.state, result.rates, dt)
+    return Instant(values, state, at.held)
 
 
 def random_value(kind: Kind, rng: np.random.Generator) -> float:

@@ -24,7 +24,6 @@ FEWEST_EDGES = 3
 EDGES_AT_ONCE = 20_000
 MOST_ROWS = 2.0**52
 """The times of later rows could not be distinguished."""
-NAMED_TIMES = 5
 SLOWED = 1.4
 """Where the last time between edges is so many usual ones, the wheel slowed down to a stop; assumed."""
 
@@ -51,6 +50,41 @@ Cut: TypeAlias = Begin | Follow | End
 
 
 @dataclass
+class Course:
+    """The last edges of a piece [s] and the last times between them [s]; without any as long as it has not begun."""
+
+    times: Array = field(default_factory=lambda: np.empty(0))
+    steps: Array = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether the piece has edges."""
+        return self.times.size > 0
+
+    @property
+    def has_slowed(self) -> bool:
+        """Whether the wheel turned slower at last, as towards a stop."""
+        return self.steps.size > 1 and bool(self.steps[-1] > SLOWED * float(np.median(self.steps)))
+
+    def add(self, times: Array) -> None:
+        """Goes on with edges at these times [s]."""
+        before = self.times[-1] if self.has_begun else times[0]
+        steps = np.diff(times, prepend=before)[0 if self.steps.size else 1 :]
+        self.steps = np.concatenate([self.steps, steps])[-RECENT:]
+        self.times = np.concatenate([self.times, times])[-SEEN_BEFORE - 1 :]
+
+    def lasts(self, waves: Array, settings: EventFilter) -> float:
+        """Until when rows can be given without another edge, with edges of the pressure's `waves` [s]."""
+        end = float(self.times[-1])
+        if not self.steps.size:
+            return end
+        reach = float(longest_bridged(usual_before(self.steps)[-1:], np.array([np.inf]), settings)[0])
+        heard = np.concatenate([[end], waves[waves > end]])
+        silences = np.flatnonzero(np.diff(heard) > reach)
+        return float(heard[silences[0] if silences.size else -1]) + reach
+
+
+@dataclass
 class Cutter:
     """Takes settled edges, gives pieces; `waves` are times [s] of edges of the pressure, which bridge silences too."""
 
@@ -58,10 +92,8 @@ class Cutter:
     tally: Tally
     direction: float = 1.0
     waves: Array = field(default_factory=lambda: np.empty(0))
-    _inside: bool = False
+    _course: Course = field(default_factory=Course)
     _pending: Edges = field(default_factory=no_edges)
-    _history: Array = field(default_factory=lambda: np.empty(0))  # the last times of edges of the piece ...
-    _steps: Array = field(default_factory=lambda: np.empty(0))  # ... and between them
     _looked_past: float = -np.inf  # slow passages up to here are done with
 
     def push(self, edges: Edges, horizon: float, *, last: bool) -> Iterator[Cut]:
@@ -70,14 +102,14 @@ class Cutter:
         while self._pending.times.size:
             if not (yield from self._segment(last)):
                 return  # a piece begins, but too little of it is known yet
-        if self._inside:
-            yield Follow(no_edges(), min(horizon, self._lasting()))
+        if self._course.has_begun:
+            yield Follow(no_edges(), min(horizon, self._course.lasts(self.waves, self.settings)))
         if last:
             yield self.forget()
 
     def forget(self) -> End:
         """Nothing follows on this clock; the next piece may lie at any time."""
-        self._pending, self._steps, self._inside = no_edges(), np.empty(0), False
+        self._pending, self._course = no_edges(), Course()
         self._looked_past, self.waves = -np.inf, np.empty(0)
         return End()
 
@@ -85,14 +117,14 @@ class Cutter:
         """Takes in the pending edges up to the next cut; false where more have to be known first."""
         wanted = max(edges_needed(self.settings.wheel), 2 * SEEN_AFTER)  # edges that show how a piece begins
         looked_at = self._pending.times[: max(EDGES_AT_ONCE, wanted)]
-        before = float(self._history[-1]) if self._inside else None
-        cuts = np.flatnonzero(~can_bridge(looked_at, before, self._steps, self.waves, self.settings))
+        cuts = np.flatnonzero(~can_bridge(looked_at, self._course, self.waves, self.settings))
         end = int(cuts[0]) if cuts.size else looked_at.size
-        if not self._inside:
+        if not self._course.has_begun:
             if end < wanted and not cuts.size and not last:
                 return False
             if not self._is_piece(looked_at[:end]):
-                self._leave_out(end)
+                self.tally.leave_out(looked_at[:end])
+                self._pending = part(self._pending, slice(end, None))
                 return True
             yield self._begin(part(self._pending, slice(0, min(end, wanted))))
         whole = bool(cuts.size) or (last and looked_at.size == self._pending.times.size)
@@ -100,50 +132,43 @@ class Cutter:
         if known:
             yield self._follow(known)
         if turned or (cuts.size and known == end):
-            self._look_at_cut(turned=turned)
-            yield Follow(no_edges(), min(self._lasting(), float(self._pending.times[0])))
-            self._inside, self._steps = False, np.empty(0)
+            yield self._silence(turned=turned)
+            self._course = Course()
             yield End()
         return turned or known > 0
 
-    def _look_at_cut(self, *, turned: bool) -> None:
-        """Notes where the wheel slowed down towards a silence that ends the piece: it may have turned back there."""
-        if not turned and self._steps.size > 1 and self._steps[-1] > SLOWED * float(np.median(self._steps)):
-            self.tally.slow_passages.append(float(0.5 * (self._history[-1] + self._pending.times[0])))
-
     def _is_piece(self, times: Array) -> bool:
         return times.size >= FEWEST_EDGES and times[-1] > times[0] and abs(times[-1]) * self.tally.rate <= MOST_ROWS
-
-    def _leave_out(self, end: int) -> None:
-        named = self.tally.left_out_times + self._pending.times[:end][:NAMED_TIMES].tolist()
-        self.tally.left_out, self.tally.left_out_times = self.tally.left_out + end, named[:NAMED_TIMES]
-        self._pending = part(self._pending, slice(end, None))
 
     def _begin(self, first: Edges) -> Begin:
         found = start(first, self.settings.wheel, self.direction)
         self.tally.alignments.append(found.alignment)
         self.tally.pieces += 1
-        self.direction, self._history, self._inside = found.direction, np.empty(0), True
+        self.direction = found.direction
         return Begin(first, found)
 
     def _follow(self, known: int) -> Follow:
         """The next `known` edges of the piece, with the rows up to the last of them."""
         taken = part(self._pending, slice(0, known))
-        before = self._history[-1] if self._history.size else taken.times[0]
-        steps = np.diff(taken.times, prepend=before)[0 if self._steps.size else 1 :]
-        self._steps = np.concatenate([self._steps, steps])[-RECENT:]
-        self._history = np.concatenate([self._history, taken.times])[-SEEN_BEFORE - 1 :]
+        self._course.add(taken.times)
         self._pending = part(self._pending, slice(known, None))
         self.waves = self.waves[self.waves > taken.times[-1]]
         return Follow(taken, float(known_times(taken)[-1]))
 
+    def _silence(self, *, turned: bool) -> Follow:
+        """Rows after the last edge of a piece, as far as they are known; a wheel that slowed may have turned back."""
+        after = float(self._pending.times[0])
+        if not turned and self._course.has_slowed:
+            self.tally.slow_passages.append(float(0.5 * (self._course.times[-1] + after)))
+        return Follow(no_edges(), min(self._course.lasts(self.waves, self.settings), after))
+
     def _until_turn(self, end: int, wanted: int, *, whole: bool) -> tuple[int, bool]:
         """How many of the pending edges, up to `end`, go on as before, as far as is known, and whether the wheel turns
         back then; `whole`: the piece has no more of them."""
-        times = self._pending.times[:end]
-        seen = np.concatenate([self._history, times])
+        times, history = self._pending.times[:end], self._course.times
+        seen = np.concatenate([history, times])
         for step in slow_passages(np.diff(seen)):
-            i = step + 1 - self._history.size
+            i = step + 1 - history.size
             if i < 0 or times[i] <= self._looked_past:
                 continue
             if end - i < wanted and not whole:
@@ -156,29 +181,19 @@ class Cutter:
             self.tally.slow_passages.append(middle)
         return (end if whole else max(end - SEEN_AFTER, 0)), False
 
-    def _lasting(self) -> float:
-        """Until when rows can be given without another edge [s]."""
-        end = float(self._history[-1])
-        if not self._steps.size:
-            return end
-        reach = float(longest_bridged(usual_before(self._steps)[-1:], np.array([np.inf]), self.settings)[0])
-        heard = np.concatenate([[end], self.waves[self.waves > end]])
-        silences = np.flatnonzero(np.diff(heard) > reach)
-        return float(heard[silences[0] if silences.size else -1]) + reach
 
-
-def can_bridge(times: Array, before: float | None, earlier: Array, waves: Array, settings: EventFilter) -> Chosen:
+def can_bridge(times: Array, course: Course, waves: Array, settings: EventFilter) -> Chosen:
     """Of each edge at one of `times` [s], whether the time since the one before it can be bridged, by edges of the
     pressure's `waves` [s] as well.
 
-    before, earlier  the edge `before` these [s] and the `earlier` times between edges of the piece [s]; None and empty
-                     where it begins here: then the first edge has nothing before it
+    course  of the piece before these; where it begins here, the first edge has nothing before it
     """
-    steps = np.diff(times, prepend=times[0] if before is None else before)
-    if before is None:
-        limits = np.concatenate([[np.inf], longest_bridged(usual_before(steps[1:]), steps[1:], settings)])
+    steps = np.diff(times, prepend=course.times[-1:] if course.has_begun else times[:1])
+    if course.has_begun:
+        known = np.concatenate([course.steps, steps])
+        limits = longest_bridged(usual_before(known)[course.steps.size :], steps, settings)
     else:
-        limits = longest_bridged(usual_before(np.concatenate([earlier, steps]))[earlier.size :], steps, settings)
+        limits = np.concatenate([[np.inf], longest_bridged(usual_before(steps[1:]), steps[1:], settings)])
     found: Chosen = steps <= limits
     for i in np.flatnonzero(~found) if waves.size else ():
         heard = waves[(waves < times[i]) & (waves > times[i] - steps[i])]

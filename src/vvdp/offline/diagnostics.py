@@ -13,7 +13,7 @@ from vvdp.offline.edges import WaveEdges
 from vvdp.offline.noise_fit import Explained
 from vvdp.offline.passage import Noise
 from vvdp.offline.pattern_fit import CLEAR
-from vvdp.offline.sums import Sums
+from vvdp.offline.sums import Sums, Tally
 from vvdp.sensing.wheel import TURN, equal_wheel
 
 SURE = 4.0
@@ -31,72 +31,93 @@ SHARE_FAR = 5e-3
 
 def summary(sums: Sums, wanted: Estimation) -> dict[str, Any]:
     """The numbers of docs/keys.md, `vvdp estimate`, as far as the estimation has them."""
-    speed = sums.rows.speed if sums.rows.speed.count else sums.rows.every_speed
-    low, high = chance_band(sums.edges.nis.count)
-    found: dict[str, Any] = {
-        "duration_s": sums.tally.measured,
-        "samples": sums.tally.samples,
-        "sample_rate_Hz": 1.0 / sums.tally.period if sums.tally.period else np.nan,
-        "output_rate_Hz": sums.tally.rate,
-        "sectors": sums.tally.sectors,
+    found = _of_record(sums, wanted) | _of_motion(sums, wanted) | _of_edges(sums, wanted) | _settings(sums, wanted)
+    if isinstance(sums.tally.finder, WaveEdges):
+        found |= _of_wave(sums.tally.finder) | {
+            "threshold_bias_rad": -sums.edges.alternating.mean,
+            "threshold_suggested": suggested_level(sums, wanted),
+        }
+    elif isinstance(wanted.source, Stamps) and wanted.source.falling:
+        found["threshold_bias_rad"] = -sums.edges.alternating.mean
+    return found | _of_pressure(sums.tally) if wanted.pressure is not None else found
+
+
+def _of_record(sums: Sums, wanted: Estimation) -> dict[str, Any]:
+    """How much was recorded, and what of it was found or left out."""
+    tally, verdict = sums.tally, sums.tally.verdict
+    return {
+        "duration_s": tally.measured,
+        "samples": tally.samples,
+        "sample_rate_Hz": 1.0 / tally.period if tally.period else np.nan,
+        "output_rate_Hz": tally.rate,
+        "sectors": tally.sectors,
         "sectors_assumed": wanted.sectors_assumed,
-        "polarity": sums.tally.verdict.polarity if sums.tally.verdict is not None else np.nan,
-        "direction": sums.tally.verdict.direction
-        if sums.tally.verdict is not None and not sums.tally.reversals
-        else np.nan,
-        "edges": int(sums.tally.edges),
-        "missed_edges": int(sums.tally.missed),
-        "double_edges": sums.tally.doubled,
-        "gaps": sums.tally.gaps,
-        "not_numbers": sums.tally.not_numbers,
-        "backward_times": sums.tally.backward,
-        "pieces": sums.tally.pieces,
+        "polarity": verdict.polarity if verdict is not None else np.nan,
+        "direction": verdict.direction if verdict is not None and not tally.reversals else np.nan,
+        "edges": int(tally.edges),
+        "missed_edges": int(tally.missed),
+        "double_edges": tally.doubled,
+        "gaps": tally.gaps,
+        "not_numbers": tally.not_numbers,
+        "backward_times": tally.backward,
+        "pieces": tally.pieces,
+    }
+
+
+def _of_motion(sums: Sums, wanted: Estimation) -> dict[str, Any]:
+    """Speeds, and how well they and the angle are known."""
+    rows, rate = sums.rows, sums.tally.rate
+    speed = rows.speed if rows.speed.count else rows.every_speed
+    return {
         "spool_speed_mean_rad_s": speed.mean,
         "spool_speed_std_rad_s": speed.deviation,
         "spool_speed_min_rad_s": speed.low,
         "spool_speed_max_rad_s": speed.high,
-        "settled": sums.rows.speed.count > 0,
-        "pwm_frequency_mean_Hz": sums.rows.usual_speed * wanted.sections / TURN,
-        "standstill_time_s": sums.rows.standing / sums.tally.rate if sums.tally.rate else 0.0,
+        "settled": rows.speed.count > 0,
+        "pwm_frequency_mean_Hz": rows.usual_speed * wanted.sections / TURN,
+        "standstill_time_s": rows.standing / rate if rate else 0.0,
         "lost_sensor_s": float(sum(each.end - each.begin for each in sums.lost_sensors)),
-        "angle_deviation_mean_rad": sums.rows.angle_deviation.mean,
-        "speed_deviation_mean_rad_s": sums.rows.speed_deviation.mean,
-        "speed_deviation_rms_rad_s": float(
-            np.hypot(sums.rows.speed_deviation.mean, sums.rows.speed_deviation.deviation)
-        ),
-        "speed_doubt_rad_s": float(sums.doubt.speed_deviation(sums.rows.usual_speed)),
-        "nis_mean": sums.edges.nis.mean,
-        "nis_edges": sums.edges.nis.count,
+        "angle_deviation_mean_rad": rows.angle_deviation.mean,
+        "speed_deviation_mean_rad_s": rows.speed_deviation.mean,
+        "speed_deviation_rms_rad_s": float(np.hypot(rows.speed_deviation.mean, rows.speed_deviation.deviation)),
+        "speed_doubt_rad_s": float(sums.doubt.speed_deviation(rows.usual_speed)),
+    }
+
+
+def _of_edges(sums: Sums, wanted: Estimation) -> dict[str, Any]:
+    """How well the edges fit the wheel and the filter."""
+    nis = sums.edges.nis
+    low, high = chance_band(nis.count)
+    return {
+        "nis_mean": nis.mean,
+        "nis_edges": nis.count,
         "nis_low": low,
         "nis_high": high,
         "index_found": index_found(sums, wanted) if has_index(sums, wanted) else None,
         "commensurate": in_step(sums, wanted) is not None,
         "edge_offset_max_rad": _largest(sums.edges.offsets),
-        **_settings(sums, wanted),
     }
-    if isinstance(sums.tally.finder, WaveEdges):
-        finder = sums.tally.finder
-        swing = finder.plateaus.swing if finder.plateaus is not None else np.nan
-        suggested = suggested_level(sums, wanted)
-        found |= {
-            "threshold": float(np.mean(finder.levels)) if finder.levels else finder.level,
-            "wave_swing": swing,
-            "wave_noise": finder.plateaus.noise if finder.plateaus is not None else np.nan,
-            "threshold_bias_rad": -sums.edges.alternating.mean,
-            "threshold_suggested": suggested,
-        }
-    elif isinstance(wanted.source, Stamps) and wanted.source.falling:
-        found["threshold_bias_rad"] = -sums.edges.alternating.mean
-    if wanted.pressure is not None:
-        found |= {
-            "duty_ratio_mean": sums.tally.duty_ratio.mean,
-            "duty_ratio_std": sums.tally.duty_ratio.deviation,
-            "pressure_pulses": sums.tally.duty_ratio.count,
-            "pressure_mean_inlet_Pa": sums.tally.pressure.mean - ATMOSPHERE,
-            "pressure_min_inlet_Pa": sums.tally.pressure.low - ATMOSPHERE if sums.tally.pressure.count else np.nan,
-            "pressure_max_inlet_Pa": sums.tally.pressure.high - ATMOSPHERE if sums.tally.pressure.count else np.nan,
-        }
-    return found
+
+
+def _of_wave(finder: WaveEdges) -> dict[str, Any]:
+    levels = finder.plateaus
+    return {
+        "threshold": float(np.mean(finder.levels)) if finder.levels else finder.level,
+        "wave_swing": levels.swing if levels is not None else np.nan,
+        "wave_noise": levels.noise if levels is not None else np.nan,
+    }
+
+
+def _of_pressure(tally: Tally) -> dict[str, Any]:
+    pressure = tally.pressure
+    return {
+        "duty_ratio_mean": tally.duty_ratio.mean,
+        "duty_ratio_std": tally.duty_ratio.deviation,
+        "pressure_pulses": tally.duty_ratio.count,
+        "pressure_mean_inlet_Pa": pressure.mean - ATMOSPHERE,
+        "pressure_min_inlet_Pa": pressure.low - ATMOSPHERE if pressure.count else np.nan,
+        "pressure_max_inlet_Pa": pressure.high - ATMOSPHERE if pressure.count else np.nan,
+    }
 
 
 def _settings(sums: Sums, wanted: Estimation) -> dict[str, Any]:

@@ -176,16 +176,15 @@ class WaveEdges:
         if self._high is not None:  # the last certain sample of the portion before is the first one kept
             certain, high = np.concatenate([[0], certain]), np.concatenate([[self._high], high])
         changed = np.flatnonzero(high[1:] != high[:-1]) + 1
-        edges = self._place(t, v, certain[changed - 1], certain[changed], high[changed], level, period)
+        edges = self._place(t, v, certain[changed - 1], certain[changed], high[changed], period)
         self._high = bool(high[-1])
         self._times, self._values = t[certain[-1] :], v[certain[-1] :]
         return edges
 
-    def _place(
-        self, t: Array, v: Array, before: Chosen, after: Chosen, high: Chosen, level: float, period: float
-    ) -> Edges:
+    def _place(self, t: Array, v: Array, before: Chosen, after: Chosen, high: Chosen, period: float) -> Edges:
         """Edges between certain samples `before` and `after`: where the level was crossed in that direction, on average
         where noise crossed it several times."""
+        level = self.level
         up = v > level
         crossings = np.flatnonzero(up[1:] != up[:-1])
         first, last = np.searchsorted(crossings, before), np.searchsorted(crossings, after) - 1
@@ -194,10 +193,9 @@ class WaveEdges:
         if not first.size:
             return no_edges()
         a, b = crossings[first], crossings[last]
-        widths = np.where(a == b, t[a + 1] - t[a], t[b + 1] - t[a])
+        widths, jumps = t[b + 1] - t[a], np.abs(v[b + 1] - v[a])
         if self.comparator.interpolated:
             times = 0.5 * (_crossing(t, v, a, level) + _crossing(t, v, b, level))
-            jumps = np.abs(v[b + 1] - v[a])
             swing = self.plateaus.swing if self.plateaus is not None else np.inf
             noise = self.plateaus.noise if self.plateaus is not None else 0.0
             slopes = np.fmax(jumps, 1e-300) / np.fmax(widths, 1e-100)
@@ -208,7 +206,7 @@ class WaveEdges:
         sound = widths <= np.fmax(GAP * period, (b + 1 - a) * 1.5 * period)
         self.lost += int(np.count_nonzero(~sound))
         self.found += int(np.count_nonzero(sound))
-        rises = np.abs(v[b + 1] - v[a]) / np.where(widths > 0.0, widths, np.inf)
+        rises = jumps / np.where(widths > 0.0, widths, np.inf)
         self.slopes += float(np.sum(rises[sound]))
         polarities = np.where(high != self.comparator.inverted, 1.0, -1.0)
         return part(Edges(times, intervals, polarities, np.ones(times.size)), sound)

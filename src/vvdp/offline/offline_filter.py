@@ -120,12 +120,62 @@ class Piece:
     settled_at: float = np.inf
     missed: float = 0.0
 
+    def add(self, times: Array, settling: int, missed: float) -> None:
+        """Counts edges at these times [s], with which it has `missed` so many; it settles with number `settling`."""
+        if self.edges <= settling < self.edges + times.size:
+            self.settled_at = float(times[settling - self.edges])
+        self.edges, self.missed = self.edges + times.size, missed
+
+
+class Replayed:
+    """The compiled filter over a record, with what is known of it besides its edges: gaps, and edges of the pressure.
+
+    Backwards the filter, which only knows a wheel that turns forward, runs over the mirrored one.
+    """
+
+    def __init__(self, settings: EventFilter, fusion: Fusion | None, say: Callable[[str], None]) -> None:
+        self._replay = _replay(settings, fusion, say)
+        self._fused = fusion is not None
+        unheard = replace(settings, stop_rate=0.0)
+        self._met = {sign: _as_met(settings, fusion, sign) for sign in (1.0, -1.0)}
+        self._unheard = {sign: _as_met(unheard, fusion, sign) for sign in (1.0, -1.0)}
+        self.columns = len(self._replay.columns)
+        self.gaps: list[tuple[float, float]] = []
+        self.waves = no_waves()
+
+    def forget(self) -> None:
+        """Nothing follows on this clock."""
+        self.gaps, self.waves = [], no_waves()
+
+    def add_waves(self, waves: Waves) -> None:
+        """Edges of the pressure, for what is to come."""
+        self.waves = Waves(*(np.concatenate(both) for both in zip(self.waves, waves, strict=True)))
+
+    def begin(self, cut: Begin, number: float, piece: int) -> Piece:
+        """The piece of this number, with the `number` of its first edge on the wheel as it is met."""
+        return begin_piece(cut, number, piece, self._met[cut.start.direction])
+
+    def run(self, piece: Piece, edges: Edges, grid: Array) -> Array:
+        """What the filter shows of these edges and then of the times `grid` [s], a row for each."""
+        known, m, rows = known_times(edges), edges.times.size, readings(edges, grid, piece.direction)
+        if self._fused:
+            past = self.waves.known <= float(np.max(rows[:, 0], initial=-np.inf))
+            ready, self.waves = (Waves(*(column[chosen] for column in self.waves)) for chosen in (past, ~past))
+            rows = _with_waves(rows, ready)
+        order = np.argsort(rows[:, 0], kind="stable")
+        shown = np.empty((rows.shape[0], self.columns))
+        for chosen, heard in _heard_parts(rows[order, 0], known, self.gaps):
+            settings = (self._met if heard else self._unheard)[piece.direction]
+            done = self._replay(piece.memory, rows[order[chosen]], settings)
+            piece.memory, shown[order[chosen]] = done.memory, done.shown
+        self.gaps = [(begin, end) for begin, end in self.gaps if not m or end > known[-1]]
+        return shown[: m + grid.size]
+
 
 class OfflineFilter:
     """Takes settled edges, gives rows and edges with what the filter makes of them.
 
-    Of a wheel with an index each piece finds its direction; backwards the filter, which only knows a wheel that turns
-    forward, runs over the mirrored one, and angles, numbers and speeds are given with their signs.
+    Of a wheel with an index each piece finds its direction; angles, numbers and speeds are given with their signs.
     """
 
     def __init__(
@@ -137,18 +187,13 @@ class OfflineFilter:
         say: Callable[[str], None] = quiet,
         direction: float = 1.0,
     ) -> None:
-        self._cutter = Cutter(settings, tally, direction)
-        self._replay = _replay(settings, fusion, say)
-        self._fused, self._waves, self._sections = fusion is not None, no_waves(), sections
-        unheard = replace(settings, stop_rate=0.0)
-        self._met = {sign: _as_met(settings, fusion, sign) for sign in (1.0, -1.0)}
-        self._unheard = {sign: _as_met(unheard, fusion, sign) for sign in (1.0, -1.0)}
-        self._settings, self._tally, self._sectors = settings, tally, len(settings.wheel.edges)
-        self._gaps: list[tuple[float, float]] = []
+        self._cutter, self._replayed = Cutter(settings, tally, direction), Replayed(settings, fusion, say)
+        self._settings, self._tally = settings, tally
+        self._sections, self._sectors = sections, len(settings.wheel.edges)
         self._piece: Piece | None = None
         self._last: LastEdge | None = None
         self._next: int | None = None  # number of the next row
-        nothing = row_columns(Piece(0, None, 1.0), np.empty(0), np.empty((0, len(self._replay.columns))), sections)
+        nothing = row_columns(Piece(0, None, 1.0), np.empty(0), np.empty((0, self._replayed.columns)), sections)
         self._row = dict.fromkeys(nothing, np.nan)  # the last row
         self._covered_to: float | None = None
         self.covered = 0.0
@@ -158,22 +203,22 @@ class OfflineFilter:
 
     def add_pressure_edges(self, waves: Waves) -> None:
         """Edges of the pressure, for the rows to come."""
-        self._waves = Waves(*(np.concatenate(both) for both in zip(self._waves, waves, strict=True)))
+        self._replayed.add_waves(waves)
         self._cutter.waves = np.concatenate([self._cutter.waves, waves.times])
 
     def add_gaps(self, gaps: Iterable[tuple[float, float]]) -> None:
         """Gaps of the record, from when to when [s], for the rows to come: a silence there says nothing."""
-        self._gaps.extend(gaps)
+        self._replayed.gaps.extend(gaps)
 
     def push(self, edges: Edges, horizon: float, *, last: bool = False) -> Iterator[FilteredRows]:
         """What can be said now that the record is known up to `horizon` [s]; `last`: nothing follows on this clock."""
         for cut in self._cutter.push(edges, horizon, last=last):
             match cut:
                 case Begin():
-                    number = _first_number(cut, self._last, self._sectors)
-                    self._piece = begin_piece(cut, number, self._tally.pieces, self._met[cut.start.direction])
-                case Follow(taken, until):
-                    yield from self._rows(taken, until)
+                    first = _first_number(cut, self._last, self._sectors)
+                    self._piece = self._replayed.begin(cut, first, self._tally.pieces)
+                case Follow(taken, until) if self._piece is not None:
+                    yield from self._rows(self._piece, taken, until)
                 case End():
                     self._end()
         if last:
@@ -186,71 +231,63 @@ class OfflineFilter:
         self._forget()
 
     def _end(self) -> None:
-        if self._piece is not None:
-            self._tally.missed += self._piece.missed
+        self._tally.missed += self._piece.missed if self._piece is not None else 0.0
         self._piece = None
 
     def _forget(self) -> None:
         """Nothing follows on this clock: the next rows may lie at any time."""
         if self._last is not None:
             self._last = LastEdge(0.0, self._last.number, 0.0, self._last.direction)
-        self._gaps, self._waves = [], no_waves()
+        self._replayed.forget()
         self._next, self.reached, self._covered_to = None, -np.inf, None
 
-    def _rows(self, edges: Edges, until: float) -> Iterator[FilteredRows]:
+    def _rows(self, piece: Piece, edges: Edges, until: float) -> Iterator[FilteredRows]:
         """The filter over these edges and over the rows up to `until` [s]."""
-        piece, known, rate = self._piece, known_times(edges), self._tally.rate
-        assert piece is not None
+        known, rate = known_times(edges), self._tally.rate
+        begin = int(np.ceil(float(known[0]) * rate - 1e-9)) if known.size else 0
         if self._next is None:
-            self._next = int(np.ceil(float(known[0]) * rate - 1e-9)) if known.size else 0
+            self._next = begin
         elif piece.edges == 0 and known.size:
-            begin = int(np.ceil(float(known[0]) * rate - 1e-9))
-            silent_from = min((gap for gap, _ in self._gaps), default=np.inf)
+            silent_from = min((gap for gap, _ in self._replayed.gaps), default=np.inf)
             yield from gap_rows(range(self._next, begin), rate, self._row, silent_from)
             self._next = max(begin, self._next)
-        end, done = int(np.floor(until * rate + 1e-9)), 0
-        while True:
-            stop = min(self._next + ROWS_AT_ONCE, end + 1)
-            grid = np.arange(self._next, stop) / rate
-            upto = int(np.searchsorted(known, grid[-1], side="right")) if stop <= end else known.size
-            yield self._step(piece, part(edges, slice(done, upto)), grid)
-            done, self._next = upto, max(stop, self._next)
-            if stop > end:
-                return
+        for chosen, grid in portions(self._next, int(np.floor(until * rate + 1e-9)), known, rate):
+            yield self._step(piece, part(edges, chosen), grid)
+            self._next += grid.size
 
     def _step(self, piece: Piece, edges: Edges, grid: Array) -> FilteredRows:
-        known, m, rows = known_times(edges), edges.times.size, readings(edges, grid, piece.direction)
-        if self._fused:
-            past = self._waves.known <= float(np.max(rows[:, 0], initial=-np.inf))
-            ready, self._waves = (Waves(*(column[chosen] for column in self._waves)) for chosen in (past, ~past))
-            rows = _with_waves(rows, ready)
-        order = np.argsort(rows[:, 0], kind="stable")
-        shown = np.empty((rows.shape[0], len(self._replay.columns)))
-        for chosen, heard in _heard_parts(rows[order, 0], known, self._gaps):
-            settings = (self._met if heard else self._unheard)[piece.direction]
-            done = self._replay(piece.memory, rows[order[chosen]], settings)
-            piece.memory, shown[order[chosen]] = done.memory, done.shown
-        self._gaps = [(begin, end) for begin, end in self._gaps if not m or end > known[-1]]
+        shown, m = self._replayed.run(piece, edges, grid), edges.times.size
         told = self._take_edges(piece, edges, shown[:m]) if m else {}
-        named = row_columns(piece, grid, shown[m : m + grid.size], self._sections)
+        named = row_columns(piece, grid, shown[m:], self._sections)
         if grid.size:
             self.reached, self._row = float(grid[-1]), {name: float(values[-1]) for name, values in named.items()}
             if self._last is not None and grid[-1] >= self._last.time:
-                speed, standstill = shown[m + grid.size - 1, [SPEED, STANDSTILL]].tolist()
+                speed, standstill = shown[-1, [SPEED, STANDSTILL]].tolist()
                 self._last = self._last._replace(speed=speed, standstill=standstill)
         return FilteredRows(named, told)
 
     def _take_edges(self, piece: Piece, edges: Edges, shown: Array) -> dict[str, Array]:
-        first, last, settling = float(edges.times[0]), float(edges.times[-1]), SETTLING_TURNS * self._sectors
-        if piece.edges <= settling < piece.edges + edges.times.size:
-            piece.settled_at = float(edges.times[settling - piece.edges])
+        first, last = float(edges.times[0]), float(edges.times[-1])
         self.covered += last - (first if self._covered_to is None else self._covered_to)
         self._covered_to = last
         found = edge_columns(piece, edges, shown, self._settings)
-        number, speed = piece.direction * float(shown[-1, EDGE]), float(shown[-1, SPEED])
-        self._last = LastEdge(last, number, speed, piece.direction)
-        piece.edges, piece.missed = piece.edges + edges.times.size, float(shown[-1, MISSED])
+        self._last = LastEdge(last, piece.direction * float(shown[-1, EDGE]), float(shown[-1, SPEED]), piece.direction)
+        piece.add(edges.times, SETTLING_TURNS * self._sectors, float(shown[-1, MISSED]))
         return found
+
+
+def portions(first: int, last: int, known: Array, rate: float) -> Iterator[tuple[slice, Array]]:
+    """The times of the rows from the `first` to the `last` [s] in portions, each with the edges that are `known` [s] by
+    its end; with the last portion come all others."""
+    done = 0
+    while True:
+        stop = min(first + ROWS_AT_ONCE, last + 1)
+        grid = np.arange(first, stop) / rate
+        upto = int(np.searchsorted(known, grid[-1], side="right")) if stop <= last else known.size
+        yield slice(done, upto), grid
+        if stop > last:
+            return
+        done, first = upto, stop
 
 
 def begin_piece(cut: Begin, number: float, piece: int, settings: Settings) -> Piece:

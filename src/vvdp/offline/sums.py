@@ -21,6 +21,8 @@ PATTERN = 4096
 HISTOGRAM_END = 8.0
 BINS = np.linspace(0.0, HISTOGRAM_END, 41)
 """Bounds of the histogram of squared normalised innovations."""
+NAMED_TIMES = 5
+"""So many of the edges that were left out are named."""
 STANDING = 0.5
 """Probability from which on the wheel is stated to stand still."""
 ANGLES = 360
@@ -130,6 +132,11 @@ class Tally:
     """What is wrong with the record of the pressure."""
     interruptions: list[str] = field(default_factory=list)
     """Where Ctrl-C ended a pass over the log."""
+
+    def leave_out(self, times: Array) -> None:
+        """Counts edges at these times [s], which are too few for a piece."""
+        self.left_out += times.size
+        self.left_out_times = (self.left_out_times + times[:NAMED_TIMES].tolist())[:NAMED_TIMES]
 
 
 @dataclass

@@ -25,6 +25,7 @@ class Setting:
     fits: Mapping[str, Fitted]
     level: Mapping[str, int]
     kinds: Mapping[str, NodeKind]
+    positions: Mapping[str, tuple[float, float] | None]
 
     def on(self, node: str) -> list[GraphComponent]:
         """The components on a shaft or rod."""
@@ -42,7 +43,9 @@ def setting(graph: Graph, texts: Callable[[str], tuple[str, ...]]) -> Setting:
         node for component in graph.components if is_source(component.symbol) for node in component.ports.values()
     }
     fits = {component.name: fit_symbol(component, kinds, fed) for component in graph.components}
-    return Setting(graph, texts, fits, node_levels(graph, fits), kinds)
+    positions = {n.name: n.position for n in graph.nodes} | {c.name: c.position for c in graph.components}
+    levels = node_levels(graph, fits)
+    return Setting(graph=graph, texts=texts, fits=fits, level=levels, kinds=kinds, positions=positions)
 
 
 def blocks(given: Setting) -> list[Block]:
@@ -95,10 +98,7 @@ def _store(given: Setting, node: GraphNode) -> Block:
     """A node with a symbol of its own: a shaft that nothing is on, an accumulator, a source of pressure."""
     symbol = NODES[node.kind]()
     if node.kind.is_mechanical:
-        alone = Fitted(symbol, {}, ())
-        return Block(
-            (piece(node.name, alone, {}, given.texts(node.name), Beside.BELOW, ({}, 0)),), (), 0, _column(node)
-        )
+        return Block((_plain(node.name, symbol, given.texts(node.name)),), (), 0, _column(node))
     level = given.level[node.name]
     fed = any(_feeds(given, c, node.name) for c in given.graph.components)
     band = level if node.kind is NodeKind.PRESSURE and not fed else level + 1
@@ -163,23 +163,17 @@ class Chain:
 
     def block(self) -> Block:
         """What was placed."""
-        positions = [p for name in (piece.name for piece in self.pieces) if (p := self._position(name))]
+        positions = [p for piece in self.pieces if (p := self.given.positions[piece.name])]
         column = positions[0][0] * COLUMN - self.pieces[0].at[0] if positions else None
         band = next(iter(self.where.values())).band
         return Block(tuple(self.pieces), tuple(self.links), band, column)
 
-    def _position(self, name: str) -> tuple[float, float] | None:
-        graph = self.given.graph
-        nodes, components = {n.name: n.position for n in graph.nodes}, {c.name: c.position for c in graph.components}
-        return {**nodes, **components}.get(name)
-
     def _node(self, name: str) -> None:
         if name in self.done:
-            self._add(_mark(name), Symbol((-4, -8, 4, 8), "", {}, (-4, 4)))
+            self._add(_mark(name))
             return
         self.done.add(name)
-        symbol = NODES[self.given.kinds[name]]()
-        self._add(_plain(name, symbol, self.given.texts(name), Beside.BELOW), symbol)
+        self._add(_plain(name, NODES[self.given.kinds[name]](), self.given.texts(name)))
         rest = [c for c in self.given.on(name) if c.name not in self.done]
         single = [c for c in rest if len(self.given.shafts(c)) == 1]
         lined = [c for c in single if self.given.fits[c.name].terminals]
@@ -201,27 +195,18 @@ class Chain:
         fit = self.given.fits[component.name]
         shafts = [n for n in self.given.shafts(component) if n != came]
         mirrored = came is not None and fit.symbol.axis[0] is None
-        last = came is not None and not shafts and not self._more(came)
-        tops = {fit.terminal(p).side for p in fit.terminals}
-        beside = Beside.RIGHT if last else Beside.ABOVE_RIGHT
-        if not fit.terminals:
-            beside = Beside.RIGHT if last else Beside.BELOW
-        elif len(tops) == 1 and tops <= {Side.BOTTOM, Side.TOP}:
-            below = (Side.TOP in tops) != self.where[component.name].flipped
-            beside = Beside.BELOW if below else Beside.ABOVE
-        made = _mirror(self.given, component, self.where[component.name], beside, mirrored)
-        self._add(made, made.symbol, linked=came is not None)
+        last = came is not None and not shafts and all(c.name in self.done for c in self.given.on(came))
+        stand = self.where[component.name]
+        beside = _beside(fit, flipped=stand.flipped, last=last)
+        self._add(_mirror(self.given, component, stand, beside, mirrored), linked=came is not None)
         for node in shafts[:1]:
             self._node(node)
 
-    def _more(self, node: str) -> bool:
-        return any(c.name not in self.done for c in self.given.on(node))
-
-    def _add(self, made: Piece, symbol: Symbol, linked: bool = True) -> None:
+    def _add(self, made: Piece, linked: bool = True) -> None:
         """Puts a piece to the right of all others and draws the double line to it."""
         x = self.right + (SPACE if self.pieces else 0.0) - min(made.box[0], made.symbol.box[0])
         self.pieces.append(made.translate(x, 0.0))
-        left, right = symbol.axis
+        left, right = made.symbol.axis
         if self.end is not None and linked and left is not None:
             self.links.append(((self.end, 0.0), (x + left, 0.0)))
         self.end = None if right is None else x + right
@@ -247,13 +232,23 @@ class Chain:
         self.end, self.right = bar, wide
 
 
-def _plain(name: str, symbol: Symbol, lines: tuple[str, ...], beside: Beside) -> Piece:
-    return piece(name, Fitted(symbol, {}, ()), {}, lines, beside, ({}, 0))
+def _plain(name: str, symbol: Symbol, lines: tuple[str, ...]) -> Piece:
+    return piece(name, Fitted(symbol, {}, ()), {}, lines, Beside.BELOW, ({}, 0))
 
 
 def _mark(name: str) -> Piece:
     """A name in place of a shaft or rod that is drawn elsewhere."""
-    return _plain(name, Symbol((-4, -8, 4, 8), "", {}, (-4, 4)), (f"→ {name}",), Beside.BELOW)
+    return _plain(name, Symbol((-4, -8, 4, 8), "", {}, (-4, 4)), (f"→ {name}",))
+
+
+def _beside(fit: Fitted, *, flipped: bool, last: bool) -> Beside:
+    """Where the label of a component in a chain stands: behind the last one, else away from its lines."""
+    sides = {fit.terminal(port).side for port in fit.terminals}
+    if len(sides) == 1 and sides <= {Side.BOTTOM, Side.TOP}:
+        return Beside.BELOW if (Side.TOP in sides) != flipped else Beside.ABOVE
+    if last:
+        return Beside.RIGHT
+    return Beside.ABOVE_RIGHT if sides else Beside.BELOW
 
 
 def _mirror(given: Setting, component: GraphComponent, stand: Stand, beside: Beside, mirrored: bool) -> Piece:

@@ -12,7 +12,7 @@ from vvdp.report.chains import Setting, blocks, setting
 from vvdp.report.leads import Point
 from vvdp.report.lettering import LEADING, SIZE
 from vvdp.report.machine_symbols import tank
-from vvdp.report.placing import Placing
+from vvdp.report.placing import place_blocks
 from vvdp.report.routing import Plan, Rail, Wire, plan
 from vvdp.report.signals import signal_lines
 from vvdp.report.symbol import Side
@@ -83,7 +83,7 @@ def _arrange(graph: Graph, texts: Mapping[str, Lines]) -> Plan:
     given = setting(graph, lambda name: texts[name])
     made = blocks(given)
     lines = {node.name: texts[node.name] for node in graph.nodes if node.kind is NodeKind.VOLUME}
-    return plan(made, given.level, Placing(made, given.level, _sends(given)), lines)
+    return plan(made, given.level, place_blocks(made, given.level, _sends(given)), lines)
 
 
 def _sends(given: Setting) -> frozenset[tuple[str, str]]:

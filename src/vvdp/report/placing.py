@@ -1,7 +1,7 @@
 """The order of blocks from left to right and their places, so that lines are short and cross little."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from functools import cached_property
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 
 from vvdp.report.blocks import Block
 from vvdp.report.leads import Lead
@@ -18,68 +18,15 @@ FEW = 14
 """Up to so many blocks any block is tried at any place, above only beside its neighbours."""
 
 
-class Placing:
-    """Blocks with what they occupy, and where they are put; `sends` are (component, port) through which flow leaves."""
+class Occupied:
+    """Blocks with what they occupy: from where to where in each band, and the lines that lead out of them."""
 
-    def __init__(self, blocks: Sequence[Block], level: Mapping[str, int], sends: frozenset[tuple[str, str]]) -> None:
-        self.blocks, self.level, self.sends = blocks, level, sends
+    def __init__(self, blocks: Sequence[Block], level: Mapping[str, int]) -> None:
+        self.blocks, self.level = blocks, level
         self.spans = [spans(block, level) for block in blocks]
         self.leads = [[lead for lead in block.leads if not lead.tank] for block in blocks]
 
-    @cached_property
-    def order(self) -> list[int]:
-        """The blocks from left to right."""
-        order = self._first_order()
-        best = self._cost(order)
-        for _ in range(6):
-            before = best
-            for moved in list(order):
-                order, best = self._move_block(order, best, moved)
-            if best >= before - 1e-6:
-                break
-        return order
-
-    @cached_property
-    def places(self) -> list[float]:
-        """The x of each block."""
-        order = self.order
-        places = self._compact(order)
-        width = max((places[i] + high for i in order for _, high in self.spans[i].values()), default=0.0)
-        for sweep in range(10):
-            for i in order if sweep % 2 else reversed(order):
-                places[i] = self._best_place(i, order, places, width)
-        return places
-
-    def _first_order(self) -> list[int]:
-        """By the mean place of the neighbours, from the order of the graph; pinned blocks by their columns."""
-        place = {i: float(i) for i in range(len(self.blocks))}
-        for _ in range(8):
-            means: dict[str, list[float]] = {}
-            for i, leads in enumerate(self.leads):
-                for lead in leads:
-                    means.setdefault(lead.node, []).append(place[i])
-            for i, leads in enumerate(self.leads):
-                near = [sum(means[lead.node]) / len(means[lead.node]) for lead in leads]
-                place[i] = 0.5 * (place[i] + (sum(near) / len(near) if near else place[i]))
-        order = sorted(place, key=lambda i: (round(place[i], 6), i))
-        pinned = sorted(
-            (i for i in order if self.blocks[i].column is not None), key=lambda i: self.blocks[i].column or 0
-        )
-        spots = iter(pinned)
-        return [next(spots) if self.blocks[i].column is not None else i for i in order]
-
-    def _move_block(self, order: list[int], best: float, block: int) -> tuple[list[int], float]:
-        """The order with one block where it costs least."""
-        at = order.index(block)
-        rest = [i for i in order if i != block]
-        places = range(len(order)) if len(order) <= FEW else range(max(0, at - 3), min(len(order), at + 4))
-        for place in places:
-            tried = [*rest[:place], block, *rest[place:]]
-            if place != at and (cost := self._cost(tried)) < best - 1e-6:
-                order, best = tried, cost
-        return order, best
-
-    def _compact(self, order: Sequence[int]) -> list[float]:
+    def compact(self, order: Sequence[int]) -> list[float]:
         """The blocks as far to the left as they go in that order."""
         edge: dict[int, float] = {}
         places = [0.0] * len(self.blocks)
@@ -88,33 +35,14 @@ class Placing:
             x = max([0.0, *(edge[b] + GAP - low for b, (low, _) in self.spans[i].items() if b in edge)])
             x = max([x, *(-low for b, (low, _) in self.spans[i].items() if b not in edge)])
             places[i] = max(x, self.blocks[i].column or 0.0)
-            while any(self._touch(i, places[i], j, places[j]) for j in placed):
+            while any(self.touch(i, places[i], j, places[j]) for j in placed):
                 places[i] += STEP
             placed.append(i)
             for band, (_, high) in self.spans[i].items():
                 edge[band] = places[i] + high
         return places
 
-    def _ease_right(self, order: Sequence[int]) -> list[float]:
-        """The blocks as far to the right of there as brings them nearer to what they are joined to."""
-        places = self._compact(order)
-        width = max((places[i] + high for i in order for _, high in self.spans[i].values()), default=0.0)
-        on: dict[str, list[float]] = {}
-        for i in order:
-            for lead in self.leads[i]:
-                on.setdefault(lead.node, []).append(places[i] + lead.x)
-        mean = {node: sum(xs) / len(xs) for node, xs in on.items()}
-        edge: dict[int, float] = {}
-        for i in reversed(order):
-            high = min(edge.get(band, width + GAP) - GAP - span[1] for band, span in self.spans[i].items())
-            wishes = [mean[lead.node] - lead.x for lead in self.leads[i]]
-            if wishes and self.blocks[i].column is None:
-                places[i] = max(places[i], min(high, sum(wishes) / len(wishes)))
-            for band, (low, _) in self.spans[i].items():
-                edge[band] = places[i] + low
-        return places
-
-    def _touch(self, i: int, x: float, j: int, y: float) -> bool:
+    def touch(self, i: int, x: float, j: int, y: float) -> bool:
         """Whether lines of two blocks that belong to different nodes would run over each other."""
         return any(
             abs(x + a.x - y - b.x) < NEAR and a.node != b.node and self._meet(i, a, j, b)
@@ -123,77 +51,162 @@ class Placing:
         )
 
     def _meet(self, i: int, a: Lead, j: int, b: Lead) -> bool:
-        (low, high), (lower, higher) = self._crossed_levels(i, a), self._crossed_levels(j, b)
+        (low, high), (lower, higher) = self.crossed_levels(i, a), self.crossed_levels(j, b)
         return low <= higher and lower <= high
 
-    def _crossed_levels(self, i: int, lead: Lead) -> tuple[int, int]:
+    def crossed_levels(self, i: int, lead: Lead) -> tuple[int, int]:
         """The lowest and highest level that a line reaches."""
         band, level = self.blocks[i].band, self.level[lead.node]
         return (band, level) if lead.up else (level, band - 1)
 
-    def _best_place(self, i: int, order: Sequence[int], places: list[float], width: float) -> float:
-        """Where a block would best be, between those beside it."""
-        if self.blocks[i].column is not None:
-            return places[i]
-        low, high = self._room(i, order, places, width)
-        met = [(lead.x, [places[j] + b.x for j, b in self._on(lead.node) if j != i]) for lead in self.leads[i]]
-        met = [(x, others) for x, others in met if others]
-        if not met or high < low:
-            return places[i]
-        tries = {min(max(other - x, low), high) for x, others in met for other in others}
-        tries |= {place + aside for place in tries for aside in (-STEP, STEP)} | {places[i]}
-        middle = sum(sum(others) / len(others) - x for x, others in met) / len(met)
-        for place in sorted(tries, key=lambda place: (_strain(place, met), abs(place - middle), place)):
-            if low <= place <= high and not any(self._touch(i, place, j, places[j]) for j in order if j != i):
-                return place
-        return places[i]
-
-    def _room(self, i: int, order: Sequence[int], places: list[float], width: float) -> tuple[float, float]:
-        at = order.index(i)
-        low = max(-span[0] for span in self.spans[i].values()) - ASIDE
-        high = min(width - span[1] for span in self.spans[i].values()) + ASIDE
-        for place, j in enumerate(order):
-            for band in self.spans[i].keys() & self.spans[j].keys() if j != i else ():
-                (mine, end), (begin, other) = self.spans[i][band], self.spans[j][band]
-                if place < at:
-                    low = max(low, places[j] + other + GAP - mine)
-                else:
-                    high = min(high, places[j] + begin - GAP - end)
-        return low, high
-
-    def _on(self, node: str) -> Iterator[tuple[int, Lead]]:
+    def leads_of(self, node: str) -> Iterator[tuple[int, Lead]]:
+        """The lines to a node, each with its block."""
         for i, leads in enumerate(self.leads):
             for lead in leads:
                 if lead.node == node:
                     yield i, lead
 
-    def _cost(self, order: Sequence[int]) -> float:
-        """Length of lines, crossings, flow to the left and missed positions of an order."""
-        places = self._ease_right(order)
-        rails: dict[str, list[float]] = {}
-        into: dict[str, list[float]] = {}
-        out: dict[str, list[float]] = {}
-        verticals = []
-        for i in order:
-            for lead in self.leads[i]:
-                x = places[i] + lead.x
-                rails.setdefault(lead.node, []).append(x)
-                way = into if (lead.owner, lead.port) in self.sends else out
-                way.setdefault(lead.node, []).append(x)
-                verticals.append((x, *self._crossed_levels(i, lead), lead.node))
-        ends = {node: (min(xs), max(xs)) for node, xs in rails.items()}
-        cost = sum(high - low for low, high in ends.values())
-        for x, low, high, own in verticals:
-            for node, (begin, end) in ends.items():
-                if node != own and begin - 4.0 < x < end + 4.0 and low <= self.level[node] <= high:
-                    passed = low < self.level[node] < high or self.level[own] != self.level[node]
-                    cost += CROSSING if passed else 0.4 * CROSSING
-        for node in into.keys() & out.keys():
-            pairs = [max(0.0, a - b) for a in into[node] for b in out[node]]
-            cost += BACKWARD * sum(pairs) / len(pairs)
-        cost += sum(PINNED * abs(places[i] - c) for i in order if (c := self.blocks[i].column) is not None)
-        width = max((places[i] + high for i in order for _, high in self.spans[i].values()), default=0.0)
-        return cost + 1.5 * width + 0.02 * sum(places)
+    def width(self, places: Sequence[float]) -> float:
+        """The right end of the blocks at these places [px]."""
+        highs = [x + high for x, span in zip(places, self.spans, strict=True) for _, high in span.values()]
+        return max(highs, default=0.0)
+
+
+def place_blocks(blocks: Sequence[Block], level: Mapping[str, int], sends: frozenset[tuple[str, str]]) -> list[float]:
+    """The x of each block; `sends` are (component, port) through which flow leaves."""
+    these = Occupied(blocks, level)
+    order = _best_order(these, sends)
+    places = these.compact(order)
+    width = these.width(places)
+    for sweep in range(10):
+        for i in order if sweep % 2 else reversed(order):
+            places[i] = _best_place(these, i, order, places, width)
+    return places
+
+
+def _best_order(these: Occupied, sends: frozenset[tuple[str, str]]) -> list[int]:
+    """The blocks from left to right."""
+    order, cost_of = _first_order(these), partial(_cost, these, sends)
+    best = cost_of(order)
+    for _ in range(6):
+        before = best
+        for moved in list(order):
+            order, best = _move_block(order, best, moved, cost_of)
+        if best >= before - 1e-6:
+            break
+    return order
+
+
+def _first_order(these: Occupied) -> list[int]:
+    """By the mean place of the neighbours, from the order of the graph; pinned blocks by their columns."""
+    place = {i: float(i) for i in range(len(these.blocks))}
+    for _ in range(8):
+        means: dict[str, list[float]] = {}
+        for i, leads in enumerate(these.leads):
+            for lead in leads:
+                means.setdefault(lead.node, []).append(place[i])
+        for i, leads in enumerate(these.leads):
+            near = [sum(means[lead.node]) / len(means[lead.node]) for lead in leads]
+            place[i] = 0.5 * (place[i] + (sum(near) / len(near) if near else place[i]))
+    order = sorted(place, key=lambda i: (round(place[i], 6), i))
+    pinned = sorted((i for i in order if these.blocks[i].column is not None), key=lambda i: these.blocks[i].column or 0)
+    spots = iter(pinned)
+    return [next(spots) if these.blocks[i].column is not None else i for i in order]
+
+
+def _move_block(
+    order: list[int], best: float, block: int, cost_of: Callable[[Sequence[int]], float]
+) -> tuple[list[int], float]:
+    """The order with one block where it costs least."""
+    at = order.index(block)
+    rest = [i for i in order if i != block]
+    places = range(len(order)) if len(order) <= FEW else range(max(0, at - 3), min(len(order), at + 4))
+    for place in places:
+        tried = [*rest[:place], block, *rest[place:]]
+        if place != at and (cost := cost_of(tried)) < best - 1e-6:
+            order, best = tried, cost
+    return order, best
+
+
+def _ease_right(these: Occupied, order: Sequence[int]) -> list[float]:
+    """The blocks as far to the right of there as brings them nearer to what they are joined to."""
+    places = these.compact(order)
+    width = these.width(places)
+    on: dict[str, list[float]] = {}
+    for i in order:
+        for lead in these.leads[i]:
+            on.setdefault(lead.node, []).append(places[i] + lead.x)
+    mean = {node: sum(xs) / len(xs) for node, xs in on.items()}
+    edge: dict[int, float] = {}
+    for i in reversed(order):
+        high = min(edge.get(band, width + GAP) - GAP - span[1] for band, span in these.spans[i].items())
+        wishes = [mean[lead.node] - lead.x for lead in these.leads[i]]
+        if wishes and these.blocks[i].column is None:
+            places[i] = max(places[i], min(high, sum(wishes) / len(wishes)))
+        for band, (low, _) in these.spans[i].items():
+            edge[band] = places[i] + low
+    return places
+
+
+def _best_place(these: Occupied, i: int, order: Sequence[int], places: list[float], width: float) -> float:
+    """Where a block would best be, between those beside it."""
+    if these.blocks[i].column is not None:
+        return places[i]
+    low, high = _room(these, i, order, places, width)
+    met = [(lead.x, [places[j] + b.x for j, b in these.leads_of(lead.node) if j != i]) for lead in these.leads[i]]
+    met = [(x, others) for x, others in met if others]
+    if not met or high < low:
+        return places[i]
+    tries = {min(max(other - x, low), high) for x, others in met for other in others}
+    tries |= {place + aside for place in tries for aside in (-STEP, STEP)} | {places[i]}
+    middle = sum(sum(others) / len(others) - x for x, others in met) / len(met)
+    for place in sorted(tries, key=lambda place: (_strain(place, met), abs(place - middle), place)):
+        if low <= place <= high and not any(these.touch(i, place, j, places[j]) for j in order if j != i):
+            return place
+    return places[i]
+
+
+def _room(these: Occupied, i: int, order: Sequence[int], places: list[float], width: float) -> tuple[float, float]:
+    at = order.index(i)
+    low = max(-span[0] for span in these.spans[i].values()) - ASIDE
+    high = min(width - span[1] for span in these.spans[i].values()) + ASIDE
+    for place, j in enumerate(order):
+        for band in these.spans[i].keys() & these.spans[j].keys() if j != i else ():
+            (mine, end), (begin, other) = these.spans[i][band], these.spans[j][band]
+            if place < at:
+                low = max(low, places[j] + other + GAP - mine)
+            else:
+                high = min(high, places[j] + begin - GAP - end)
+    return low, high
+
+
+def _cost(these: Occupied, sends: frozenset[tuple[str, str]], order: Sequence[int]) -> float:
+    """Length of lines, crossings, flow to the left and missed positions of an order."""
+    places = _ease_right(these, order)
+    rails: dict[str, list[float]] = {}
+    into: dict[str, list[float]] = {}
+    out: dict[str, list[float]] = {}
+    verticals = []
+    for i in order:
+        for lead in these.leads[i]:
+            x = places[i] + lead.x
+            rails.setdefault(lead.node, []).append(x)
+            way = into if (lead.owner, lead.port) in sends else out
+            way.setdefault(lead.node, []).append(x)
+            verticals.append((x, *these.crossed_levels(i, lead), lead.node))
+    ends = {node: (min(xs), max(xs)) for node, xs in rails.items()}
+    cost = sum(high - low for low, high in ends.values())
+    for x, low, high, own in verticals:
+        for node, (begin, end) in ends.items():
+            if node != own and begin - 4.0 < x < end + 4.0 and low <= these.level[node] <= high:
+                passed = low < these.level[node] < high or these.level[own] != these.level[node]
+                cost += CROSSING if passed else 0.4 * CROSSING
+    for node in into.keys() & out.keys():
+        pairs = [max(0.0, a - b) for a in into[node] for b in out[node]]
+        cost += BACKWARD * sum(pairs) / len(pairs)
+    cost += sum(PINNED * abs(places[i] - c) for i in order if (c := these.blocks[i].column) is not None)
+    width = these.width(places)
+    return cost + 1.5 * width + 0.02 * sum(places)
 
 
 def _strain(place: float, met: Sequence[tuple[float, list[float]]]) -> float:

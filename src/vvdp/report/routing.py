@@ -7,7 +7,6 @@ from itertools import pairwise, permutations
 from vvdp.report.blocks import Block, Label, Piece
 from vvdp.report.leads import Lead, Point
 from vvdp.report.lettering import extent
-from vvdp.report.placing import Placing
 from vvdp.report.symbol import Box
 
 MARGIN, CLEAR, TRACK = 14.0, 9.0, 20.0
@@ -62,10 +61,9 @@ class Plan:
 
 
 def plan(
-    blocks: Sequence[Block], level: Mapping[str, int], placing: Placing, texts: Mapping[str, Sequence[str]]
+    blocks: Sequence[Block], level: Mapping[str, int], places: Sequence[float], texts: Mapping[str, Sequence[str]]
 ) -> Plan:
-    """Everything in its place; `texts` are the labels of nodes that are drawn as lines."""
-    places = placing.places
+    """Everything in its place; `places` are the x of blocks, `texts` the labels of nodes that are drawn as lines."""
     rails = _rails(blocks, level, places)
     tracks = {lv: _tracks([r for r in rails.values() if r.level == lv]) for lv in sorted({*level.values()})}
     axes, height = _heights(blocks, tracks, texts)

@@ -40,7 +40,7 @@ from vvdp.steady.averages import averages, means_at
 from vvdp.steady.cycle_means import CycleMeans
 from vvdp.steady.shooting import DISTANCE, LIMIT, TOLERANCE
 from vvdp.steady.steady_states import HELD, Steady, steady_states
-from vvdp.steady.test_stand import SetPoint, Stand
+from vvdp.steady.test_stand import SetPoint, Stand, guessed_speed, standstill
 from vvdp.studies.engine import HERE, Engine
 from vvdp.studies.run import hold_interrupts, silent
 from vvdp.studies.store import Finished, is_own, is_store, opened_store
@@ -173,7 +173,7 @@ def averaged_columns(stand: Stand, points: Any, means: Any) -> dict[str, Array]:
     bench, tank = stand.bench, stand.tank_pressure
     pump, oil, valve = bench.pump, bench.oil, bench.valve
     flow = stand.pump_flow(points)
-    speed: Any = stand.guessed_speed(means)
+    speed: Any = guessed_speed(means, stand)
     motor: Any = drive_power(bench.operation.spool_motor_speed.base, speed, bench.spool_drive)
     frequency: Any = pwm_frequency(speed, valve)
     leakage = stand.leakage(points)
@@ -220,7 +220,7 @@ def _standstills(stand: Stand, points: Sequence[SetPoint], means: CycleMeans) ->
 
     Raises ParameterError where it turns at none.
     """
-    found = [stand.standstill(point, means_at(means, row)) for row, point in enumerate(points)]
+    found = [standstill(point, means_at(means, row), stand) for row, point in enumerate(points)]
     if found and all(found):
         raise ParameterError(f"{stand.name}: {found[0]}, at each of {len(found)} points")
     return found

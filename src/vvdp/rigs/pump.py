@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -46,11 +46,24 @@ def pump_axes(stand: Stand) -> Axes:
     return replace(axes, pump_speeds=speeds, load_pressures=pressures)
 
 
+@dataclass(frozen=True)
+class PumpTest:
+    """What a test of a pump covers: the points of its steady maps, and the duty ratios between which it steps.
+
+    Raises ParameterError where there is no such step.
+    """
+
+    axes: Axes
+    steps: tuple[float, float] = STEPS
+
+    def __post_init__(self) -> None:
+        checked_steps(self.steps)
+
+
 def pump(
     stand: Stand,
     directory: Path,
-    axes: Axes | None = None,
-    steps: tuple[float, float] = STEPS,
+    test: PumpTest,
     *,
     cores: int | None = None,
     progress: Callable[[int, int], None] = silent,
@@ -59,14 +72,12 @@ def pump(
     """Steady maps over duty ratio and load pressure (pump speed, temperature), then step and frequency response.
 
     Finished points of the maps are kept in `directory`; where the maps were interrupted the dynamics are left for the
-    next time. Raises ConfigError where the directory cannot be used, ParameterError where there is no such step.
+    next time. Raises ConfigError where the directory cannot be used.
 
     Source  ours, docs/rigs.md, based on iso17559 and iso4409
     """
     began = time.perf_counter()
-    low, high = checked_steps(steps)
-    axes = axes or pump_axes(stand)
-    steady = simulated_map(stand, axes, directory, engine=ThisProcess(cores), progress=progress, say=say)
+    steady = simulated_map(stand, test.axes, directory, engine=ThisProcess(cores), progress=progress, say=say)
     found = map_result(steady, "steady")
     numbers = control_numbers(steady)
     result = replace(
@@ -78,7 +89,7 @@ def pump(
     )
     if not steady.is_finished:
         return replace(result, seconds=time.perf_counter() - began)
-    moving = dynamics(stand, (low, high), cores=cores, say=say)
+    moving = dynamics(stand, test.steps, cores=cores, say=say)
     return replace(
         result,
         manner=f"{found.manner} {moving.manner}",

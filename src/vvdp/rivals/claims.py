@@ -19,7 +19,7 @@ from vvdp.rivals.ripple_claim import ripple_claim
 from vvdp.rivals.supply_claim import supply_claim
 from vvdp.rivals.throttling_claim import throttling_claim
 from vvdp.simulation.link import quiet
-from vvdp.steady.test_stand import Stand
+from vvdp.steady.test_stand import Stand, standstill
 from vvdp.valve.geometry import transition_fraction
 
 LEFT_OUT = (
@@ -53,7 +53,7 @@ def claims(
 
     Source  wang2017, chapters 1, 2 and 5
     """
-    if stuck := stand.standstill(stand.set_point, stand.means(stand.set_point)):
+    if stuck := standstill(stand.set_point, stand.means(stand.set_point), stand):
         raise ParameterError(f"{stand.name}: {stuck}")
     began = time.perf_counter()
     say("against throttling")
@@ -117,7 +117,7 @@ def _with_load_line(
         RIPPLE: partial(ripple_claim, stand, cores=cores),
     }
     alone, largest = self_spinning(stand), driving_point(stand, stand.pump_flow(stand.set_point))
-    if stuck := alone.standstill(largest, alone.means(largest)):
+    if stuck := standstill(largest, alone.means(largest), alone):
         del pending[DRIVING]
         left_out.append(f"{_title([DRIVING])}: left to itself {stuck}.")
     return pending, left_out

@@ -162,7 +162,9 @@ def bench_series(run: RecordedRun, bench: RotaryBench) -> Table:
         "time_s": Column(run.times, DURATION, "time", "t"),
         **_pressures_and_flows(series, bench, area),
         "pwm_frequency_Hz": Column(series.spool_speed * sections / (2.0 * np.pi), FREQUENCY, "PWM frequency", "f"),
-        "pwm_frequency_mean_Hz": Column(run.over_periods(frequency), FREQUENCY, "PWM frequency, mean of each period"),
+        "pwm_frequency_mean_Hz": Column(
+            run.record.over_periods(frequency), FREQUENCY, "PWM frequency, mean of each period"
+        ),
         "load_flow_mean_m3_s": _mean(run, bench.LOAD_FLOW_TOTAL, 0.0, FLOW, "to load, mean of each period"),
         "inlet_pressure_mean_Pa": _mean(
             run, bench.INLET_TOTAL, bench.reference, GAUGE_PRESSURE, "inlet, mean of each period"
@@ -188,8 +190,8 @@ def _pressures_and_flows(series: BenchSeries, bench: RotaryBench, area: float) -
 
 
 def _mean(run: RecordedRun, total: str, datum: float, kind: Kind, label: str) -> Column:
-    means = run.period_means(total) - datum if run.record.mark_times.size > 1 else np.zeros(0)
-    return Column(run.over_periods(means), kind, label)
+    means = run.record.period_means(total) - datum if run.record.mark_times.size > 1 else np.zeros(0)
+    return Column(run.record.over_periods(means), kind, label)
 
 
 def _estimate(run: RecordedRun, watch: ShaftWatch, series: BenchSeries) -> dict[str, Column]:

@@ -9,7 +9,7 @@ from vvdp.evaluation.ranges import Ranges, at_ends, ranges_of, read_ranges
 from vvdp.evaluation.summary import simulated_summary
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.batch import case_shape, simulate_batch
-from vvdp.simulation.crew import never
+from vvdp.simulation.crew import Crew, never
 from vvdp.simulation.link import quiet
 from vvdp.simulation.outcome import Outcome, outcome
 from vvdp.simulation.run import simulate
@@ -76,7 +76,7 @@ def _outcomes(
     if not cases:
         return [_alone(variant, stop) for variant in variants]
     # Compiling the loop for lanes takes longer than the ends of a few values without it.
-    batch = simulate_batch(system.model, cases, system.stepping, lanes=False, stop=stop, say=say)
+    batch = simulate_batch(system.model, cases, system.stepping, Crew(stop=stop), lanes=False, say=say)
     if batch.stopped:
         raise KeyboardInterrupt
     rows = iter(range(len(cases)))

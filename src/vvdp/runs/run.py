@@ -179,20 +179,6 @@ class RecordedRun:
             rows = np.flatnonzero(t >= max(t[begin], t[-1] - length))
         return Detail(rows, marks, self.fine_interval)
 
-    def over_periods(self, means: Array) -> Array:
-        """Values of each period between marks, held over the recorded rows in it; nan outside."""
-        marks = self.record.mark_times
-        place = np.searchsorted(marks, self.times, side="right") - 1
-        inside = (place >= 0) & (place < marks.size - 1)
-        found = np.full(self.times.size, np.nan)
-        found[inside] = means[place[inside]]
-        return found
-
-    def period_means(self, path: str) -> Array:
-        """Means over each period of what the integral `path` adds up [SI], shape (marks - 1,)."""
-        means: Array = np.diff(self.record.mark_states[path].values) / np.diff(self.record.mark_times)
-        return means
-
 
 def open_run(place: Path | Directory, trust: str = "") -> RecordedRun:
     """The run in a result directory; `trust` is a module, by name or file, that may be run to draw its circuit.

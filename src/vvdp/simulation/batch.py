@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -11,18 +11,18 @@ import numpy.typing as npt
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError, RunError
 from vvdp.simulation import places
-from vvdp.simulation.crew import Crew, all_cores, never
+from vvdp.simulation.case_rows import CaseRows, case_rows
+from vvdp.simulation.crew import Crew
 from vvdp.simulation.exchange import release_all, troubles
 from vvdp.simulation.lanes import SideBySide, run_lanes, side_by_side
 from vvdp.simulation.layout import as_memory, case_form
 from vvdp.simulation.layout import case_shape as case_shape
-from vvdp.simulation.layout import rows as rows_of
 from vvdp.simulation.link import quiet
 from vvdp.simulation.loop import workbench
 from vvdp.simulation.loops import Loop, compiled_loop
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.outcome import Outcome, Window, kept_marks, marked_window, plain_window
-from vvdp.simulation.prepare import Prepared, Reached, prepare, start_run
+from vvdp.simulation.prepare import Prepared, prepare
 from vvdp.simulation.run import failure, remarks
 from vvdp.simulation.start import check_start, start_bounds
 from vvdp.simulation.stepping import Method, Stepping
@@ -73,10 +73,14 @@ class BatchRun:
         """What the summary of a case is calculated from; None where it failed, or no means are wanted."""
         if self.reasons[case] or self.stepping.average_from is None:
             return None
+        return self.outcome_over(case, self._window(case))
+
+    def outcome_over(self, case: int, window: Window) -> Outcome:
+        """The same of any case, with means over this window."""
         return Outcome(
             model=self.model,
             case=self.cases[case],
-            window=self._window(case),
+            window=window,
             final=self.final[case],
             low=self.low[case],
             high=self.high[case],
@@ -103,10 +107,9 @@ def simulate_batch(
     model: Model,
     cases: Sequence[Case],
     stepping: Stepping,
+    crew: Crew | None = None,
     *,
-    cores: int | None = None,
     lanes: bool = True,
-    stop: Callable[[], bool] = never,
     say: Callable[[str], None] = quiet,
 ) -> BatchRun:
     """All `cases` run to `stepping.until`; marks count from its `average_from` on.
@@ -115,66 +118,52 @@ def simulate_batch(
     within the tolerance, and to the last bit with any other batch that they are in, on any number of cores. Without,
     and where the result says that a case ran alone, they agree with `simulate` to the last bit.
 
-    A case that fails is reported in the result and stops no other. `stop` is asked every few milliseconds, in the
-    thread of the caller; once it states this, no case goes on, and those that have not ended are reported likewise.
-    Raises ParameterError where the cases are not of one shape, or `cores` (all, unless said) is not a number of them.
+    A case that fails is reported in the result and stops no other. Once the `crew` (all cores, unless said) is stopped,
+    no case goes on, and those that have not ended are reported likewise. Raises ParameterError where the cases are not
+    of one shape.
     """
     _are_of_one_shape(cases)
-    crew = Crew(_threads(cores), stop)
     began = time.perf_counter()
     ready = prepare(model, cases[0], stepping, say)
     loop = compiled_loop(say)
-    code: SideBySide | str = "lanes were not asked for"
-    if lanes and stepping.method is Method.STIFF:
-        code = "the stiff method carries each case alone"
-    elif lanes and model.partners:
-        code = "a program exchanges values with a model outside"
-    elif lanes:
-        code = side_by_side(model, cases[0], ready.linked.digest, say)
-    rows = int(np.clip(_places(ready, len(cases)), 16, MOST_ROWS))
-    part = _carry_out(loop, ready, code, cases, stepping, rows, crew)
-    crowded = np.flatnonzero(part.clocks[:, places.STORED] >= rows)  # marks on the way have been written over
-    if crowded.size:
-        room = int(part.clocks[crowded, places.MARKS].max()) + 1
-        at_once = max(1, _places(ready, room))
-        for some in np.split(crowded, range(at_once, crowded.size, at_once)):
-            again = _carry_out(loop, ready, code, [cases[row] for row in some], stepping, room, crew)
-            for whole, piece in zip(part, again, strict=True):
-                whole[some] = piece
-    clocks = part.clocks
-    low, high = start_bounds(cases[0].state)
-    ended = (
-        (part.status == places.DONE) & (part.troubles == "") & ((low <= part.start) & (part.start <= high)).all(axis=1)
-    )
-    reasons = tuple(
-        None if well else trouble or _reason(case, clock, state, status)
-        for well, trouble, case, clock, state, status in zip(
-            ended, part.troubles, cases, clocks, part.final, part.status, strict=True
-        )
-    )
+    code = _lane_code(model, cases[0], ready, stepping, say) if lanes else "lanes were not asked for"
+    work = _Work(ready, stepping, loop, code, crew or Crew())
+    part = _carry_out_all(work, cases)
+    clocks = part.rows.clock
     return BatchRun(
         model=model,
         cases=tuple(cases),
         stepping=stepping,
-        final=part.final,
-        final_commands=part.commands,
-        final_memories=part.memories,
-        low=part.low,
-        high=part.high,
-        mark_times=part.mark_times,
-        mark_states=part.mark_states,
-        span_states=part.span_states,
-        end=np.where(part.status == places.DONE, stepping.until, clocks[:, places.TIME]),
+        final=part.rows.state,
+        final_commands=part.rows.command,
+        final_memories=part.rows.memory,
+        low=part.rows.low,
+        high=part.rows.high,
+        mark_times=part.rows.mark_times,
+        mark_states=part.rows.mark_states,
+        span_states=part.rows.span_states,
+        end=np.where(part.rows.status == places.DONE, stepping.until, clocks[:, places.TIME]),
         stiff=clocks[:, places.METHOD] == places.STIFF,
-        reasons=reasons,
+        reasons=_reasons(cases, part),
         remarks=tuple(remarks(clock) for clock in clocks),
         seconds=time.perf_counter() - began,
         digest=ready.linked.digest,
         lanes=tuple(part.lanes.tolist()),
-        stopped=crew.is_halted,
+        stopped=work.crew.is_halted,
         why_alone=code if isinstance(code, str) else None,
-        **_counts(part),
+        **_counts(part.rows),
     )
+
+
+def _lane_code(
+    model: Model, case: Case, ready: Prepared, stepping: Stepping, say: Callable[[str], None]
+) -> SideBySide | str:
+    """The code for cases side by side, or why they run alone."""
+    if stepping.method is Method.STIFF:
+        return "the stiff method carries each case alone"
+    if model.partners:
+        return "a program exchanges values with a model outside"
+    return side_by_side(model, case, ready.linked.digest, say)
 
 
 def _are_of_one_shape(cases: Sequence[Case]) -> None:
@@ -192,24 +181,39 @@ def _are_of_one_shape(cases: Sequence[Case]) -> None:
             )
 
 
-def _reason(case: Case, clock: Array, state: Array, status: int) -> str | None:
-    if status in (places.PAUSED, places.HANDED):
-        return f"stopped at t = {clock[places.TIME]:.6g} s"
-    try:
-        check_start(case)
-    except RunError as problem:
-        return str(problem)
-    return None if status == places.DONE else failure(case, clock, state, status)
+class _Work(NamedTuple):
+    """What runs the cases of a batch."""
+
+    ready: Prepared
+    stepping: Stepping
+    loop: Loop
+    code: SideBySide | str  # for cases side by side, or why they run alone
+    crew: Crew
 
 
-def _counts(part: "_Carried") -> dict[str, npt.NDArray[np.int64]]:
-    clocks = part.clocks
-    named = {"marks": places.STORED, "evaluations": places.EVALUATIONS, "switches": places.SWITCHES}
-    counts = {name: clocks[:, place].astype(np.int64) for name, place in named.items()}
-    counts["rejected"] = clocks[:, places.REJECTED].astype(np.int64)
-    counts["steps"] = clocks[:, places.STEPS].astype(np.int64) - counts["rejected"]
-    counts["samples"] = part.samples
-    return counts
+class _Carried(NamedTuple):
+    """Rows after their run, of the marks those that are kept; where each case began, whether it ran in a lane, and what
+    went wrong at its end."""
+
+    rows: CaseRows
+    start: Array
+    lanes: npt.NDArray[np.bool_]
+    troubles: npt.NDArray[np.object_]
+
+
+def _carry_out_all(work: _Work, cases: Sequence[Case]) -> _Carried:
+    """Runs all cases, those with more marks than there is room for a second time."""
+    room = int(np.clip(_places(work.ready, len(cases)), 16, MOST_ROWS))
+    part = _carry_out(work, cases, room)
+    crowded = np.flatnonzero(part.rows.clock[:, places.STORED] >= room)  # marks on the way have been written over
+    if crowded.size:
+        room = int(part.rows.clock[crowded, places.MARKS].max()) + 1
+        at_once = max(1, _places(work.ready, room))
+        for some in np.split(crowded, range(at_once, crowded.size, at_once)):
+            again = _carry_out(work, [cases[row] for row in some], room)
+            part.rows.put(some, again.rows)
+            part.lanes[some], part.troubles[some] = again.lanes, again.troubles
+    return part
 
 
 def _places(ready: Prepared, others: int) -> int:
@@ -217,71 +221,42 @@ def _places(ready: Prepared, others: int) -> int:
     return MARKS_MEMORY // (8 * ready.vectors.state.size * others)
 
 
-class _Carried(NamedTuple):
-    start: Array
-    final: Array
-    commands: Array
-    memories: Array
-    low: Array
-    high: Array
-    clocks: Array
-    status: npt.NDArray[np.int64]
-    samples: npt.NDArray[np.int64]
-    mark_times: Array
-    mark_states: Array
-    span_states: Array
-    lanes: npt.NDArray[np.bool_]
-    troubles: npt.NDArray[np.object_]
+def _carry_out(work: _Work, cases: Sequence[Case], room: int) -> _Carried:
+    rows = case_rows(cases, work.ready, work.stepping, room)
+    start, fresh = rows.state.copy(), [part.copy() for part in rows.progress()]
+    if isinstance(work.code, SideBySide):
+        run_lanes(work.code, work.ready, work.stepping, rows, work.crew)
+    beside = rows.status != places.HANDED
+    alone = np.flatnonzero(~beside)
+    for part, first in zip(rows.progress(), fresh, strict=True):
+        part[alone] = first[alone]
+    _run_alone(work, rows, alone)
+    marks = rows.clock[:, places.STORED].astype(np.int64)
+    row, chosen = np.arange(len(cases))[:, np.newaxis], np.array([kept_marks(min(int(each), room)) for each in marks])
+    times, states = rows.mark_times[row, chosen], rows.mark_states[row, chosen]
+    times[marks == 0], states[marks == 0] = np.nan, np.nan
+    ends = [_end_partners(work.ready, *each) for each in zip(cases, rows.memory, strict=True)]
+    return _Carried(rows._replace(mark_times=times, mark_states=states), start, beside, np.array(ends, object))
 
 
-def _carry_out(
-    loop: Loop,
-    ready: Prepared,
-    code: SideBySide | str,
-    cases: Sequence[Case],
-    stepping: Stepping,
-    rows: int,
-    crew: Crew,
-) -> _Carried:
-    count, n = len(cases), ready.vectors.state.size
-    state, command, memory, params = rows_of(cases)
-    start, others = state.copy(), start_run(ready, stepping)[3:]
-    begun = Reached(state, command, memory, *(np.stack([part] * count) for part in others))
-    low, high, status = state.copy(), state.copy(), np.full(count, places.HANDED)
-    times, states = np.zeros((count, rows)), np.zeros((count, rows, n))
-    span_states = np.zeros((count, stepping.span_times.size, n))
-    kept = (times, states, stepping.span_times, span_states, low, high, status)
-    if isinstance(code, SideBySide):
-        fresh = begun.copy()
-        run_lanes(code, ready, stepping, begun, params, kept, crew)
-        beside = status != places.HANDED
-        alone = np.flatnonzero(~beside)
-        for part, first in zip(begun, fresh, strict=True):
-            part[alone] = first[alone]
-    else:
-        beside, alone = np.zeros(count, bool), np.arange(count)
-    _run_alone(loop, ready, stepping, begun, params, kept, alone, crew)
-    clocks = begun.clock
-    marks = clocks[:, places.STORED].astype(np.int64)
-    row, chosen = np.arange(count)[:, np.newaxis], np.array([kept_marks(min(int(each), rows)) for each in marks])
-    mark_times, mark_states = times[row, chosen], states[row, chosen]
-    mark_times[marks == 0], mark_states[marks == 0] = np.nan, np.nan
-    return _Carried(
-        start=start,
-        final=begun.state,
-        commands=begun.command,
-        memories=begun.memory,
-        low=low,
-        high=high,
-        clocks=clocks,
-        status=status,
-        samples=begun.agenda[:, 0, places.CALLS].astype(np.int64),
-        mark_times=mark_times,
-        mark_states=mark_states,
-        span_states=span_states,
-        lanes=beside,
-        troubles=np.array([_end_partners(ready, *each) for each in zip(cases, begun.memory, strict=True)], object),
-    )
+def _run_alone(work: _Work, rows: CaseRows, order: npt.NDArray[np.int64]) -> None:
+    """Runs each case of these rows by itself; all arrays are changed in place."""
+    ready, stepping = work.ready, work.stepping
+    nothing = [np.zeros((0, part.shape[1])) for part in rows[:3]]
+    kept = rows.mark_times, rows.mark_states, stepping.span_times, rows.span_states, rows.low, rows.high, rows.status
+
+    def run(queue: npt.NDArray[np.int64]) -> None:
+        bench = workbench(ready.plan, rows.state.shape[1], ready.width.size, ready.pattern)
+        work.loop.batch(
+            *ready.linked[:4],
+            *(*rows[:4], ready.plan, *rows[4:8]),
+            *(ready.atol, ready.rtol, ready.scale, ready.floor, ready.width, ready.pattern, bench),
+            *(stepping.until, stepping.longest_step, stepping.means_from(stepping.until), stepping.method.value),
+            *(np.zeros(0), *nothing, *kept, order, queue),
+        )
+
+    if order.size and not work.crew.is_halted:
+        work.crew.carry_out(run)
 
 
 def _end_partners(ready: Prepared, case: Case, row: Array) -> str:
@@ -292,31 +267,32 @@ def _end_partners(ready: Prepared, case: Case, row: Array) -> str:
     return trouble
 
 
-def _run_alone(
-    loop: Loop,
-    ready: Prepared,
-    stepping: Stepping,
-    begun: Reached,
-    params: Array,
-    kept: Any,
-    order: npt.NDArray[np.int64],
-    crew: Crew,
-) -> None:
-    """Runs each case of these rows by itself; all arrays are changed in place."""
-    nothing = [np.zeros((0, part.shape[1])) for part in begun[:3]]
+def _reasons(cases: Sequence[Case], part: _Carried) -> tuple[str | None, ...]:
+    """Why each case could not be carried to its end; None where it was."""
+    low, high = start_bounds(cases[0].state)
+    begun = ((low <= part.start) & (part.start <= high)).all(axis=1)
+    ended = (part.rows.status == places.DONE) & (part.troubles == "") & begun
+    each = zip(ended, part.troubles, cases, part.rows.clock, part.rows.state, part.rows.status, strict=True)
+    return tuple(None if well else trouble or _reason(*about) for well, trouble, *about in each)
 
-    def work(queue: npt.NDArray[np.int64]) -> None:
-        bench = workbench(ready.plan, begun.state.shape[1], ready.width.size, ready.pattern)
-        loop.batch(
-            *ready.linked[:4],
-            *(*begun[:3], params, ready.plan, *begun[3:]),
-            *(ready.atol, ready.rtol, ready.scale, ready.floor, ready.width, ready.pattern, bench),
-            *(stepping.until, stepping.longest_step, stepping.means_from(stepping.until), stepping.method.value),
-            *(np.zeros(0), *nothing, *kept, order, queue),
-        )
 
-    if order.size and not crew.is_halted:
-        crew.carry_out(work)
+def _reason(case: Case, clock: Array, state: Array, status: int) -> str | None:
+    if status in (places.PAUSED, places.HANDED):
+        return f"stopped at t = {clock[places.TIME]:.6g} s"
+    try:
+        check_start(case)
+    except RunError as problem:
+        return str(problem)
+    return None if status == places.DONE else failure(case, clock, state, status)
+
+
+def _counts(rows: CaseRows) -> dict[str, npt.NDArray[np.int64]]:
+    named = {"marks": places.STORED, "evaluations": places.EVALUATIONS, "switches": places.SWITCHES}
+    counts = {name: rows.clock[:, place].astype(np.int64) for name, place in named.items()}
+    counts["rejected"] = rows.clock[:, places.REJECTED].astype(np.int64)
+    counts["steps"] = rows.clock[:, places.STEPS].astype(np.int64) - counts["rejected"]
+    counts["samples"] = rows.agenda[:, 0, places.CALLS].astype(np.int64)
+    return counts
 
 
 def _difference(shape: tuple[tuple[str, object], ...], other: tuple[tuple[str, object], ...]) -> str | None:
@@ -333,11 +309,3 @@ def _form(found: object) -> str:
     if isinstance(found, str):
         return f"a {found}"
     return "a number" if found in (0, ()) else f"an array of {found if isinstance(found, tuple) else f'{found} axes'}"
-
-
-def _threads(cores: int | None) -> int:
-    """How many threads carry out a batch: `cores`, or all that this process may use."""
-    most = all_cores()
-    if cores is not None and not 1 <= cores <= most:
-        raise ParameterError(f"{cores} cores; expected 1 to {most}")
-    return cores or most

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from vvdp.base.errors import ParameterError
 from vvdp.simulation import places
 
 LOOK = 5e-3
@@ -28,13 +29,26 @@ def never() -> bool:
     return False
 
 
+def require_cores(cores: int | None) -> None:
+    """Raises ParameterError where this process may not use so many cores; None is all of them."""
+    if cores is not None and not 1 <= cores <= all_cores():
+        raise ParameterError(f"{cores} cores; expected 1 to {all_cores()}")
+
+
 @dataclass(frozen=True)
 class Crew:
-    """So many threads, for one piece of work after the other until `stop` states this; then all is left as it is."""
+    """A thread for each of `cores` (all unless said), for one piece of work after the other until `stop` states this.
 
-    threads: int
+    `stop` is asked every few milliseconds, in the thread of the caller; then all is left as it is. Raises
+    ParameterError where there are not so many cores.
+    """
+
+    cores: int | None = None
     stop: Callable[[], bool] = never
     queue: Queue = field(default_factory=lambda: np.zeros(2, np.int64))
+
+    def __post_init__(self) -> None:
+        require_cores(self.cores)
 
     @property
     def is_halted(self) -> bool:
@@ -47,9 +61,10 @@ class Crew:
         Ctrl-C, or whatever else `stop` raises, halts the threads and is raised again when they have ended.
         """
         self.queue[places.NEXT] = 0
-        with ThreadPoolExecutor(self.threads) as pool:
+        threads = self.cores or all_cores()
+        with ThreadPoolExecutor(threads) as pool:
             try:
-                at_work = {pool.submit(work, self.queue) for _ in range(self.threads)}
+                at_work = {pool.submit(work, self.queue) for _ in range(threads)}
                 while at_work:
                     if self.stop():
                         self.queue[places.HALT] = 1

@@ -9,6 +9,7 @@ ends with the same bits in any company.
 import numpy as np
 
 from vvdp.generator.kinds import FLOAT, INT, Address, Record
+from vvdp.simulation.case_rows import CaseRows
 from vvdp.simulation.landing import arc, follow, forget, has_left, hold, is_left, lateness, positions, secant, settle
 from vvdp.simulation.lane_vectors import (
     AGAIN,
@@ -29,7 +30,6 @@ from vvdp.simulation.lane_vectors import (
     TRIED,
     VERDICT,
     WIDTH,
-    Cases,
     Lanes,
     Rules,
     call,
@@ -87,7 +87,7 @@ STIFF_FOR_GOOD = 2000.0
 QUICK = 6.0
 
 
-CASES = Record(Cases, (*[MATRIX] * 4, CUBE, TESSERACT, MATRIX, CUBE, MATRIX, CUBE, CUBE, MATRIX, MATRIX, INTS, INTS))
+CASES = Record(CaseRows, (*[MATRIX] * 4, CUBE, TESSERACT, MATRIX, CUBE, MATRIX, CUBE, CUBE, MATRIX, MATRIX, INTS, INTS))
 RULES = Record(Rules, (MATRIX, *[VECTOR] * 5, *[FLOAT] * 3, VECTOR, INTS, FLOAT))
 LANES = Record(Lanes, (*[VECTOR] * 8, MATRIX, *[VECTOR] * 10, *[MATRIX] * 5, INTS))
 SIGNALS = Address((FLOAT, VECTOR, VECTOR), None)
@@ -100,7 +100,7 @@ def aim(cases, rules, lanes):
         own[VERDICT] = IDLE
         if case < 0:
             continue
-        clock = cases.clocks[case]
+        clock = cases.clock[case]
         t = clock[TIME]
         t_next = landing_time(own[T_STOP], own[T_DUE], rules.t_end)
         if own[TRIED] == 0.0:
@@ -118,7 +118,7 @@ def aim(cases, rules, lanes):
 def is_late(rates, events, cases, rules, lanes, bench, y, trial, first, last, lane):
     """Whether a step over an event must be taken again to end nearer behind it; then with which step."""
     case, own, before, x, held = lanes.case[lane], lanes.own[lane], bench.before, bench.x, bench.held
-    clock, step = cases.clocks[case], lanes.h[lane]
+    clock, step = cases.clock[case], lanes.h[lane]
     for i in range(x.size):
         before[i], x[i], held[i] = lanes.before[lane, i], lanes.reached[lane, i], lanes.held[lane, i]
         bench.grain[i] = rules.grain[i]
@@ -139,7 +139,7 @@ def is_late(rates, events, cases, rules, lanes, bench, y, trial, first, last, la
         return 1.0 - s > near
     cube(cases, lanes, bench, y, trial, first, last, lane)
     s, sure, evaluations = first_change(
-        rates, events, lanes.time[lane], step, cases.y[case], cases.command[case], cases.params[case],
+        rates, events, lanes.time[lane], step, cases.state[case], cases.command[case], cases.params[case],
         0.2 * near if own[TRIED] > 0.0 else max(0.2 * near, 1e-3), bench,
     )  # fmt: skip
     clock[EVALUATIONS] += evaluations
@@ -151,7 +151,7 @@ def is_late(rates, events, cases, rules, lanes, bench, y, trial, first, last, la
 
 def cube(cases, lanes, bench, y, trial, first, last, lane):
     """Gathers what the cubic of a lane's step takes."""
-    gather(cases.y[lanes.case[lane]], y, lane)
+    gather(cases.state[lanes.case[lane]], y, lane)
     gather(bench.trial, trial, lane)
     gather(bench.k[0], lanes.k[first], lane)
     gather(bench.k[6], lanes.k[last], lane)
@@ -160,7 +160,7 @@ def cube(cases, lanes, bench, y, trial, first, last, lane):
 def judge(rates, events, cases, rules, lanes, bench, y, trial, first, last, lane):
     """Verdict on a lane's step, which is accepted or refused; stores the marks that it passes."""
     case, own = lanes.case[lane], lanes.own[lane]
-    clock, active = cases.clocks[case], lanes.error.size // WIDTH
+    clock, active = cases.clock[case], lanes.error.size // WIDTH
     clock[EVALUATIONS] += 6.0
     clock[STEPS] += 1.0
     step, t_new = lanes.h[lane], own[T_NEW]
@@ -186,7 +186,7 @@ def judge(rates, events, cases, rules, lanes, bench, y, trial, first, last, lane
     if np.floor(reached[0]) != np.floor(clock[MARK_BEFORE]):
         cube(cases, lanes, bench, y, trial, first, last, lane)
         pass_marks(
-            events, clock, clock[TIME], step, cases.y[case], cases.command[case], cases.params[case], bench.trial,
+            events, clock, clock[TIME], step, cases.state[case], cases.command[case], cases.params[case], bench.trial,
             bench.k, bench.middle, bench.g, reached[0], rules.marks_from, cases.mark_times[case],
             cases.mark_states[case],
         )  # fmt: skip
@@ -212,7 +212,7 @@ def widen_all(lanes, y_before, y, k_before, k):
 def go_on(cases, rules, lanes, lane):
     """Brings clock and course of a lane to the end of its step; whether something is due there."""
     case, own = lanes.case[lane], lanes.own[lane]
-    clock, reached, step = cases.clocks[case], lanes.reached[lane], lanes.h[lane]
+    clock, reached, step = cases.clock[case], lanes.reached[lane], lanes.h[lane]
     at = lanes.error.size - WIDTH + lane
     note_jump(clock, own[T_NEW])
     follow(cases.course[case], lanes.before[lane], reached, step, clock[STEP_BEFORE])
@@ -238,8 +238,8 @@ def land(rates, sample, events, stop, cases, rules, lanes, bench, lane):
     What has become of it: lost, with new rates in the workbench, or with the rates that it had.
     """
     case, own = lanes.case[lane], lanes.own[lane]
-    y, u, m, p = cases.y[case], cases.command[case], cases.memory[case], cases.params[case]
-    clock, agenda, course = cases.clocks[case], cases.agenda[case], cases.course[case]
+    y, u, m, p = cases.state[case], cases.command[case], cases.memory[case], cases.params[case]
+    clock, agenda, course = cases.clock[case], cases.agenda[case], cases.course[case]
     t, g, held, same = clock[TIME], bench.g, lanes.held[lane], False
     if below(y, rules.floor, rules.floor.size) >= 0:
         return LOST
@@ -276,7 +276,7 @@ def land(rates, sample, events, stop, cases, rules, lanes, bench, lane):
 
 def load(rates, sample, events, stop, signals, cases, rules, lanes, bench, queue, y, first, lane):
     """Puts the next case that can begin into a lane; False where none is left, and the lane then rests."""
-    n, active, own, held = cases.y.shape[1], lanes.low.size // WIDTH, lanes.own[lane], lanes.held[lane]
+    n, active, own, held = cases.state.shape[1], lanes.low.size // WIDTH, lanes.own[lane], lanes.held[lane]
     while True:
         case = take(queue)
         if case >= cases.status.size:
@@ -287,7 +287,7 @@ def load(rates, sample, events, stop, signals, cases, rules, lanes, bench, queue
             own[i] = 0.0
         for i in range(held.size):
             held[i] = 0.0
-        clock, start = cases.clocks[case], cases.y[case]
+        clock, start = cases.clock[case], cases.state[case]
         begins = clock[TIME] < rules.t_end
         if begins and land(rates, sample, events, stop, cases, rules, lanes, bench, lane) == TAKEN:
             break
@@ -318,7 +318,7 @@ def put_down(cases, rules, lanes, y):
     """Keeps what all lanes have reached by now."""
     for lane in range(WIDTH):
         if lanes.case[lane] >= 0:
-            gather(cases.y[lanes.case[lane]], y, lane)
+            gather(cases.state[lanes.case[lane]], y, lane)
             unload(cases, rules, lanes, PAUSED, lane)
 
 
@@ -341,7 +341,7 @@ def run_lanes(all_rates, all_events, signals, rates, sample, events, stop, cases
                            and whether to stop: what is in the lanes is then put down as it is
     """
     y, trial, first, last, live = lanes.y, lanes.trial, 0, 6, 0
-    modes = bench.rate.size - cases.y.shape[1]
+    modes = bench.rate.size - cases.state.shape[1]
     end = rules.t_end - HAIR * abs(rules.t_end)
     for lane in range(WIDTH):
         live += load(rates, sample, events, stop, signals, cases, rules, lanes, bench, queue, y, first, lane)
@@ -375,9 +375,9 @@ def run_lanes(all_rates, all_events, signals, rates, sample, events, stop, cases
             ended = False
             if verdict == TAKEN:
                 landed = go_on(cases, rules, lanes, lane)
-                ended = cases.clocks[case, TIME] >= end
+                ended = cases.clock[case, TIME] >= end
                 if landed or ended:
-                    gather(cases.y[case], y, lane)
+                    gather(cases.state[case], y, lane)
                 if landed:
                     verdict = land(rates, sample, events, stop, cases, rules, lanes, bench, lane)
                     if verdict == TAKEN:

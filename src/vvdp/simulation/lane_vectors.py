@@ -28,26 +28,6 @@ OWN = 12
 IDLE, TAKEN, TO_REPEAT, LOST = 0.0, 1.0, 2.0, 3.0
 
 
-class Cases(NamedTuple):
-    """State of each case, a row for each."""
-
-    y: Any
-    command: Any
-    memory: Any
-    params: Any
-    agenda: Any
-    waiting: Any
-    clocks: Any
-    course: Any
-    mark_times: Any
-    mark_states: Any
-    span_states: Any
-    low: Any
-    high: Any
-    status: Any
-    moving: Any  # whether any of its signals moves
-
-
 class Rules(NamedTuple):
     """Values that hold for all cases."""
 

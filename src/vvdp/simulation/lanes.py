@@ -10,13 +10,14 @@ from vvdp.base.arrays import Array
 from vvdp.base.signal import Signal
 from vvdp.simulation import places
 from vvdp.simulation.assembly import Assembly
+from vvdp.simulation.case_rows import CaseRows
 from vvdp.simulation.crew import Crew
 from vvdp.simulation.layout import SIGNAL_SLOTS, blocks, members
 from vvdp.simulation.link import default_cache, quiet
 from vvdp.simulation.loops import compiled_lane_loop
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.parts import events_part, signals_part
-from vvdp.simulation.prepare import Prepared, Reached
+from vvdp.simulation.prepare import Prepared
 from vvdp.simulation.stepping import Method, Stepping
 from vvdp.simulation.symbols import Op, Untraceable
 from vvdp.simulation.trace import trace
@@ -71,75 +72,55 @@ def _compile(model: Model, case: Case, say: Callable[[str], None]) -> SideBySide
     )
 
 
-def run_lanes(
-    code: SideBySide,
-    ready: Prepared,
-    stepping: Stepping,
-    begun: Reached,
-    params: Array,
-    kept: tuple[Array, Array, Array, Array, Array, Array, npt.NDArray[np.int64]],
-    crew: Crew,
-) -> None:
-    """Runs the cases of the rows of `begun` and `params`, all changed in place.
+def run_lanes(code: SideBySide, ready: Prepared, stepping: Stepping, rows: CaseRows, crew: Crew) -> None:
+    """Runs the cases of these rows, all changed in place; one that is to be run by itself keeps the status HANDED."""
+    from vvdp.simulation import loop
 
-    `kept` are the times of marks and the states at them, when spans begin and the states there, the lowest and highest
-    states, and what has become of each case, all but the spans' times to be filled in; HANDED where it is to be run by
-    itself.
-    """
-    from vvdp.simulation import lane_loop, loop
+    rows.moving[:] = (rows.params[:, [place + 1 for place in code.places]] > 0.0).any(axis=1)
+    rules = _rules(code, ready, stepping)
+
+    def work(queue: npt.NDArray[np.int64]) -> None:
+        bench = loop.workbench(ready.plan, ready.vectors.state.size, ready.width.size, ready.pattern)
+        code.run(
+            *(code.rates, code.events, code.signals, *ready.linked[:4]),
+            *(rows, rules, _room(code, ready), bench, queue),
+        )
+
+    crew.carry_out(work)
+
+
+def _rules(code: SideBySide, ready: Prepared, stepping: Stepping) -> Any:
+    from vvdp.simulation import lane_loop
     from vvdp.simulation.landing import GRAIN
-    from vvdp.simulation.lane_vectors import WIDTH, Cases, Rules
+    from vvdp.simulation.lane_vectors import WIDTH, Rules
 
-    moving = (params[:, [place + 1 for place in code.places]] > 0.0).any(axis=1).astype(np.int64)
-    mark_times, mark_states, span_times, span_states, low, high, status = kept
-    cases = Cases(
-        y=begun.state,
-        command=begun.command,
-        memory=begun.memory,
-        params=params,
-        agenda=begun.agenda,
-        waiting=begun.waiting,
-        clocks=begun.clock,
-        course=begun.course,
-        mark_times=mark_times,
-        mark_states=mark_states,
-        span_states=span_states,
-        low=low,
-        high=high,
-        status=status,
-        moving=moving,
-    )
-    width, active = WIDTH, ready.pattern.group.size
-    modes = int(ready.plan[0, places.LAST] - ready.plan[0, places.FIRST])
-    n, positions = ready.vectors.state.size, ready.width.size
+    active, positions = ready.pattern.group.size, ready.width.size
     grain = np.zeros(positions)
-    grain[positions - modes :] = GRAIN
-    rules = Rules(
+    grain[positions - _modes(ready) :] = GRAIN
+    return Rules(
         plan=ready.plan,
-        atol=np.repeat(ready.atol[:active], width),
-        rtol=np.repeat(ready.rtol[:active], width),
+        atol=np.repeat(ready.atol[:active], WIDTH),
+        rtol=np.repeat(ready.rtol[:active], WIDTH),
         width=ready.width,
         grain=grain,
         floor=ready.floor[:active],
         t_end=stepping.until,
         longest=stepping.longest_step,
         marks_from=stepping.means_from(stepping.until),
-        span_times=span_times,
+        span_times=stepping.span_times,
         reads=np.array(code.commands, np.int64),
         stiff_from=lane_loop.STIFF_FOR_GOOD if stepping.method is Method.AUTOMATIC else np.inf,
     )
 
-    def work(queue: npt.NDArray[np.int64]) -> None:
-        room = _room(n, modes, positions, active, ready.vectors.command.size, code)
-        bench = loop.workbench(ready.plan, n, positions, ready.pattern)
-        code.run(code.rates, code.events, code.signals, *ready.linked[:4], cases, rules, room, bench, queue)
 
-    crew.carry_out(work)
+def _modes(ready: Prepared) -> int:
+    return int(ready.plan[0, places.LAST] - ready.plan[0, places.FIRST])
 
 
-def _room(n: int, modes: int, positions: int, active: int, commands: int, code: SideBySide) -> Any:
+def _room(code: SideBySide, ready: Prepared) -> Any:
     from vvdp.simulation.lane_vectors import OWN, WIDTH, Lanes
 
+    n, active, positions = ready.vectors.state.size, ready.pattern.group.size, ready.width.size
     width, signals = WIDTH, len(code.places)
 
     def rows(count: int) -> Array:
@@ -154,8 +135,8 @@ def _room(n: int, modes: int, positions: int, active: int, commands: int, code: 
         turned=rows(active),
         low=rows(active),
         high=rows(active),
-        k=np.zeros((7, (n + modes) * width)),
-        u=rows(commands),
+        k=np.zeros((7, (n + _modes(ready)) * width)),
+        u=rows(ready.vectors.command.size),
         p=rows(code.reads),
         s=rows(signals),
         x=rows(positions),

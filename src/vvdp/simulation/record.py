@@ -59,6 +59,20 @@ class Record:
         """Recorded quantities over time, by group."""
         return {name: getattr(self, name) for name in GROUPS}
 
+    def over_periods(self, means: Array) -> Array:
+        """Values of each period between marks, held over the recorded rows in it; nan outside."""
+        marks = self.mark_times
+        place = np.searchsorted(marks, self.times, side="right") - 1
+        inside = (place >= 0) & (place < marks.size - 1)
+        found = np.full(self.times.size, np.nan)
+        found[inside] = means[place[inside]]
+        return found
+
+    def period_means(self, path: str) -> Array:
+        """Means over each period of what the integral `path` adds up [SI], shape (marks - 1,)."""
+        means: Array = np.diff(self.mark_states[path].values) / np.diff(self.mark_times)
+        return means
+
 
 def record_of(run: Run) -> Record:
     """Record of a run in memory."""

@@ -12,10 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import ParameterError
-from vvdp.base.rules import POSITIVE
+from vvdp.base.kinds import TIME
+from vvdp.base.rules import require_positive_value
 from vvdp.simulation.batch import BatchRun, simulate_batch
-from vvdp.simulation.crew import never
+from vvdp.simulation.crew import Crew
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.outcome import Outcome, Window
@@ -65,6 +65,14 @@ class Periodic:
     reason: str | None
 
 
+class Guess(NamedTuple):
+    """Where the search for a periodic state begins: a case whose state stands at a mark, and the expected time between
+    marks [s]."""
+
+    case: Case
+    period: float
+
+
 class _Shot(NamedTuple):
     """One round for one case: what comes back at the next mark, and the Jacobian of it."""
 
@@ -75,49 +83,39 @@ class _Shot(NamedTuple):
 
 def periodic_states(
     model: Model,
-    cases: Sequence[Case],
+    guesses: Sequence[Guess],
     stepping: Stepping,
-    periods: Sequence[float],
-    *,
-    cores: int | None = None,
-    stop: Callable[[], bool] = never,
+    crew: Crew | None = None,
     say: Callable[[str], None] = quiet,
 ) -> list[Periodic]:
-    """The periodic steady state of each of `cases`, all at once on all cores; their states are the first guesses.
+    """The periodic steady states that these guesses lead to, all at once on all cores.
 
-    The state of a case stands at a mark. `periods` are the expected times between marks [s]. A Newton step needs one
-    period for each unknown and one more; a step that leads into the impossible is halved. Raises ParameterError where
-    the cases differ in shape or a period is not above zero.
+    A Newton step needs one period for each unknown and one more; a step that leads into the impossible is halved.
+    Raises ParameterError where the cases differ in shape or a period is not above zero.
 
-    `stop` is asked every few milliseconds; once it states this, the states found by then are kept, and the other
-    cases have that as their reason.
+    Once the `crew` (all cores, unless said) is stopped, the states found by then are kept, and the other cases have
+    that as their reason.
 
     Source  ours, docs/models/periodic-states.md
     """
-    if len(periods) != len(cases) or not all(p > 0.0 for p in periods):
-        raise ParameterError(
-            f"{len(cases)} cases with periods {list(periods)} s; each case has a period, which {POSITIVE}"
-        )
-    unknown = _unknowns(cases[0])
-    scale = np.array([kind.scale if kind else 1.0 for _, _, kind in leaves(cases[0].state)])[unknown]
-    stepping = replace(stepping, relative_tolerance=min(stepping.relative_tolerance, TOLERANCE))
-    run = _Runner(
-        model=model,
-        stepping=stepping,
-        unknown=unknown,
-        scale=scale,
-        cores=cores,
-        stop=stop,
-        say=say,
-    )
-    trials = [_Trial(case, flat(case.state)[unknown], period) for case, period in zip(cases, periods, strict=True)]
+    for each in guesses:
+        require_positive_value("period", each.period, TIME)
+    unknown = _unknowns(guesses[0].case)
+    scale = np.array([kind.scale if kind else 1.0 for _, _, kind in leaves(guesses[0].case.state)])[unknown]
+    stepping = replace(stepping, relative_tolerance=min(stepping.relative_tolerance, TOLERANCE), average_from=None)
+
+    def run(cases: Sequence[Case], until: float) -> BatchRun:
+        return simulate_batch(model, cases, replace(stepping, until=until), crew or Crew(), say=say)
+
+    runner = _Runner(run, unknown, scale)
+    trials = [_Trial(case, flat(case.state)[unknown], period) for case, period in guesses]
     found: dict[int, Periodic] = {}
     missing = f"no periodic state after {MOST_ROUNDS} rounds"
     for rounds in range(1, MOST_ROUNDS + 1):
         pending = [number for number in range(len(trials)) if number not in found]
         if not pending:
             break
-        shots = run.shots(*zip(*(trials[number].begin for number in pending), strict=True))
+        shots = runner.shots(*zip(*(trials[number].begin for number in pending), strict=True))
         if shots is None:
             missing = f"stopped in round {rounds}, before the periodic state was found"
             break
@@ -210,13 +208,9 @@ def _newton_step(jacobian: Array, change: Array, size: Array) -> Array:
 class _Runner:
     """Runs cases over one period, each with its neighbours for the Jacobian."""
 
-    model: Model
-    stepping: Stepping
+    run: Callable[[Sequence[Case], float], BatchRun]
     unknown: npt.NDArray[np.intp]
     scale: Array
-    cores: int | None
-    stop: Callable[[], bool]
-    say: Callable[[str], None]
 
     def shots(
         self, cases: Sequence[Case], guesses: Sequence[Array], periods: Sequence[float]
@@ -262,8 +256,7 @@ class _Runner:
                 if column >= 0:
                     shifted[self.unknown[column]] += delta[column]
                 rows.append(replace(case, state=as_value(case.state, shifted)))
-        stepping = replace(self.stepping, until=until, average_from=None)
-        run = simulate_batch(self.model, rows, stepping, cores=self.cores, stop=self.stop, say=self.say)
+        run = self.run(rows, until)
         if run.stopped:
             return None
         return [self._shoot(run, i * (n + 1), steps[i]) for i in range(len(cases))]
@@ -274,27 +267,8 @@ class _Runner:
         if run.marks[row : row + n + 1].min() < 1 or not run.mark_times[row, 0] > SOONEST * run.stepping.until:
             return reasons[0] if reasons else None
         images = run.mark_states[row : row + n + 1, 0][:, self.unknown]
-        case = run.cases[row]
-        outcome = Outcome(
-            model=self.model,
-            case=case,
-            window=Window(
-                begin=0.0,
-                end=float(run.mark_times[row, 0]),
-                first=flat(case.state),
-                last=run.mark_states[row, 0],
-                periods=1,
-                settled=True,
-            ),
-            final=run.mark_states[row, 0],
-            low=run.low[row],
-            high=run.high[row],
-            end=float(run.mark_times[row, 0]),
-            steps=int(run.steps[row]),
-            rejected=int(run.rejected[row]),
-            evaluations=int(run.evaluations[row]),
-            stiff=bool(run.stiff[row]),
-            seconds=run.seconds / len(run.cases),
-            finished=True,
-        )
-        return _Shot(images[0], (images[1:] - images[0]).T / delta[None, :], outcome)
+        reached, end = run.mark_states[row, 0], float(run.mark_times[row, 0])
+        window = Window(begin=0.0, end=end, first=flat(run.cases[row].state), last=reached, periods=1, settled=True)
+        # What the run passes after the mark, and what its programs remember then, is no part of the period.
+        over = replace(run.outcome_over(row, window), final=reached, end=end, remarks=(), memory={})
+        return _Shot(images[0], (images[1:] - images[0]).T / delta[None, :], over)

@@ -8,12 +8,12 @@ import numpy as np
 
 from vvdp.base.signal import constant
 from vvdp.evaluation.summary import Summary, simulated_summary
+from vvdp.simulation.crew import Crew
 from vvdp.simulation.link import quiet
-from vvdp.simulation.model import Case
 from vvdp.steady.averages import averages, means_at
 from vvdp.steady.cycle_means import CycleMeans
-from vvdp.steady.shooting import Periodic, periodic_states
-from vvdp.steady.test_stand import SetPoint, Stand
+from vvdp.steady.shooting import Guess, Periodic, periodic_states
+from vvdp.steady.test_stand import SetPoint, Stand, guessed_speed, load_area, standstill
 from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import pwm_frequency
 
@@ -72,8 +72,7 @@ def steady_states(
         if not open_:
             break
         one = points[next(iter(open_))][0]
-        cases, periods = [each.case for each in open_.values()], [each.period for each in open_.values()]
-        runs = periodic_states(one.model, cases, one.stepping, periods, cores=cores, say=say)
+        runs = periodic_states(one.model, [each.guess for each in open_.values()], one.stepping, Crew(cores), say)
         for number, run in zip(list(open_), runs, strict=True):
             stand, point = points[number]
             sizing = open_.pop(number)
@@ -108,24 +107,23 @@ def _guesses(
 class _Sizing:
     """A case with its orifice, and the areas and pressures of those before it, as logarithms."""
 
-    case: Case
-    period: float
+    guess: Guess
     area: float
     tried: list[tuple[float, float]]
 
 
 def _first_sizing(stand: Stand, point: SetPoint, means: CycleMeans, area: float | None) -> "_Sizing | str":
     """Where the search at a operating point begins, or why there is nothing to search for."""
-    opened = (area or stand.load_area(point, means)) if stand.makes_pressure else np.nan
-    speed = stand.guessed_speed(means)
+    opened = (area or load_area(point, means, stand)) if stand.makes_pressure else np.nan
+    speed = guessed_speed(means, stand)
     if opened is None:
         return "delivers nothing that could hold this load pressure"
-    if stuck := stand.standstill(point, means):
+    if stuck := standstill(point, means, stand):
         return stuck
     if not speed > 0.0:
         return "the spool does not turn"
     case = stand.case(point, means, opened if stand.makes_pressure else None)
-    return _Sizing(case, 1.0 / pwm_frequency(speed, stand.bench.valve), opened, [])
+    return _Sizing(Guess(case, 1.0 / pwm_frequency(speed, stand.bench.valve)), opened, [])
 
 
 def _above_tank(run: Periodic, stand: Stand, point: SetPoint) -> float:
@@ -150,4 +148,4 @@ def _resize_orifice(sizing: _Sizing, run: Periodic, stand: Stand, point: SetPoin
     change = float(np.clip(-here[1] / slope, -np.log(LARGEST_CHANGE), np.log(LARGEST_CHANGE)))
     area = float(np.exp(here[0] + change))
     case = stand.bench.with_load(run.case, constant(area), point.load_pressure)
-    return _Sizing(case, run.period, area, [*sizing.tried, here])
+    return _Sizing(Guess(case, run.period), area, [*sizing.tried, here])

@@ -128,37 +128,13 @@ class Stand:
         return bench.starting(
             inlet_pressure=min(point.load_pressure + 5e5, self.relief_pressure + bench.relief_valve.override_pressure),
             load_pressure=point.load_pressure,
-            spool_speed=self.guessed_speed(means),
+            spool_speed=guessed_speed(means, self),
             spool_angle=0.0,
         ).case
-
-    def guessed_speed(self, means: CycleMeans) -> float:
-        """The spool's speed as the quasi-steady torques give it, with that of its motor if it has one [rad/s].
-
-        k (omega_m - omega) = b (omega - omega_0), with the resistance b and the speed omega_0 that flow alone gives it.
-        """
-        if not self.is_driven:
-            return means.spool_speed
-        k, b = self.bench.spool_drive.coupling, means.resistance
-        speed: float = (k * self.bench.operation.spool_motor_speed.base + b * means.spool_speed) / (k + b)
-        return speed
 
     def film_viscosity(self, point: SetPoint) -> float:
         """Viscosity of the oil in the spool's clearance [Pa s]; arrays of many points pass through as well."""
         return film_viscosity(point.oil_temperature, point.load_pressure, self.tank_pressure, self.bench.oil)
-
-    def standstill(self, point: SetPoint, means: CycleMeans) -> str | None:
-        """Why the spool has no speed at which it goes on turning, with the numbers; None where it has one."""
-        if self.is_driven or (means.spool_speed > 0.0 and means.slowness <= SLOWEST):
-            return None
-        if not means.spool_speed > 0.0:
-            return "the spool does not turn: the flow drives it backwards or not at all"
-        valve = self.bench.valve
-        friction = friction_coefficient(float(self.film_viscosity(point)), valve)
-        return (
-            f"the spool does not turn: with a friction of {friction:.3g} N*m*s (valve.friction_area "
-            f"{valve.friction_area:.3g} m^2) it stops where both ports are nearly closed"
-        )
 
     def cycle_point(self, point: SetPoint) -> CyclePoint:
         """A operating point as the quasi-steady averages take it; arrays of many points pass through as well."""
@@ -186,15 +162,42 @@ class Stand:
         conductance = leakage_conductance(self.film_viscosity(point), self.bench.valve)
         return conductance * (point.load_pressure - self.tank_pressure)
 
-    def load_area(self, point: SetPoint, means: CycleMeans) -> float | None:
-        """Area of an orifice that would hold the load pressure [m^2]; None where nothing is left to hold it with."""
-        delivered = means.load_flow - self.leakage(point)
-        drop = point.load_pressure - self.tank_pressure
-        if delivered < SMALLEST_SHARE * self.pump_flow(point) or drop <= 0.0:
-            return None
-        rho, load = float(density(point.oil_temperature, self.bench.oil)), self.bench.load
-        assert isinstance(load, Orifice)
-        return float(orifice_area_for(delivered, drop, rho, load))
+
+def guessed_speed(means: CycleMeans, stand: Stand) -> float:
+    """The spool's speed as the quasi-steady torques give it, with that of its motor if it has one [rad/s].
+
+    k (omega_m - omega) = b (omega - omega_0), with the resistance b and the speed omega_0 that flow alone gives it.
+    """
+    if not stand.is_driven:
+        return means.spool_speed
+    k, b = stand.bench.spool_drive.coupling, means.resistance
+    speed: float = (k * stand.bench.operation.spool_motor_speed.base + b * means.spool_speed) / (k + b)
+    return speed
+
+
+def standstill(point: SetPoint, means: CycleMeans, stand: Stand) -> str | None:
+    """Why the spool has no speed at which it goes on turning, with the numbers; None where it has one."""
+    if stand.is_driven or (means.spool_speed > 0.0 and means.slowness <= SLOWEST):
+        return None
+    if not means.spool_speed > 0.0:
+        return "the spool does not turn: the flow drives it backwards or not at all"
+    valve = stand.bench.valve
+    friction = friction_coefficient(float(stand.film_viscosity(point)), valve)
+    return (
+        f"the spool does not turn: with a friction of {friction:.3g} N*m*s (valve.friction_area "
+        f"{valve.friction_area:.3g} m^2) it stops where both ports are nearly closed"
+    )
+
+
+def load_area(point: SetPoint, means: CycleMeans, stand: Stand) -> float | None:
+    """Area of an orifice that would hold the load pressure [m^2]; None where nothing is left to hold it with."""
+    delivered = means.load_flow - stand.leakage(point)
+    drop = point.load_pressure - stand.tank_pressure
+    if delivered < SMALLEST_SHARE * stand.pump_flow(point) or drop <= 0.0:
+        return None
+    rho, load = float(density(point.oil_temperature, stand.bench.oil)), stand.bench.load
+    assert isinstance(load, Orifice)
+    return float(orifice_area_for(delivered, drop, rho, load))
 
 
 def stand(system: System, verb: str = "rig") -> Stand:

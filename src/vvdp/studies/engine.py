@@ -4,8 +4,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Protocol, Self, TypeVar
 
-from vvdp.base.errors import ParameterError
-from vvdp.simulation.crew import all_cores
+from vvdp.simulation.crew import all_cores, require_cores
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -44,8 +43,7 @@ class ThisProcess:
     cores: int | None = None
 
     def __post_init__(self) -> None:
-        if self.cores is not None and not 1 <= self.cores <= all_cores():
-            raise ParameterError(f"{self.cores} cores; expected 1 to {all_cores()}")
+        require_cores(self.cores)
 
     def __enter__(self) -> Self:
         return self

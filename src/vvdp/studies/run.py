@@ -26,6 +26,7 @@ from vvdp.evaluation.quantities import quantities
 from vvdp.evaluation.summary import simulated_summary
 from vvdp.results.result import Column
 from vvdp.simulation.batch import case_shape, simulate_batch
+from vvdp.simulation.crew import Crew
 from vvdp.simulation.layout import case_form
 from vvdp.simulation.link import link, quiet
 from vvdp.simulation.outcome import Outcome, Window
@@ -245,7 +246,7 @@ def _finished_batch(base: System, version: str, batch: Sequence[_Planned], cores
     systems = [_build_system(base, case.settings) for case in batch]
     one = systems[0]
     cases = [system.case for system in systems]
-    run = simulate_batch(one.model, cases, one.stepping, cores=cores)
+    run = simulate_batch(one.model, cases, one.stepping, Crew(cores))
     check_same((VERSION, run.digest), (version, batch[0].digest))
     done: list[Finished] = []
     for number, (planned, system) in enumerate(zip(batch, systems, strict=True)):

@@ -146,44 +146,49 @@ def operating_point(set_point: SetPoint, inlet_volume: float, oil: Oil, valve: R
     cycle = mean_of_cycle(course, supplied)
     Q = set_point.flow - cycle.pump_leakage_flow
     at = supplied._replace(flow=Q, pump_leakage=0.0)
-    drops = full_open_drop(Q, rho, valve)
-    omega = equilibrium_speed(Q, rho, mu, valve)
-    k_f = friction_coefficient(mu, valve)
+    full_open = _full_open(Q, rho, mu, valve)
     averaged = pwm_frequency(speed_of_cycle(course, rho, mu, valve), valve)
-    open_loss = full_open_loss(Q, rho, valve)
-    is_tight = set_point.pump_leakage == 0.0
+    open_loss, is_tight = full_open["full_open_loss"], set_point.pump_leakage == 0.0
     transition = transition_loss(at, valve).loss if is_tight else _mean_transition_loss(cycle, open_loss)
     leakage = leakage_loss(load_pressure - tank, mu, valve)
     compression = compressibility_loss(averaged, inlet_volume, load_pressure, tank, oil)
     regime = compression_regime(
         averaged, inlet_volume, load_pressure - tank, mean_bulk_modulus(load_pressure, oil), Q, valve
     )
-    reynolds = nozzle_reynolds_number(Q, rho, dynamic_viscosity(T, oil), valve)
-    warnings = range_warnings(duty_ratio, at, valve)
     return OperatingPoint(
         flow=Q,
-        nozzle_drop=drops.nozzle,
-        centre_drop=drops.centre_section,
-        outlet_drop=drops.outlet_turbine,
-        total_drop=drops.nozzle + drops.centre_section + drops.outlet_turbine,
-        inlet_torque=inlet_torque(Q, 1.0, rho, valve),
-        outlet_torque=outlet_torque(Q, omega, rho, valve),
-        friction_torque=k_f * omega,
-        spool_speed=omega,
-        full_open_pwm_frequency=pwm_frequency(omega, valve),
+        **full_open,
         averaged_pwm_frequency=averaged,
         transition_fraction=transition_fraction(valve),
-        full_open_loss=open_loss,
         transition_loss=transition,
         leakage_loss=leakage,
         compressibility_loss=compression,
         total_loss=open_loss + transition + leakage + compression,
-        friction_loss=friction_loss(omega, k_f),
         compression_regime=regime,
-        nozzle_reynolds_number=reynolds,
+        nozzle_reynolds_number=nozzle_reynolds_number(Q, rho, dynamic_viscosity(T, oil), valve),
         cycle=cycle,
-        warnings=warnings,
+        warnings=range_warnings(duty_ratio, at, valve),
     )
+
+
+def _full_open(flow: float, density: float, viscosity: float, valve: RotaryValve) -> dict[str, float]:
+    """What an operating point says of the fully open valve, by its fields."""
+    drops = full_open_drop(flow, density, valve)
+    omega = equilibrium_speed(flow, density, viscosity, valve)
+    k_f = friction_coefficient(viscosity, valve)
+    return {
+        "nozzle_drop": drops.nozzle,
+        "centre_drop": drops.centre_section,
+        "outlet_drop": drops.outlet_turbine,
+        "total_drop": drops.nozzle + drops.centre_section + drops.outlet_turbine,
+        "inlet_torque": inlet_torque(flow, 1.0, density, valve),
+        "outlet_torque": outlet_torque(flow, omega, density, valve),
+        "friction_torque": k_f * omega,
+        "spool_speed": omega,
+        "full_open_pwm_frequency": pwm_frequency(omega, valve),
+        "full_open_loss": full_open_loss(flow, density, valve),
+        "friction_loss": friction_loss(omega, k_f),
+    }
 
 
 def _mean_transition_loss(cycle: CycleMean, open_loss: float) -> float:
