@@ -104,9 +104,7 @@ class Stand:
     def with_motor(self, pwm_frequency: float) -> "Stand":
         """The same stand with a motor that turns the spool so that it switches at `pwm_frequency` [Hz]."""
         speed = 2.0 * np.pi * pwm_frequency / self.bench.valve.sections
-        return self.with_tables(
-            spool_drive={"coupling": STIFF_COUPLING}, operation={"spool_motor_speed": speed}
-        )
+        return self.with_tables(spool_drive={"coupling": STIFF_COUPLING}, operation={"spool_motor_speed": speed})
 
     def at(self, point: SetPoint, area: float | None = None) -> RotaryBench:
         """The bench at a operating point, an orifice load with an `area` [m^2], that of the system unless given."""
