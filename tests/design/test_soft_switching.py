@@ -18,7 +18,7 @@ from vvdp.design.soft_switching import (
     best_chamber,
     soft_means,
     soft_quantities,
-    softened,
+    soft_rig,
     usual_bypass,
 )
 from vvdp.evaluation.bench import rotary_bench
@@ -46,7 +46,7 @@ def at(system):
 
 
 def with_soft(system, **chamber):
-    return softened(system, Softening(usual_bypass(FLOW), SwitchChamber(**chamber) if chamber else None))
+    return soft_rig(system, Softening(usual_bypass(FLOW), SwitchChamber(**chamber) if chamber else None))
 
 
 def steep_check(level):

@@ -11,7 +11,7 @@ from vvdp.base.extras import require
 from vvdp.design.optimise import optimise
 from vvdp.design.problem import Bound, Limit, Point, Problem
 from vvdp.design.quantities import Quantities, Setup, quantities, setup, switching_condition
-from vvdp.design.soft_switching import Softening, best_chamber, soft_quantities, softened, usual_bypass
+from vvdp.design.soft_switching import Softening, best_chamber, soft_quantities, soft_rig, usual_bypass
 from vvdp.design.variables import VARIABLES, value_in, with_variables
 from vvdp.evaluation.bench import rotary_bench
 from vvdp.evaluation.unit_rig import STIFF_COUPLING, unit_on_rig
@@ -236,7 +236,7 @@ def _stand_with(system: System, *, has_bypass: bool, has_chamber: bool) -> Stand
     rig = unit_on_rig(system, "design levers")
     chamber = SwitchChamber(precharge_pressure=1.5e6) if has_chamber else None
     soft = Softening(usual_bypass(float(setup(system).flow)), chamber)
-    return stand(softened(rig, soft) if has_bypass else rig, "design levers")
+    return stand(soft_rig(rig, soft) if has_bypass else rig, "design levers")
 
 
 def _changed_stand(held: Stand, each: Pulled, at: Setup, oil: Mapping[str, float]) -> Stand:

@@ -68,7 +68,7 @@ def usual_bypass(flow: float) -> CheckValve:
     return CheckValve(cracking_pressure=5e4, rated_drop=5e5, rated_flow=flow)
 
 
-def softened(rig: System, soft: Softening) -> System:
+def soft_rig(rig: System, soft: Softening) -> System:
     """A test rig with the check valve and the chamber drawn into its file. Raises ConfigError with all faults."""
     content = copy_tables(rig.table.content)
     content["components"]["bypass"] = {**COMPONENTS["bypass"], **entries(soft.bypass)}

@@ -243,7 +243,7 @@ class RotaryBench:
         )
 
     @property
-    def prescribed(self) -> dict[str, Signal]:
+    def signals(self) -> dict[str, Signal]:
         """What is prescribed over time, by its path."""
         position = "axial_position" if self.is_placed else "duty_ratio"
         found = {f"operation.{name}": signal for name, signal in self.operation._asdict().items()}
@@ -254,7 +254,7 @@ class RotaryBench:
     @property
     def is_steady(self) -> bool:
         """Whether all that is prescribed stays as it is."""
-        return all(signal.is_constant for signal in self.prescribed.values())
+        return all(signal.is_constant for signal in self.signals.values())
 
     @property
     def case(self) -> Case:
@@ -293,7 +293,7 @@ class RotaryBench:
 
         The pump does not pulsate: only what repeats itself with the valve is left.
         """
-        held = {path: signal_value(0.0, each) for path, each in self.prescribed.items() if not each.is_constant}
+        held = {path: signal_value(0.0, each) for path, each in self.signals.items() if not each.is_constant}
         if self.is_placed:
             held.pop("operation.axial_position", None)
             held["operation.duty_ratio"] = signal_value(0.0, self.duty_ratio)

@@ -49,8 +49,7 @@ class BenchReport(ReportedPrograms):
         mean = as_value(run.case.state.books, (window.last - window.first)[-flat(run.case.state.books).size :] / span)
         totals, valve, supplied = mean.totals, mean.spent.valve, mean.supplied
         pump_flow = totals.pump_flow + totals.pump_leakage_flow
-        rho = density(bench.unit.temperature, bench.oil)
-        delivered = totals.pump_flow
+        rho, delivered = density(bench.unit.temperature, bench.oil), totals.pump_flow
         open_loss = full_open_loss(delivered, rho, bench.valve) if delivered > 0.0 else 0.0
         shaft, motor = supplied.pump_shaft, getattr(supplied, "spool_motor", 0.0)
         load_power = mean.spent.load if bench.makes_pressure else -supplied.load_line - supplied.tank

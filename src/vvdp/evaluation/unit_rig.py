@@ -176,7 +176,7 @@ class _Rig:
         usual = _value(rated, POWER, "the whole pump flow at the setting of the relief valve")
         return self.file.node(shaft).get("rated_power", usual)
 
-    def prescribed(self, node: str, key: str, otherwise: Entries) -> Any:
+    def entry(self, node: str, key: str, otherwise: Entries) -> Any:
         """The entry of what the file prescribes at a node over time; another one if it says nothing or a path."""
         entry = self.file.node(node).get(key, otherwise)
         return otherwise if isinstance(entry, Mapping) and "from" in entry else entry
@@ -190,11 +190,11 @@ def _operation(rig: _Rig) -> Entries:
     motor = _at_start(at_start(node.speed, rig.start) if isinstance(node, DrivenShaft) else 0.0, SPEED)
     speed, own = _at_start(rig.pump_speed, SPEED), rig.system.content.get("operation", {})
     return {
-        "pump_speed": speed if rig.pump_speed != unit.pump_speed else rig.prescribed(pump, "speed", speed),
+        "pump_speed": speed if rig.pump_speed != unit.pump_speed else rig.entry(pump, "speed", speed),
         "oil_temperature": own.get("oil_temperature", _at_start(unit.temperature, TEMPERATURE)),
         **_position(rig),
-        "spool_motor_speed": rig.prescribed(turning, "speed", motor) if isinstance(node, DrivenShaft) else motor,
-        "tank_pressure": rig.prescribed(rig.nodes["tank"], "pressure", _at_start(unit.tank_pressure, PRESSURE_LEVEL)),
+        "spool_motor_speed": rig.entry(turning, "speed", motor) if isinstance(node, DrivenShaft) else motor,
+        "tank_pressure": rig.entry(rig.nodes["tank"], "pressure", _at_start(unit.tank_pressure, PRESSURE_LEVEL)),
     }
 
 
@@ -231,7 +231,7 @@ def _load(rig: _Rig) -> Entries:
     """The tables of the load, and of the start: that of the circuit, with a load pressure above that of the tank."""
     unit, start, key = rig.unit, _start(rig), "pressure" if rig.line is None else "start"
     pressure = unit.load_pressure
-    held = rig.prescribed(rig.nodes["load"], key, _at_start(pressure, PRESSURE_LEVEL))
+    held = rig.entry(rig.nodes["load"], key, _at_start(pressure, PRESSURE_LEVEL))
     if not pressure > unit.tank_pressure:
         pressure = unit.tank_pressure + HALF * (unit.relief_valve.cracking_pressure - unit.tank_pressure)
         held = _value(pressure, PRESSURE_LEVEL, "half the setting of the relief valve: no load at the start", "assumed")
@@ -271,9 +271,9 @@ def _start(rig: _Rig) -> Entries:
     inlet, spool = rig.nodes["inlet"], rig.nodes["spool"]
     speed, angle = (rig.start.get(f"{spool}.{key}", 0.0) for key in ("speed", "angle"))
     return {
-        "inlet_pressure": rig.prescribed(inlet, "start", _at_start(rig.start[inlet], PRESSURE_LEVEL)),
-        "spool_speed": rig.prescribed(spool, "speed", _at_start(speed, SPEED)),
-        "spool_angle": rig.prescribed(spool, "angle", _at_start(angle, ANGLE)),
+        "inlet_pressure": rig.entry(inlet, "start", _at_start(rig.start[inlet], PRESSURE_LEVEL)),
+        "spool_speed": rig.entry(spool, "speed", _at_start(speed, SPEED)),
+        "spool_angle": rig.entry(spool, "angle", _at_start(angle, ANGLE)),
     }
 
 
