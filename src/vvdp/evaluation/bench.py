@@ -73,7 +73,7 @@ class Operation(NamedTuple):
 class RotaryBench:
     """A pump unit on its load, as the network of a system has it; `load_line` is None where a source is the load.
 
-    `changes` are values other than those of the file, by their places among the parameters.
+    `changes` are values other than those of the file, by their places among the parameters; `params` are all of them.
     """
 
     INLET_TOTAL = "books.totals.inlet_pressure"
@@ -81,9 +81,9 @@ class RotaryBench:
     LOAD_FLOW_TOTAL = "books.totals.valve_load_flow"
     """Integrals from which means of inlet pressure, load pressure and load flow are taken, by their paths."""
 
-    def __init__(self, system: System, changes: Mapping[str, Any] = MappingProxyType({})) -> None:
+    def __init__(self, system: System, changes: Mapping[str, Any] = MappingProxyType({}), params: Any = None) -> None:
         self.system, self.changes = system, changes
-        self.params = changed_values(system.case.params, changes) if changes else system.case.params
+        self.params = params or changed_values(system.case.params, changes)
         self.oil: Oil = self.value("oil")
         self.pump: Pump = self.value("pump")
         self.relief_valve: ReliefValve = self.value("relief_valve")
@@ -269,7 +269,7 @@ class RotaryBench:
     def with_values(self, values: Mapping[str, Any]) -> "RotaryBench":
         """The same bench with other values by their paths. Raises ParameterError where they contradict."""
         own = {self._place(path): value for path, value in values.items()}
-        return RotaryBench(self.system, {**self.changes, **own})
+        return RotaryBench(self.system, {**self.changes, **own}, changed_values(self.params, own))
 
     def with_tables(self, **tables: Mapping[str, Any]) -> "RotaryBench":
         """The same bench with some values of its tables replaced. Raises ParameterError where they contradict."""

@@ -82,6 +82,8 @@ def changed_values(params: Any, changes: Mapping[str, Any]) -> Any:
 
     Raises ParameterError if they contradict each other.
     """
+    if not changes:
+        return params
     tables: dict[str, dict[str, Any]] = {}
     for place, value in changes.items():
         is_held = isinstance(value_at(params, place), Signal) and not isinstance(value, Signal)
