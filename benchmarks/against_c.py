@@ -13,6 +13,7 @@ import numpy as np
 from benchmarks.bare import ROWS, bare_run
 from benchmarks.measure import HERE, compiled, interleaved, ratios, report, run_as_command, spread
 from vvdp.evaluation.bench import rotary_bench
+from vvdp.evaluation.unit_rig import unit_on_rig
 from vvdp.generator.kinds import INT
 from vvdp.numerics.tableaus import TSIT5_A, TSIT5_C, TSIT5_E
 from vvdp.simulation import loop, places
@@ -26,7 +27,7 @@ DOUBLES = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
 
 def unwatched(name: str) -> System:
     """A bench whose spool nothing watches: the circuit alone."""
-    return rotary_bench(load_system(name), "benchmark").hold().system
+    return rotary_bench(unit_on_rig(load_system(name), "benchmark"), "benchmark").hold().system
 
 
 def layout(system: System, ready: Prepared) -> str:

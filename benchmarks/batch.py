@@ -15,6 +15,7 @@ import numpy as np
 from benchmarks.measure import ROUNDS, interleaved, ratios, report, run_as_command, spread
 from vvdp.base.signal import constant
 from vvdp.evaluation.bench import rotary_bench
+from vvdp.evaluation.unit_rig import unit_on_rig
 from vvdp.simulation.batch import BatchRun, simulate_batch
 from vvdp.simulation.lane_code import host_width
 from vvdp.simulation.model import Case
@@ -58,7 +59,7 @@ def in_lanes(batch: Callable[..., BatchRun], count: int, rounds: int) -> None:
 def main(short: bool) -> None:
     """Checks that the threads change nothing, then times; by the clock on the wall, which two threads share."""
     count = 20 if short else COUNT
-    system = rotary_bench(load_system("prototype", until="5 ms" if short else "0.05 s"), "batch").system
+    system = unit_on_rig(load_system("prototype", until="5 ms" if short else "0.05 s"), "batch")
     chosen = list(cases(system, count))
     batch = partial(simulate_batch, system.model, chosen, system.stepping)
     in_lanes(batch, count, 2 if short else ROUNDS)

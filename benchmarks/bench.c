@@ -161,8 +161,8 @@ static inline double relief_flow(double pressure, double tank, double opening, d
 
 static inline double check_opening(double drop, const double *p)
 {
-    double cracking = P(check_valve_cracking_pressure), reverse = P(check_valve_reverse_opening);
-    double lift = clip((drop - cracking) / (P(check_valve_rated_drop) - cracking), 0.0, 1.0);
+    double cracking = P(valve_check_cracking_pressure), reverse = P(valve_check_reverse_opening);
+    double lift = clip((drop - cracking) / (P(valve_check_rated_drop) - cracking), 0.0, 1.0);
     return reverse + (1.0 - reverse) * lift;
 }
 
@@ -184,8 +184,8 @@ void rates(double t, const double *y, const double *u, const double *p, double *
 {
     (void)t;
     double inlet_pressure = Y(inlet), load_pressure = Y(load_line), speed = Y(spool_speed);
-    double tank_pressure = U(tank_pressure), shaft_speed = P(operation_pump_speed);
-    double motor_speed = P(operation_spool_motor_speed), rho = U(medium_density);
+    double tank_pressure = U(tank_pressure), shaft_speed = P(pump_shaft_speed);
+    double motor_speed = P(spool_motor_speed), rho = U(medium_density);
     Fluid tank = {U(tank_volume_ratio), U(tank_bulk_modulus), U(tank_enthalpy)};
     Fluid line = fluid_state(load_pressure, p), inlet = fluid_state(inlet_pressure, p);
 
@@ -195,9 +195,9 @@ void rates(double t, const double *y, const double *u, const double *p, double *
     Passage pump_leak = passage(P(pump_leakage_conductance) * (inlet_pressure - tank_pressure), inlet, tank);
 
     double turn = U(valve_ports_sections) * Y(spool_angle) / (2.0 * PI), offset = turn - floor(turn + 0.5), distance = fabs(offset);
-    double half_duty = 0.5 * P(operation_duty_ratio);
+    double half_duty = 0.5 * P(valve_axial_position);
     double half_barrier = 0.5 * U(valve_ports_barrier_width), ramp = U(valve_ports_nozzle_width);
-    double load_drop = inlet_pressure - load_pressure, check_time = P(check_valve_opening_time);
+    double load_drop = inlet_pressure - load_pressure, check_time = P(valve_check_opening_time);
     double check = check_opening(load_drop, p), lift = check_time > 0.0 ? Y(valve_check_opening) : check;
     Wedge wide = wedge(distance, half_duty + half_barrier, ramp), narrow = wedge(distance, half_duty - half_barrier, ramp);
     double load_open = narrow.open * lift, tank_open = 1.0 - wide.open;
@@ -212,7 +212,7 @@ void rates(double t, const double *y, const double *u, const double *p, double *
     Passage relief = passage(
         relief_flow(inlet_pressure, tank_pressure, Y(relief_valve_opening), inlet.ratio * surplus, p), inlet, tank);
 
-    double coupling = P(spool_drive_coupling);
+    double coupling = P(coupling_coupling);
     double turbine = branch_torque(load_branch, load_open, load_skew, speed, rho, p)
                    + branch_torque(tank_branch, tank_open, tank_skew, speed, rho, p);
     double friction = U(valve_friction_coefficient) * thick * speed;
@@ -266,14 +266,14 @@ void rates(double t, const double *y, const double *u, const double *p, double *
     RATE(books_totals_valve_leakage) = leak.flow;
     RATE(books_totals_valve_load_opening) = load_open;
     RATE(books_totals_valve_cavitating) = most(
-        branch_cavitates(inlet_pressure, load_pressure, load_open, load_branch, P(limits_cavitation_pressure)),
-        branch_cavitates(inlet_pressure, tank_pressure, tank_open, tank_branch, P(limits_cavitation_pressure)));
+        branch_cavitates(inlet_pressure, load_pressure, load_open, load_branch, P(valve_cavitation_pressure)),
+        branch_cavitates(inlet_pressure, tank_pressure, tank_open, tank_branch, P(valve_cavitation_pressure)));
 }
 
 /* What depends on oil temperature and tank pressure alone, worked out at every sample. */
 void conditions(const double *p, double *u)
 {
-    double T = P(operation_oil_temperature), warm = 313.15, hot = 373.15, *out = u;
+    double T = P(temperature), warm = 313.15, hot = 373.15, *out = u;
     double rho = P(oil_density) / (1.0 + P(oil_thermal_expansion) * (T - warm));
     double y40 = log(1e6 * P(oil_viscosity_40) + 0.7), y100 = log(1e6 * P(oil_viscosity_100) + 0.7);
     double mu = rho * 1e-6 * (exp(y40 * pow(y100 / y40, log(T / warm) / log(hot / warm))) - 0.7);
@@ -285,13 +285,13 @@ void conditions(const double *p, double *u)
     double lands = 2.0 * (2.0 * PI * R / P(valve_land_length)), off_centre = 1.0 + 1.5 * eccentricity * eccentricity;
     double nozzle = P(valve_nozzle_discharge_coefficient) * P(valve_nozzle_area);
     double outlet = P(valve_outlet_discharge_coefficient) * P(valve_outlet_area);
-    Fluid tank = fluid_state(P(operation_tank_pressure), p);
+    Fluid tank = fluid_state(P(tank_pressure), p);
     out[U_medium_density] = rho;
     out[U_medium_viscosity] = mu;
     out[U_valve_leakage_conductance] = c * c * c / (12.0 * mu) * (barriers + lands) * off_centre;
     out[U_valve_friction_coefficient] = P(valve_friction_area) * mu * R * R / c / sqrt(1.0 - eccentricity * eccentricity);
     out[U_spool_inertia] = 0.5 * P(valve_spool_mass) * R * R;
-    out[U_tank_pressure] = P(operation_tank_pressure);
+    out[U_tank_pressure] = P(tank_pressure);
     out[U_tank_volume_ratio] = tank.ratio;
     out[U_tank_bulk_modulus] = tank.modulus;
     out[U_tank_enthalpy] = tank.enthalpy;

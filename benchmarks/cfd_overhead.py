@@ -39,7 +39,7 @@ def spent() -> Spent:
 def rail() -> Case:
     """The rail of the prototype at 40 lpm, so many iterations however soon it has settled."""
     system = load_system("prototype")
-    valve = system.tables["valve"]
+    valve = system.case.params.valve
     order = RailOrder(valve, given_shape(valve, None, [], system.lengths)[0], OIL, 40.0 / 60e3, GRID)
     order = order._replace(phases=tuple(phase._replace(tolerance=0.0) for phase in order.phases))
     case = rail_case(order, turned_rail(order))

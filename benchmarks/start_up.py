@@ -91,7 +91,7 @@ def rail(t, s, u, p):
 
 
 model = Model(rail, programs={{"law": Program(measure, step, command=Flows(0.0))}})
-values = Values(oil=load_system("prototype").tables["oil"])
+values = Values(oil=load_system("prototype").case.params.oil)
 case = Case(State(50e5), values, Command(Flows(0.0)), {{"law": NOTHING}}, {{"law": NOTHING}})
 run = simulate(model, case, Stepping(until=0.1))
 print(json.dumps({{"steps": run.steps}}))
@@ -163,7 +163,7 @@ def chain(t, s, u, p):
     ), Outputs(s.q{last})
 
 
-oil = load_system("prototype").tables["oil"]
+oil = load_system("prototype").case.params.oil
 model = Model(chain)
 case = Case(State(*[1e6] * {volumes}, *[1e-4] * {volumes}), Values(oil=oil, line=Line(length=1.0, diameter=0.02)))
 """

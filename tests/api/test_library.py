@@ -12,6 +12,7 @@ from tests.words import wording
 
 import vvdp
 from vvdp.base.errors import ConfigError
+from vvdp.evaluation.bench import rotary_bench
 from vvdp.runs.tables import node_listing
 from vvdp.systems.system import load_system
 
@@ -25,7 +26,7 @@ def test_a_first_script(run):
     assert run.summary["duration_s"] == 0.05
     assert "prototype" in repr(run)
     assert len(repr(run).partition("\n")[0]) < 300
-    assert run.system.tables["operation"].duty_ratio.base == 0.4
+    assert rotary_bench(run.system, "test").duty_ratio.base == 0.4
 
 
 def test_names_are_few_loaded_late_and_listed():

@@ -29,7 +29,7 @@ FLOWS = np.array([15.0, 30.0, 60.0]) / 60e3
 @pytest.fixture(scope="module")
 def shaped():
     system = load_system("prototype")
-    valve = system.tables["valve"]
+    valve = system.case.params.valve
     return valve, *given_shape(valve, None, [], system.lengths)
 
 
@@ -85,7 +85,7 @@ def test_the_law_of_the_system_comes_back(order, shaped):
     assert found["flow_exponent"] == pytest.approx(order.valve.centre_flow_exponent, rel=1e-4)
     assert found["centre_coefficient"] == pytest.approx(order.valve.centre_coefficient, rel=1e-3)
     assert found["flow_exponent"] < found["total_exponent"] < 2.0
-    valve = load_system("prototype", fitted_settings(result)).tables["valve"]
+    valve = load_system("prototype", fitted_settings(result)).case.params.valve
     assert valve.centre_flow_exponent == pytest.approx(found["flow_exponent"], rel=1e-5)
     assert valve.centre_coefficient == pytest.approx(found["centre_coefficient"], rel=1e-5)
 
@@ -106,7 +106,7 @@ def test_a_drop_steeper_than_the_valve_takes_is_met_in_the_middle(order, shaped)
         solved = SimpleNamespace(judgement=judgement, settled=True, quality=QUALITY, mesh=SimpleNamespace(cells=22765))
         runs.append(CentreRun(order._replace(flow=flow), solved, 0.1, 27.5e-6, 1.0))
     result = centre_result(runs, Told("prototype", "coarse", "oil", shaped[2]))
-    valve = load_system("prototype", fitted_settings(result)).tables["valve"]
+    valve = load_system("prototype", fitted_settings(result)).case.params.valve
     assert valve.centre_flow_exponent == 2.0
     laws = [turbulent_drops(flow, 1.0, 876.0, valve).centre_section for flow in FLOWS.tolist()]
     assert np.log(laws / result.tables["runs"]["static_drop_Pa"]).mean() == pytest.approx(0.0, abs=1e-5)
@@ -163,5 +163,5 @@ def test_the_law_of_several_diameters_comes_back(order, shaped):
     assert found["flow_exponent"] == pytest.approx(1.91, abs=1e-3)
     assert found["diameter_exponent"] == pytest.approx(3.22, abs=1e-3)
     assert found["centre_coefficient"] == pytest.approx(1.45e-6, rel=5e-3)
-    valve = load_system("prototype", fitted_settings(result)).tables["valve"]
+    valve = load_system("prototype", fitted_settings(result)).case.params.valve
     assert valve.centre_diameter_exponent == pytest.approx(found["diameter_exponent"], rel=1e-5)

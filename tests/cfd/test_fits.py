@@ -27,7 +27,7 @@ FLOWS = np.array([10.0, 20.0, 40.0, 60.0]) / 60e3
 def result():
     """Of four runs that have never been: an orifice of 0.6, with a hundredth of scatter."""
     system = load_system("prototype")
-    valve = system.tables["valve"]
+    valve = system.case.params.valve
     shape, rows = given_shape(valve, None, [], system.lengths)
     order = RailOrder(valve, shape, Fluid(876.0, 0.0387), float(FLOWS[0]), 8.0)
     mouths = (Mouth(12.17e-6, 7.94e-6),) * 3
@@ -70,7 +70,7 @@ def test_every_key_of_a_sweep_is_described(result, keys_as_described):
 
 def test_the_fitted_system_has_the_coefficient_and_its_origin(result):
     system = load_system("prototype", fitted_settings(result))
-    assert system.tables["valve"].nozzle_discharge_coefficient == pytest.approx(0.6, rel=0.01)
+    assert system.case.params.valve.nozzle_discharge_coefficient == pytest.approx(0.6, rel=0.01)
     (row,) = [row for row in system.rows if row.key == "nozzle_discharge_coefficient"]
     assert row.status == "derived"
     assert row.note == wording.cfd.fitted_to.format(low="10 lpm", high="60 lpm", model="kEpsilon", cells=16256)
@@ -98,6 +98,6 @@ def test_a_sweep_is_solved_on_one_mesh_and_its_system_runs(openfoam, tmp_path, m
     assert (place / "case" / "log.snappyHexMesh").is_file()
     assert not (place / "case-2" / "log.snappyHexMesh").exists()
     fitted = load_system(str(place / "fitted.toml"))
-    coefficient = fitted.tables["valve"].nozzle_discharge_coefficient
+    coefficient = fitted.case.params.valve.nozzle_discharge_coefficient
     assert coefficient == pytest.approx(told["discharge_coefficient"], rel=1e-5)
     assert (place / "report.html").is_file()

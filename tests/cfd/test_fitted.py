@@ -43,23 +43,23 @@ def test_one_after_the_other_gives_one_system_with_its_shape(tmp_path):
     loaded, plain = load_system(system), load_system("prototype")
     found = {row.key: (row.status, row.note) for row in loaded.rows if row.note == NOTE}
     assert found == {key: ("derived", NOTE) for laws in LAWS for key in laws}
-    valve = loaded.tables["valve"]
+    valve = loaded.case.params.valve
     assert (valve.inlet_area_ratio, valve.centre_coefficient) == (0.945, 1.2e-6)
     assert valve.outlet_effective_area == pytest.approx(60e-6)
-    assert valve.spool_mass == plain.tables["valve"].spool_mass
-    shape = given_shape(plain.tables["valve"], "rail-b", ["geometry.nozzle_arm=9.2 mm"]).shape
+    assert valve.spool_mass == plain.case.params.valve.spool_mass
+    shape = given_shape(plain.case.params.valve, "rail-b", ["geometry.nozzle_arm=9.2 mm"]).shape
     assert given_shape(valve, None, [], loaded.lengths).shape == shape
 
 
 def frequency(ratio):
-    valve = load_system("prototype-constant-load", [f"valve.inlet_area_ratio={ratio!r}"]).tables["valve"]
+    valve = load_system("prototype-constant-load", [f"valve.inlet_area_ratio={ratio!r}"]).case.params.valve
     return pwm_frequency(equilibrium_speed(40.0 / 60e3, 876.0, 0.0387, valve), valve)
 
 
 def test_another_arm_of_the_nozzles_is_another_pwm_frequency():
     """Two arms computed on one grid. The jets make 63 % of the torque of open ports, the outlet turbine the rest."""
     study = kept_study("centre-arms")
-    valve, ratios = load_system("prototype").tables["valve"], []
+    valve, ratios = load_system("prototype").case.params.valve, []
     for arm in (8.7e-3, 9.2e-3):
         rows = np.isclose(study["nozzle_arm_m"], arm)
         law = np.array([inlet_torque(flow, 1.0, 876.0, valve) for flow in study["flow_m3_s"][rows]])
@@ -89,4 +89,4 @@ def test_computed_laws_of_all_parts_run(openfoam, tmp_path, monkeypatch):
     found = {row.key for row in loaded.rows if row.note.startswith(NOTE)}
     assert found == {key for laws in LAWS for key in laws}
     assert loaded.lengths == {"nozzle_arm": {"value": "9.2 mm", "status": "given"}}
-    assert loaded.tables["valve"].inlet_area_ratio == pytest.approx(0.945, rel=0.02)
+    assert loaded.case.params.valve.inlet_area_ratio == pytest.approx(0.945, rel=0.02)

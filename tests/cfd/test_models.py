@@ -38,7 +38,7 @@ def test_no_power_is_fitted_to_a_drop_below_zero():
 def result():
     """Four approaches whose drops are shares of that of the first, the last with another exponent."""
     system = load_system("prototype")
-    valve = system.tables["valve"]
+    valve = system.case.params.valve
     shape, rows = given_shape(valve, None, [], system.lengths)
     flows = np.array(FLOWS)
     drops = np.concatenate([4e5 * share * (flows / 8e-4) ** m for share, m in zip(SHARES, EXPONENTS, strict=True)])

@@ -25,7 +25,7 @@ ANGLES = [math.radians(16.5), math.radians(21.0)]
 def result():
     """Of runs that have never been: the system's law of the torque, and an effective area a tenth off while closing."""
     system = load_system("prototype")
-    valve = system.tables["valve"]
+    valve = system.case.params.valve
     shape, rows = given_shape(valve, None, [], system.lengths)
     order = CentreOrder(valve, shape, Fluid(876.0, 0.0387), 40.0 / 60e3, 0.0, 0.5 * valve.helix_length, 8.0)
     runs = []

@@ -29,7 +29,7 @@ OIL, FLOW, SPEED = Fluid(876.0, 0.0387), 40.0 / 60e3, 150.0
 @pytest.fixture(scope="module")
 def shaped():
     system = load_system("prototype")
-    valve = system.tables["valve"]
+    valve = system.case.params.valve
     return valve, *given_shape(valve, None, [], system.lengths)
 
 

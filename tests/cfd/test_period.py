@@ -30,7 +30,7 @@ SPEED = 48.0 * math.pi
 @pytest.fixture(scope="module")
 def shaped():
     system = load_system("prototype")
-    valve = system.tables["valve"]
+    valve = system.case.params.valve
     return valve, *given_shape(valve, None, ["geometry.nozzle_arm=8.7 mm"], system.lengths)
 
 

@@ -54,7 +54,7 @@ def made(small, tmp_path_factory) -> Made:
 
 @pytest.fixture(scope="module")
 def valve():
-    return load_system("prototype").tables["valve"]
+    return load_system("prototype").case.params.valve
 
 
 @pytest.fixture(scope="module")

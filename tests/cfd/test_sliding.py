@@ -24,7 +24,7 @@ STEPS = 120
 def frozen():
     """The turbine at 24 turns a second, in its frame, on a mesh that is parted; settled enough for its torque."""
     system = load_system("prototype")
-    valve = system.tables["valve"]
+    valve = system.case.params.valve
     order = TurbineOrder(
         valve=valve,
         shape=given_shape(valve, None, ["geometry.outlet_arm=7.2 mm"], system.lengths)[0],

@@ -219,7 +219,7 @@ def test_a_solver_that_lost_its_vvdp_is_asked_to_end(openfoam, tmp_path, monkeyp
 @pytest.mark.slow
 def test_a_surface_with_a_hole_is_named(openfoam, tmp_path):
     """The crown of the rail is missing: the mesh leaks out to the background."""
-    valve = load_system("prototype").tables["valve"]
+    valve = load_system("prototype").case.params.valve
     order = RailOrder(valve, given_shape(valve, None, [])[0], OIL, 40.0 / 60e3, 4.0)
     domain = turned_rail(order)
     mesh = domain.mesh

@@ -28,7 +28,7 @@ SPEEDS = (0.0, 75.0, 150.0)
 @pytest.fixture(scope="module")
 def shaped():
     system = load_system("prototype")
-    valve = system.tables["valve"]
+    valve = system.case.params.valve
     return valve, *given_shape(valve, None, [], system.lengths)
 
 
@@ -95,7 +95,7 @@ def test_every_key_of_a_turbine_is_described(result, keys_as_described):
 
 
 def test_the_fitted_system_has_area_and_coefficient(result):
-    valve = load_system("prototype", fitted_settings(result)).tables["valve"]
+    valve = load_system("prototype", fitted_settings(result)).case.params.valve
     assert valve.outlet_effective_area == pytest.approx(61.8e-6, rel=1e-5)
     assert valve.outlet_discharge_coefficient == pytest.approx(result.numbers["discharge_coefficient"].value, rel=1e-5)
 

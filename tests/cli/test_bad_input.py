@@ -119,8 +119,8 @@ def test_an_unknown_table_circuit_or_method(edited, refused):
     edited("[motor]\n", "[engine]\n")
     lines = refused("show", "my.toml")
     assert any("engine" in line and wording.files.unknown_table in line for line in lines)
-    edited('circuit = "orifice-load"', 'circuit = "other"')
-    assert "'other' " + wording.files.is_no_circuit in refused("show", "my.toml")[0]
+    line = edited("[nodes]\n", 'circuit = "other"\n[nodes]\n')
+    assert refused("show", "my.toml") == [f"my.toml:{line}: circuit: this file draws its circuit; remove this line"]
     edited('until = "1 s"', 'until = "1 s"\nmethod = "fast"')
     assert "'fast'" in refused("show", "my.toml")[0]
 
@@ -158,9 +158,13 @@ def test_several_faults_are_all_told(here, refused):
         (b"a = " + b"9" * 20_000, wording.files.is_not_toml),
         (b"#" * 1_000_001, "1000001 bytes"),
         (b"oil = 3\n", "circuit: " + wording.files.missing),
-        (b'circuit = "orifice-load"\noil = 3\n', wording.files.is_no_table.format(value=3)),
+        (b'circuit = "tests.systems.table_circuit:unit_on_load"\noil = 3\n', wording.files.is_no_table.format(value=3)),
+        (b'circuit = "orifice-load"\n', "'orifice-load' " + wording.files.is_no_circuit),
         (b'circuit = ["orifice-load"]\n', wording.files.is_no_circuit),
-        (b'circuit = "orifice-load"\nrun = 3\n', "run: " + wording.files.is_no_table.format(value=3)),
+        (
+            b'circuit = "tests.systems.table_circuit:unit_on_load"\nrun = 3\n',
+            "run: " + wording.files.is_no_table.format(value=3),
+        ),
         (b"\x00\x01", wording.files.is_not_toml),
     ],
 )

@@ -12,7 +12,7 @@ import pytest
 import typer.main
 
 from vvdp.cli.main import app
-from vvdp.evaluation.bench import RotaryBench
+from vvdp.evaluation.bench_parts import is_bench
 from vvdp.systems.system import load_system, shipped_systems
 
 DOCUMENTS = Path(__file__).parents[2] / "docs"
@@ -68,7 +68,7 @@ def verbs(command=None, name=""):
 @pytest.mark.parametrize(("verb", "options"), [("valve", ()), ("run", ("--until", "1.5 s", "--no-report"))])
 def test_keys_are_those_described(vvdp, here, keys_as_described, verb, options):
     """Mean powers of the whole machine need a whole period of its cycle."""
-    systems = [name for name in shipped_systems() if verb == "run" or isinstance(load_system(name).extras, RotaryBench)]
+    systems = [name for name in shipped_systems() if verb == "run" or is_bench(load_system(name))]
     own = {name: ("--no-report",) for name in systems if name.startswith("displacement-control")}
     found = [json.loads(vvdp(verb, name, "--json", *own.get(name, options)).out) for name in systems]
     keys_as_described(verb, *found)

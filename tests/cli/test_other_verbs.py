@@ -82,7 +82,7 @@ def test_new_copies_with_comments_and_another_title(vvdp, here):
     source, text = shipped_systems()["prototype"].splitlines(), (here / "mine.toml").read_text().splitlines()
     assert [line for line in text if line not in source] == ['title = "mine"']
     assert len(text) == len(source)
-    assert load_system("mine.toml").tables == load_system("prototype").tables
+    assert load_system("mine.toml").case == load_system("prototype").case
 
 
 def test_new_copies_the_system_whose_name_a_program_has_too(vvdp, here):

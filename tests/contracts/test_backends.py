@@ -454,8 +454,8 @@ def components():
         ),
         soft_switching.SwitchChamber(
             oil_volume=1e-6, hose_compliance=0.0, gas_volume=5e-5, precharge_pressure=1.3e6, gas_exponent=1.4,
-            mouth_area=1e-4,
         ),
+        soft_switching.Mouth(mouth_area=1e-4),
         switching_valve.PulseTrain(frequency=30.0, duty_ratio=0.4),
         pilot_check_valve.PilotCheckValve(
             cracking_pressure=1e4, rated_flow=1e-3, rated_drop=1e7, reverse_opening=0.1, opening_time=0.0,

@@ -43,8 +43,6 @@ HOLDERS = frozenset(
     + ("final_state", "final_command", "final_memory", "final_case")
 )
 """What holds the values of a case or a run; behind one of these no name of a circuit may stand."""
-PRIVATE = ("vvdp.machines.rotary_bench", "vvdp.systems.bench_tables")
-"""Modules of the benches that only `vvdp.evaluation.bench` speaks for."""
 ALLOWED: dict[tuple[str, str], str] = {}
 """Places, by file and what was found there, with the reason why it cannot be said in another way."""
 
@@ -106,11 +104,6 @@ def reaches(tree: ast.AST) -> Iterator[tuple[int, str]]:
                 yield from replaced(node, known)
         elif isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value in known.paths:
             yield node.lineno, repr(node.value)
-        elif isinstance(node, ast.Import | ast.ImportFrom):
-            modules = [node.module or ""] if isinstance(node, ast.ImportFrom) else [each.name for each in node.names]
-            if isinstance(node, ast.ImportFrom):
-                modules += [f"{node.module}.{each.name}" for each in node.names]
-            yield from ((node.lineno, module) for module in modules if module in PRIVATE)
 
 
 def aliases(tree: ast.AST) -> Iterator[str]:
@@ -187,9 +180,6 @@ def test_names_are_those_of_the_shipped_systems() -> None:
         "values = run.case.settings['encoder']",
         "other = replace(case.params, load=wider)",
         "other = case.state._replace(inlet=1e5)",
-        "from vvdp.systems.bench_tables import OrificeLoad",
-        "from vvdp.machines import rotary_bench",
-        "import vvdp.machines.rotary_bench",
     ],
 )
 def test_a_planted_line_is_found(line: str) -> None:

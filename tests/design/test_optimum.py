@@ -290,8 +290,8 @@ def test_best_relief_setting_is_that_of_the_golden_section(prototype):
     bounds = ["spool_radius = 12.7 mm", "nozzle_area = 36.5 mm^2", "outlet_area = 46.8 mm^2",
               "radial_clearance = 12.7 um", "relief_pressure <= 180 bar"]  # fmt: skip
     found = best(prototype, "loss_total", [], bounds)
-    rho = density(313.15, prototype.tables["oil"])
-    expected = best_relief_pressure(4e-2 / 60.0, 101325.0 + 1e7, 101325.0, rho, prototype.tables["valve"])
+    rho = density(313.15, prototype.case.params.oil)
+    expected = best_relief_pressure(4e-2 / 60.0, 101325.0 + 1e7, 101325.0, rho, prototype.case.params.valve)
     assert found.values["relief_pressure"] == pytest.approx(expected, rel=1e-4)
 
 

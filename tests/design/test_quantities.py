@@ -90,7 +90,7 @@ def test_arrays_of_designs_are_single_designs(prototype):
 
 def test_what_goes_with_a_variable(prototype):
     """Twice the radius: twice the friction area and jet radius, four times the mass; outlet areas keep their ratio."""
-    valve = prototype.tables["valve"]
+    valve = prototype.case.params.valve
     new = with_variables(setup(prototype), {"spool_radius": 2.0 * valve.spool_radius, "outlet_area": 93.6e-6}).valve
     assert new.friction_area == pytest.approx(2.0 * valve.friction_area)
     assert new.inlet_radius == new.outlet_radius == pytest.approx(2.0 * valve.spool_radius)

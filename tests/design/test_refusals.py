@@ -147,7 +147,7 @@ def test_no_equilibrium_speed_over_a_cycle():
 def test_parameter_class_refuses_what_cannot_be_made(prototype):
     import dataclasses
 
-    valve = prototype.tables["valve"]
+    valve = prototype.case.params.valve
     with pytest.raises(ParameterError, match="lap_ratio: " + wording.files.must_be_greater_than_zero.format(value="0")):
         dataclasses.replace(valve, lap_ratio=0.0)
 

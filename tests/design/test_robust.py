@@ -28,6 +28,7 @@ from vvdp.design.robust import (
 )
 from vvdp.design.robust_result import robust_result
 from vvdp.design.variables import with_variables
+from vvdp.evaluation.bench import rotary_bench
 from vvdp.results.result import Grade
 from vvdp.systems.system import load_system
 
@@ -143,7 +144,9 @@ def test_a_small_search_resumes_and_repeats(designing, tmp_path, keys_as_describ
     units = {"spool_radius": "m", "nozzle_area": "m2", "outlet_area": "m2", "radial_clearance": "m"}
     values = {name: told[f"front_{name}_{unit}"][0] for name, unit in units.items()}
     assert quantities(with_variables(at, values)).spool_volume == pytest.approx(told["front_spool_volume_m3"][0])
-    assert load_system(str(systems[0])).extras.valve.spool_radius == pytest.approx(values["spool_radius"])
+    assert rotary_bench(load_system(str(systems[0])), "test").valve.spool_radius == pytest.approx(
+        values["spool_radius"]
+    )
 
     code, out, err = designing(*words, "--json", "--out", "there")
     assert code == 0

@@ -18,10 +18,12 @@ from vvdp.design.soft_switching import (
     best_chamber,
     soft_means,
     soft_quantities,
+    soft_rig,
     usual_bypass,
 )
+from vvdp.evaluation.bench import rotary_bench
 from vvdp.hydraulics.check_valve import CheckValve
-from vvdp.hydraulics.soft_switching import SwitchChamber, released_area
+from vvdp.hydraulics.soft_switching import Mouth, SwitchChamber, released_area
 from vvdp.steady.steady_states import steady_states
 from vvdp.steady.test_stand import stand
 from vvdp.systems.system import load_system
@@ -44,8 +46,7 @@ def at(system):
 
 
 def with_soft(system, **chamber):
-    tables = {**system.tables, "bypass": usual_bypass(FLOW)}
-    return system.with_tables(tables | ({"chamber": SwitchChamber(**chamber)} if chamber else {}))
+    return soft_rig(system, Softening(usual_bypass(FLOW), SwitchChamber(**chamber) if chamber else None))
 
 
 def steep_check(level):
@@ -54,20 +55,20 @@ def steep_check(level):
 
 
 def test_an_area_opens_with_the_tank_port():
-    chamber = SwitchChamber(precharge_pressure=13e5)
-    assert released_area(0.0, chamber) == 0.0
-    assert released_area(0.004, chamber) == pytest.approx(0.4e-4)
-    assert released_area(0.3, chamber) == 1e-4
+    mouth = Mouth()
+    assert released_area(0.0, mouth) == 0.0
+    assert released_area(0.004, mouth) == pytest.approx(0.4e-4)
+    assert released_area(0.3, mouth) == 1e-4
 
 
 def test_a_chamber_that_gives_no_room_is_refused():
     values = {"oil_volume": 1e-6, "hose_compliance": 0.0, "precharge_pressure": 1e6, "gas_exponent": 1.4}
     with pytest.raises(ParameterError, match=wording.design.gives_no_room):
-        SwitchChamber(**values, gas_volume=0.0, mouth_area=1e-4)
+        SwitchChamber(**values, gas_volume=0.0)
     with pytest.raises(
         ParameterError, match="release_opening: " + wording.files.must_be_greater_than_zero.format(value=0)
     ):
-        SwitchChamber(**values, gas_volume=1e-5, mouth_area=1e-4, release_opening=0.0)
+        Mouth(mouth_area=1e-4, release_opening=0.0)
 
 
 def test_a_check_valve_alone_is_a_relief_valve_whose_oil_reaches_the_load(at):
@@ -86,9 +87,10 @@ def test_a_chamber_of_constant_pressure_by_quadrature(at):
     over, level = 15e5, 10e5
     chamber = SwitchChamber(
         oil_volume=1e-6, hose_compliance=0.0, gas_volume=0.05, precharge_pressure=at.tank_pressure + over,
-        gas_exponent=1.4, mouth_area=0.05, release_opening=1e-4,
+        gas_exponent=1.4,
     )  # fmt: skip
-    found = soft_means(at, Softening(steep_check(level), chamber), angles=600)
+    mouth = Mouth(mouth_area=0.05, release_opening=1e-4)
+    found = soft_means(at, Softening(steep_check(level), chamber, mouth), angles=600)
     drops = full_open_drop(at.flow, switching_condition(at).density, at.valve)
     n, r = drops.nozzle, drops.centre_section + drops.outlet_turbine
     ramp = nozzle_width(at.valve) / pitch(at.valve)
@@ -140,7 +142,7 @@ def test_closed_forms_refuse_a_system_that_is_switched_softly(system):
         problem(soft, "loss_total")
     with pytest.raises(ParameterError, match=wording.design.soft_already):
         levers(soft, simulated=False)
-    assert wording.design.in_no_closed_form in next(soft.extras.unit.average_limits())
+    assert wording.design.in_no_closed_form in next(rotary_bench(soft, "design").unit.average_limits())
 
 
 @pytest.mark.slow

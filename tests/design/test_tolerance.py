@@ -12,6 +12,7 @@ from vvdp.design.quantities import key, quantities, setup
 from vvdp.design.spreads import bench_with, spreads, usual_spreads, with_inputs
 from vvdp.design.tolerance import SIMULATED, WORDS, tolerance
 from vvdp.design.tolerance_runs import simulated_draws
+from vvdp.evaluation.bench import rotary_bench
 from vvdp.runs.simulate import run_system
 from vvdp.systems.system import load_system
 from vvdp.valve.branch import centre_resistance, nozzle_resistance, outlet_resistance
@@ -291,7 +292,7 @@ def test_the_curve_through_runs_meets_another_run(simulated, bench):
 
 def bench_system(system, values):
     """A system with values [SI] by setting."""
-    return system.with_tables(bench_with(system.extras, values).tables)
+    return bench_with(rotary_bench(system, "test"), values).own_system
 
 
 def test_ends_of_each_input_alone_are_in_the_result(simulated):

@@ -267,7 +267,7 @@ def two_arms() -> Iterator[str]:
         rows = study["nozzle_arm_m"] == arm
         law = 876.0 * 12.7e-3 / 36.5e-6 * Q[rows] ** 2
         ratio = 1.0 / float(fit([law], study["torque_N_m"][rows]).coefficients[0])
-        valve = load_system("prototype-constant-load", [f"valve.inlet_area_ratio={ratio}"]).tables["valve"]
+        valve = load_system("prototype-constant-load", [f"valve.inlet_area_ratio={ratio}"]).case.params.valve
         frequency = pwm_frequency(equilibrium_speed(Q40, 876.0, 0.0387, valve), valve)
         torque = study["torque_N_m"][rows & np.isclose(Q, Q40)][0]
         yield f"| {1e3 * arm:.1f} mm | {torque:.4f} N m | {ratio:.3f} | {frequency:.1f} Hz |"
@@ -361,7 +361,7 @@ def frequencies() -> Iterator[str]:
     jets = ("valve.jet_exponent=0.65", "valve.jet_asymmetry=0.85")
     found = []
     for laws in ((), computed_laws()):
-        valve = load_system("prototype-constant-load", [*jets, *laws]).tables["valve"]
+        valve = load_system("prototype-constant-load", [*jets, *laws]).case.params.valve
         full = pwm_frequency(equilibrium_speed(Q40, 876.0, 0.0387, valve), valve)
         switching = pwm_frequency(averaged_spool_speed(0.5, at, 0.0387, valve), valve)
         found.append(f"{full:.1f} Hz fully open and {switching:.1f} Hz switching at duty ratio 0.5")
@@ -372,7 +372,7 @@ def frequencies() -> Iterator[str]:
 
     def switching_at(s: float, temperature: float = 313.15) -> float:
         system = load_system("prototype-constant-load", [f"valve.jet_exponent={s}"])
-        oil, valve = system.tables["oil"], system.tables["valve"]
+        oil, valve = system.case.params.oil, system.case.params.valve
         return pwm_frequency(averaged_spool_speed(0.5, at, float(dynamic_viscosity(temperature, oil)), valve), valve)
 
     def reaches(frequency: float, s: float) -> float:

@@ -37,7 +37,7 @@ VALVE_PAGE, DESIGN_PAGE = (
     " ".join((DOCS / name).read_text("utf-8").split()) for name in ("models/rotary-valve.md", "design.md")
 )
 SYSTEM = load_system("prototype-constant-load")
-VALVE, OIL = SYSTEM.tables["valve"], SYSTEM.tables["oil"]
+VALVE, OIL = SYSTEM.case.params.valve, SYSTEM.case.params.oil
 Q, RHO, MU, TANK = 4e-2 / 60.0, 876.0, 0.0387, 101325.0
 AT = Condition(flow=Q, load_pressure=1e7 + TANK, relief_pressure=1.2e7 + TANK, tank_pressure=TANK, density=RHO)
 

@@ -91,7 +91,7 @@ def test_the_first_run_ends_as_the_readme_says():
         r"of the ([\d.]+) kW": round(found["input_power_W"] / 1e3, 1),
         r"([\d.]+) % of the [\d.]+ kW": round(100.0 * found["efficiency"], 1),
         r"take (\d+) W and": round(found["loss_nozzle_W"], -1),
-        r"during (\d+) % of each": round(200.0 * transition_fraction(system.tables["valve"]), -1),
+        r"during (\d+) % of each": round(200.0 * transition_fraction(system.case.params.valve), -1),
         r"relief valve (\d+) W": round(found["loss_relief_valve_W"], -1),
     }
     for pattern, value in said.items():

@@ -21,8 +21,8 @@ from vvdp.valve.losses import full_open_drop
 from vvdp.valve.torque import equilibrium_speed, inlet_torque, outlet_torque, pwm_frequency
 
 PAGE = (Path(__file__).parents[2] / "docs" / "validation.md").read_text("utf-8")
-TABLES = load_system("prototype-constant-load").tables
-VALVE, OIL = TABLES["valve"], TABLES["oil"]
+PARAMS = load_system("prototype-constant-load").case.params
+VALVE, OIL = PARAMS.valve, PARAMS.oil
 Q, RHO, MU = 4e-2 / 60.0, 876.0, 0.0387
 
 
@@ -171,7 +171,7 @@ def valves(*keys):
     yield VALVE
     for ends in itertools.product(*map(ends_of, keys)):
         settings = [f"valve.{key}={end}" for key, end in zip(keys, ends, strict=True)]
-        yield load_system("prototype-constant-load", settings).tables["valve"]
+        yield load_system("prototype-constant-load", settings).case.params.valve
 
 
 def open_drop(valve):

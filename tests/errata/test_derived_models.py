@@ -52,7 +52,7 @@ def test_products_of_ramps_count_images_twice(words):
 def test_volumes_against_mass(words):
     """int p/beta dp and what is stored with mass conserved; the mean moduli of (2.10) and (5.19); what an orifice makes
     that passes the same volume on both sides."""
-    oil = load_system(BENCH).tables["oil"]
+    oil = load_system(BENCH).case.params.oil
     larger, apart = [], []
     for air in (0.001, 0.01, 0.05, 0.1):
         here = replace(oil, air_fraction=air)

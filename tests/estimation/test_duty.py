@@ -26,6 +26,7 @@ from vvdp.estimation.pressure_edges import (
     pressure_edges_start,
     pressure_edges_step,
 )
+from vvdp.evaluation.bench import rotary_bench
 from vvdp.fluid.mixture import bulk_modulus
 from vvdp.fluid.oil import density
 from vvdp.simulation.replay import Replay
@@ -36,9 +37,9 @@ from vvdp.valve.condition import Condition
 from vvdp.valve.flow_map import quasi_steady_cycle
 from vvdp.valve.geometry import port_shape
 
-TABLES = load_system("prototype-constant-load").tables
-VALVE, OPERATION, OIL = TABLES["valve"], TABLES["operation"], TABLES["oil"]
-FLOW = TABLES["pump"].displacement * signal_value(0.0, OPERATION.pump_speed)
+BENCH = rotary_bench(load_system("prototype-constant-load"), "test")
+VALVE, OPERATION, OIL = BENCH.valve, BENCH.operation, BENCH.oil
+FLOW = BENCH.pump.displacement * signal_value(0.0, OPERATION.pump_speed)
 DENSITY = density(signal_value(0.0, OPERATION.oil_temperature), OIL)
 TANK = signal_value(0.0, OPERATION.tank_pressure)
 SETTINGS = DutyWave(valve=VALVE, flow=FLOW, density=DENSITY, tank_pressure=TANK)
@@ -219,7 +220,7 @@ def test_simulated_edges_lie_where_the_geometry_has_them(simulated_waves, duty_r
     for angle, speed, s, level in zip(angles, speeds, found[:, 4], found[:, 5], strict=True):
         drop = level - TANK
         wave = duty + duty_excess(drop, FLOW, DENSITY, VALVE)
-        lag = pressure_lag(drop, FLOW, DENSITY, TABLES["inlet"].volume, bulk_modulus(level, OIL), VALVE)
+        lag = pressure_lag(drop, FLOW, DENSITY, BENCH.inlet_volume, bulk_modulus(level, OIL), VALVE)
         place = angle - pressure_edge_angle(0.0, s, wave, 0.0, speed * lag, VALVE.sections)
         left.append((place + 0.5 * pitch) % pitch - 0.5 * pitch)
     assert np.max(np.abs(left)) < 0.006

@@ -144,7 +144,7 @@ def test_edges_by_hand():
 @given(st.floats(0.31, 0.69), st.integers(-5, 5))
 def test_edges_are_where_the_valve_shuts_one_port_and_opens_the_other(duty, number):
     """At zero lap both ports are shut just there, and the load port opens after an up edge, before a down edge."""
-    valve = load_system("prototype-constant-load").tables["valve"]
+    valve = load_system("prototype-constant-load").case.params.valve
     for s in (1.0, -1.0):
         at = pressure_edge_angle(number, s, duty, 0.0, 0.0, valve.sections)
         here, after, before = (

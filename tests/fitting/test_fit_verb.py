@@ -15,7 +15,7 @@ from vvdp.valve.leakage import leakage_conductance
 from vvdp.valve.torque import inlet_torque
 
 SYSTEM = load_system("prototype")
-VALVE, OIL = SYSTEM.tables["valve"], SYSTEM.tables["oil"]
+VALVE, OIL = SYSTEM.case.params.valve, SYSTEM.case.params.oil
 WARM, TANK = 313.15, 101325.0
 RHO = float(density(WARM, OIL))
 LPM = 1.0 / 60e3
@@ -32,7 +32,7 @@ def drops_of(valve, place, flows=(10.0, 20.0, 40.0, 60.0)):
 
 
 def valve_of(told):
-    return load_system(f"{told['out']}/fitted.toml").tables["valve"]
+    return load_system(f"{told['out']}/fitted.toml").case.params.valve
 
 
 def test_the_centre_section_of_another_valve_comes_back(fit, write):

@@ -20,7 +20,7 @@ from vvdp.valve.rotary import RotaryValve
 
 @pytest.fixture(scope="session")
 def built_valve() -> RotaryValve:
-    return load_system("prototype", ()).tables["valve"]
+    return load_system("prototype", ()).case.params.valve
 
 
 @pytest.fixture(scope="session")

@@ -19,7 +19,7 @@ from vvdp.geometry.unrolled import (
 from vvdp.systems.system import load_system
 from vvdp.valve.geometry import barrier_width, nozzle_width, pitch, port_openings
 
-VALVE = load_system("prototype", ()).tables["valve"]
+VALVE = load_system("prototype", ()).case.params.valve
 
 
 @given(

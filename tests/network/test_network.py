@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from tests.network.drawn_unit import Moves, add_unit, prototype_unit
 from tests.words import wording
 
 from vvdp.base.errors import NetworkError
@@ -17,7 +18,6 @@ from vvdp.components.library import UsualOil
 from vvdp.components.lines import LINE
 from vvdp.components.machines import MOTOR, PUMP
 from vvdp.components.pipes import add_pipe
-from vvdp.components.pump_unit import PumpUnit, UnitJoints, add_pump_unit
 from vvdp.components.resistances import LAMINAR_GAP, ORIFICE, LaminarGap
 from vvdp.components.rods import CYLINDER, END_STOP, LOAD_FORCE, PLUNGER, ROD_FRICTION, SPRING
 from vvdp.components.self_acting_valves import CHECK_VALVE, RELIEF_VALVE, SHOCK_VALVE
@@ -42,6 +42,7 @@ from vvdp.network.component import Component
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber, Connection, Load, Rotor
 from vvdp.simulation.values import flat, leaves, rebuild
+from vvdp.systems.system import load_system
 
 OIL = UsualOil()
 GRAPHS = 20
@@ -285,22 +286,15 @@ def twice(flow: float) -> float:
 @pytest.fixture
 def joined(oil, of):
     """A pump unit, a cylinder and an orifice to connect."""
-    from vvdp.systems.system import load_system
+    unit = prototype_unit()
 
-    tables = load_system("prototype").tables
-    unit = PumpUnit(
-        pump=tables["pump"], inlet=tables["inlet"], relief_valve=tables["relief_valve"], valve=tables["valve"],
-        spool_drive=tables["spool_drive"], check_valve=tables["check_valve"], inlet_pressure=2e6,
-    )  # fmt: skip
-
-    def draw(**joints: Any) -> Network:
-        net = Network(tables["oil"])
+    def draw(**moves: Any) -> Network:
+        net = Network(unit.oil)
         net.tank("tank")
         net.volume("load", of.chamber, start=1e6)
         net.rod("rod", Load(mass=3.0), position=5e-3, velocity=0.1)
         net.add("plunger", PLUNGER, Plunger(area_a=1e-4, moving_mass=1.0), a="load", rod="rod")
-        usual = {"pump_speed": 188.0, "axial_position": 5e-3}
-        add_pump_unit(net, unit, UnitJoints(tank="tank", load="load", **{**usual, **joints}))
+        add_unit(net, unit, "load", Moves(**moves))
         return net
 
     return draw
@@ -435,9 +429,8 @@ def opened(a: FluidState, b: FluidState, values: Orifice) -> Opened:
 def test_periods_are_those_of_the_first_that_marks_them(oil, of):
     """Also where a shaft with a prescribed speed turns it, whose angle alone counts."""
     from vvdp.components.rotary_valve import ROTARY_VALVE
-    from vvdp.systems.system import load_system
 
-    tables = load_system("prototype").tables
+    unit = prototype_unit()
     net = Network(oil)
     net.tank("tank")
     net.volume("inlet", of.chamber, start=2e6)
@@ -446,7 +439,7 @@ def test_periods_are_those_of_the_first_that_marks_them(oil, of):
     net.driven_shaft("other", 10.0)
     for name, shaft in (("first", "drive"), ("second", "other")):
         ends = {"inlet": "inlet", "load": "line", "tank": "tank", "spool": shaft}
-        net.add(name, ROTARY_VALVE, tables["valve"], tables["check_valve"], axial_position=5e-3, **ends)
+        net.add(name, ROTARY_VALVE, unit.valve, unit.check_valve, axial_position=5e-3, **ends)
     net.add("gauge", ORIFICE, of.orifice, a="line", b="tank", area=1e-6)
     circuit = build(net)
     case = circuit.case
@@ -589,13 +582,10 @@ def test_changed_parameters_change_all_that_depends_on_them(oil, of):
 
 def test_longer_helix_moves_the_spool_further():
     """The position follows from the duty ratio and the valve, which stands among the parameters once."""
-    from vvdp.systems.system import load_system
-
-    system = load_system("prototype").counterpart
+    system, longer = load_system("prototype"), load_system("prototype", ["valve.helix_length=22.352 mm"])
     params = system.case.params
-    longer = replace(params.valve, helix_length=1.1 * params.valve.helix_length)
-    case = system.circuit.case_of(replace(params, valve=longer))
-    by_table = system.with_tables({**system.tables, "valve": longer}).case
-    rates = [flat(system.model.circuit(0.0, c.state, c.command, c.params)[0]) for c in (case, by_table, system.case)]
+    case = system.circuit.case_of(replace(params, valve=longer.case.params.valve))
+    cases = (case, longer.case, system.case)
+    rates = [flat(system.model.circuit(0.0, c.state, c.command, c.params)[0]) for c in cases]
     assert np.array_equal(rates[0], rates[1])
     assert not np.array_equal(rates[0], rates[2])

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from tests.network.drawn_unit import Moves, add_unit, prototype_unit
 from tests.words import wording
 
 from vvdp.base.errors import NetworkError
@@ -23,7 +24,6 @@ from vvdp.base.signal import constant
 from vvdp.components.controlled_valves import UNLOADING_VALVE
 from vvdp.components.flow_sources import FLOW_SOURCE
 from vvdp.components.machines import PUMP
-from vvdp.components.pump_unit import PumpUnit, UnitJoints, add_pump_unit
 from vvdp.components.resistances import ORIFICE
 from vvdp.components.self_acting_valves import CHECK_VALVE
 from vvdp.components.switching_valves import MODULATED_TWO_WAY_VALVE, ModulatedTwoWayValve
@@ -232,22 +232,14 @@ ORDER = ProgramType(order, Level, Order(5e-3, 188.0, 0.0))
 
 def test_program_moves_spool_and_shafts(of):
     """A command is as good as a number."""
-    from vvdp.systems.system import load_system
-
-    tables = load_system("prototype").tables
-    unit = PumpUnit(
-        pump=tables["pump"], inlet=tables["inlet"], relief_valve=tables["relief_valve"], valve=tables["valve"],
-        spool_drive=tables["spool_drive"], check_valve=tables["check_valve"], inlet_pressure=2e6,
-    )  # fmt: skip
-    numbers = UnitJoints("tank", "load_line", 188.0, 5e-3, 0.0)
-    commands = UnitJoints("tank", "load_line", "moves.speed", "moves.position", "moves.motor_speed")
+    unit = prototype_unit()
     found = []
-    for joints in (numbers, commands):
-        net = Network(tables["oil"])
+    for moves in (Moves(188.0, 5e-3, 0.0), Moves("moves.speed", "moves.position", "moves.motor_speed")):
+        net = Network(unit.oil)
         net.tank("tank")
         net.volume("load_line", of.chamber, start=1e6)
         net.add("load", ORIFICE, of.orifice, a="load_line", b="tank", area=1e-5)
-        add_pump_unit(net, unit, joints)
+        add_unit(net, unit, "load_line", moves)
         net.program("moves", ORDER, reads={"pressure": "inlet.pressure"})
         circuit = build(net)
         rates, outputs, _ = circuit.model.circuit(0.01, circuit.case.state, circuit.case.command, circuit.case.params)

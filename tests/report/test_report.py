@@ -313,7 +313,7 @@ def test_what_is_no_result_directory_is_refused(tmp_path):
 
 
 def test_a_system_that_cannot_be_read_is_refused_before_anything_is_written(orifice):
-    (orifice / "system.toml").write_text('circuit = "orifice-load"\n')
+    (orifice / "system.toml").write_text('circuit = "none"\n')
     list_all(orifice)
     with pytest.raises(ConfigError):
         write_report(orifice)

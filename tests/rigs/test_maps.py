@@ -171,9 +171,9 @@ def test_speed_and_temperature_are_axes(source_stand):
 
 
 def test_what_varies_is_held_and_what_watches_is_dropped(orifice_stand):
-    assert "encoder" not in orifice_stand.bench.tables
+    assert not orifice_stand.bench.system.circuit.network.programs
     assert orifice_stand.bench.pump.ripple_amplitude == 0.0
-    assert all(value == constant(value.base) for value in (orifice_stand.bench.operation.duty_ratio,))
+    assert all(value == constant(value.base) for value in (orifice_stand.bench.duty_ratio,))
 
 
 @pytest.mark.parametrize(

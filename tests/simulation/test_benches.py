@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from vvdp.evaluation.bench_report import additions
 from vvdp.evaluation.summary import simulated_summary, summary
 from vvdp.simulation.balance import LIMIT, balance
 from vvdp.simulation.batch import simulate_batch
@@ -140,7 +141,7 @@ def test_summaries_of_a_batch_are_those_of_single_runs():
         found = run.outcome(row)
         assert found is not None
         in_batch, single = simulated_summary(found, system), summary(system, alone)
-        in_batch |= system.extras.closed_forms(in_batch)
+        in_batch |= additions(system).closed_forms(in_batch)
         assert in_batch.keys() == single.keys()
         other = {k for k in single if in_batch[k] != single[k] and not np.isnan([in_batch[k], single[k]]).all()}
         assert other <= {"wall_time_s"}

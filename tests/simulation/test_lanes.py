@@ -7,6 +7,7 @@ import pytest
 
 from vvdp.base.signal import constant, step, table
 from vvdp.evaluation.bench import rotary_bench
+from vvdp.evaluation.unit_rig import unit_on_rig
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.crew import Crew
 from vvdp.simulation.run import Method, simulate
@@ -53,8 +54,8 @@ def same(one, other, rows) -> bool:
 
 @pytest.fixture(scope="module")
 def prototype():
-    """The rig that the prototype is drawn like, whose tables are changed here."""
-    return load_system("prototype", until="0.03 s").counterpart
+    """The prototype on its rig, without programs."""
+    return unit_on_rig(load_system("prototype", until="0.03 s"), "batch")
 
 
 @pytest.fixture(scope="module")

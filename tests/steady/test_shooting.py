@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.signal import constant
 from vvdp.evaluation.summary import simulated_summary
 from vvdp.simulation.crew import Crew
 from vvdp.simulation.outcome import outcome
@@ -99,8 +98,7 @@ def test_case_without_a_mark_has_a_reason(source_stand):
     braked = source_stand.with_motor(70.0)
     here = SetPoint(0.5, LOAD, 188.5, 313.15)
     case = braked.case(here, braked.means(here))
-    operation = replace(case.params.operation, spool_motor_speed=constant(0.0))
-    still = replace(case, params=replace(case.params, operation=operation))
+    still = replace(case, params=braked.with_tables(operation={"spool_motor_speed": 0.0}).bench.params)
     assert flat(still.params).size == flat(case.params).size
     (found,) = periodic_states(braked.model, [Guess(still, 0.001)], braked.stepping)
     assert found.outcome is None

@@ -3,8 +3,7 @@
 import pytest
 
 from vvdp.base.errors import ConfigError
-from vvdp.machines.rotary_bench import constant_load, orifice_load
-from vvdp.systems.circuits import draw, table_slots
+from vvdp.systems.circuits import table_slots
 from vvdp.systems.system import load_system
 
 MODULE = """
@@ -63,7 +62,7 @@ def test_fields_are_tables_and_one_with_a_default_may_be_left_out(tmp_path):
     assert system.tables["tank"].volume == pytest.approx(1e-3)
     slots = table_slots(system.function)
     assert [*slots] == ["tank", "start", "outlet"] and slots["outlet"].optional
-    again = system.with_tables({**system.tables, "tank": type(system.tables["tank"])(volume=2e-3)})
+    again = loaded(tmp_path, FILE.replace("1 l", "2 l"))
     assert again.circuit.network.nodes["line"].values.volume == pytest.approx(2e-3)
 
 
@@ -83,10 +82,3 @@ def test_what_is_refused(tmp_path, text, outlet, words):
     with pytest.raises(ConfigError) as told:
         loaded(tmp_path, text, outlet)
     assert words in str(told.value)
-
-
-def test_the_benches_have_the_same_tables_but_for_the_line():
-    both = {*table_slots(orifice_load)}, {*table_slots(constant_load)}
-    assert both[0] - both[1] == {"load_line"} and both[1] < both[0]
-    tables = load_system("prototype-constant-load").tables
-    assert {*draw(constant_load, tables).nodes} == {*load_system("prototype-constant-load").circuit.network.nodes}

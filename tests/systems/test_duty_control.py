@@ -17,6 +17,7 @@ from tests.systems.axial_texts import (
 from tests.words import wording
 
 from vvdp.base.errors import ConfigError
+from vvdp.evaluation.bench_report import additions
 from vvdp.evaluation.summary import summary
 from vvdp.evaluation.validity import broken_bounds
 from vvdp.simulation.record import record_of
@@ -72,7 +73,7 @@ def test_balances_close_with_two_oils():
 
 def test_what_the_storage_says():
     """A sentence among the findings, or one among the warnings that tells how often, how much and when."""
-    extras = run_of(SHIPPED)[0].extras
+    extras = additions(run_of(SHIPPED)[0])
     found = found_in(SHIPPED)
     assert wording.systems.never_rose_beyond in " ".join(extras.merits(found))
     assert not any("rose" in told for told in extras.warnings(found))
@@ -87,7 +88,7 @@ def test_pictures():
     """Errors are those of the samples; the storage falls from 3 J by five decades; a turn of the pollution, as believed
     within 0.1 mm."""
     system, run = run_of(SHIPPED)
-    charts = {chart.name: (chart, table) for chart, table in system.extras.charts(record_of(run))}
+    charts = {chart.name: (chart, table) for chart, table in additions(system).charts(record_of(run))}
     assert list(charts) == ["axial-control", "axial-errors", "axial-pollution"]
     chart, table = charts["axial-errors"]
     found, (line,) = found_in(SHIPPED), chart.panels[0].lines

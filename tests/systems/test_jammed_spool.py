@@ -8,6 +8,7 @@ import pytest
 from vvdp.base.arrays import Array
 from vvdp.base.display import percent
 from vvdp.estimation.estimator import Estimate
+from vvdp.evaluation.bench import rotary_bench
 from vvdp.evaluation.summary import Summary, summary
 from vvdp.runs.bench import bench_series
 from vvdp.runs.bench_charts import bench_charts
@@ -105,13 +106,13 @@ def test_the_page_shows_the_errors_that_the_numbers_count(jams):
     """The share of the time in which the drawn error lies inside of the drawn band is the coverage of the summary."""
     found = jams[JAMS[0]]
     shown = RecordedRun(found.system, record_of(found.run), found.numbers, {})
-    series = bench_series(shown, found.system.extras)
+    series = bench_series(shown, rotary_bench(found.system, "test"))
     late = series["time_s"] >= 0.5
     t = series["time_s"][late]
     for name, unit in (("angle", "rad"), ("speed", "rad_s")):
         error, band = (series[f"{name}_{column}_{unit}"][late] for column in ("error", "band_high"))
         share = np.trapezoid(1.0 * (np.abs(error) <= band), t) / (t[-1] - t[0])
         assert share == pytest.approx(found.numbers[f"spool_{name}_coverage"], abs=1e-12)
-    chart = next(c for c in bench_charts(shown, found.system.extras, series, {}) if c.name == "estimate")
+    chart = next(c for c in bench_charts(shown, rotary_bench(found.system, "test"), series, {}) if c.name == "estimate")
     assert [panel.label for panel in chart.panels] == ["speed", "angle error", "speed error", "standstill"]
     assert percent(found.numbers["spool_speed_coverage"]) in chart.caption

@@ -161,8 +161,9 @@ def test_missing_key_and_missing_table(tmp_path):
     assert any("components.load: " in fault for fault in broken(tmp_path, "[load]\n", "[loads]\n"))
 
 
-def test_circuit_that_does_not_exist(tmp_path):
-    assert any("orifice-load" in f and "constant-load" in f for f in broken(tmp_path, '"orifice-load"', '"orifice"'))
+def test_a_file_that_draws_its_circuit_names_none(tmp_path):
+    (told,) = broken(tmp_path, "[nodes]\n", 'circuit = "some:function"\n[nodes]\n')
+    assert told.endswith("mine.toml:16: circuit: this file draws its circuit; remove this line")
 
 
 def test_axial_position_on_the_command_line_replaces_the_duty_ratio():

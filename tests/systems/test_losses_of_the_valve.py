@@ -126,7 +126,7 @@ def compression_loss(ran, volume: float, settings: list[str]) -> tuple[float, fl
     without, _ = ran(BENCH, [*quick, "inlet.volume=0.5 cc"], "0.3 s")
     assert is_closed(found) and is_closed(without)
     system = load_system(BENCH, quick)
-    regime = compression_regime(72.0, volume * 1e-6, 1e7, 1e9, PUMP_FLOW, system.tables["valve"])
+    regime = compression_regime(72.0, volume * 1e-6, 1e7, 1e9, PUMP_FLOW, system.case.params.valve)
     assert regime > 3.0
     return throttled(found) - throttled(without), found["pwm_frequency_Hz"]
 

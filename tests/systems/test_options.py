@@ -4,6 +4,7 @@ import pytest
 from tests.words import wording
 
 from vvdp.base.errors import ConfigError
+from vvdp.evaluation.bench import rotary_bench
 from vvdp.studies.run import _base
 from vvdp.studies.study import Study
 from vvdp.systems.system import load_system, source_text
@@ -61,7 +62,7 @@ def test_a_bad_value_in_the_file_is_seen_behind_a_setting(write):
 
 def test_what_the_file_leaves_to_the_options_is_no_fault(write):
     path = write('duty_ratio = { value = "0.5"', '# duty_ratio = { value = "0.5"')
-    assert load_system(path, ["operation.duty_ratio=0.4"]).extras.duty_ratio.base == 0.4
+    assert rotary_bench(load_system(path, ["operation.duty_ratio=0.4"]), "test").duty_ratio.base == 0.4
 
 
 def test_a_fault_of_a_setting_is_placed_at_the_option():

@@ -147,7 +147,7 @@ def test_any_circuit_has_ranges_of_pressures():
 def test_ends_of_a_signal_that_does_not_change():
     system = load_system(BENCH, ['load.pressure={value="100 bar", range=["90 bar", "110 bar"]}'])
     row = next(row for row in system.uncertainties if row.setting == "load.pressure")
-    assert at_end(system, row, 1).tables["load"].pressure.base == pytest.approx(110e5 + 101325.0)
+    assert at_end(system, row, 1).case.params.load_line_pressure.base == pytest.approx(110e5 + 101325.0)
     assert len(list(at_ends(system))) == 2 * len(system.uncertainties)
 
 

@@ -6,7 +6,9 @@ from tests.systems.drawn_orifice import ORIFICE
 from tests.words import wording
 
 from vvdp.base.errors import ConfigError
-from vvdp.base.tables import parsed_table
+from vvdp.base.tables import Table, copy_tables, parsed_table
+from vvdp.evaluation.bench import rotary_bench
+from vvdp.evaluation.bench_parts import is_bench
 from vvdp.evaluation.overview import warnings
 from vvdp.evaluation.summary import summary
 from vvdp.evaluation.unit_rig import unit_on_rig
@@ -208,49 +210,46 @@ def with_leak(node):
     return text.replace("[programs]\n", f"[components.leak]\n{LEAK.format(node=node)}\n[programs]\n", 1)
 
 
-def test_the_drawing_of_the_prototype_is_the_rig_that_it_names():
-    """States, rates and their bits: what differs are the names of parameters, and two programs for one."""
-    system = built(PROTOTYPE)
-    rig, state = system.counterpart.case, system.case
-    assert np.array_equal(flat(rig.state), flat(state.state))
-    rates = [
-        flat(each.model.circuit(0.0, each.case.state, each.case.command, each.case.params)[0])
-        for each in (system, system.counterpart)
-    ]
-    assert np.array_equal(*rates)
-
-
 def test_what_is_joined_to_no_node_of_the_rig_leaves_it_one():
-    assert built(with_leak("other")).counterpart is not None
+    assert is_bench(built(PROTOTYPE)) and is_bench(built(with_leak("other")))
     leaking = built(with_leak("inlet"))
-    assert leaking.counterpart is None
+    assert not is_bench(leaking)
     found = summary(leaking, simulate(leaking.model, leaking.case, leaking.stepping))
     assert "valve_pwm_frequency_Hz" in found and "pwm_frequency_Hz" not in found
-    assert "'leak' is joined to 'inlet' as well; draw all of it" in " ".join(warnings(leaking, found))
 
 
-def test_another_value_in_the_drawing_is_another_circuit():
-    other = PROTOTYPE.replace('spool = { type = "shaft" }', 'spool = { type = "shaft" }\nend = { type = "tank" }')
-    moved = other.replace(
-        'load = { type = "orifice", a = "load_line", b = "tank" }',
-        'load = { type = "orifice", a = "load_line", b = "end" }',
-    )
-    assert built(other).counterpart is not None
-    assert built(moved).counterpart is None
-    assert built(moved).lacking == "port 'b' of 'load' is joined to 'end' instead of 'tank'"
-    unread = PROTOTYPE.replace('spool_drive = "components.coupling"', "").replace("[spool_drive]", "[coupling]")
-    assert built(unread).lacking == "spool_drive: missing table"
+def with_another_tank(content):
+    content["nodes"]["end"] = {"type": "tank"}
+    content["components"]["load"]["b"] = "end"
 
 
-def test_a_circuit_that_does_not_exist_is_refused_in_a_drawing_too():
-    (told,) = faults_of(PROTOTYPE.replace('circuit = "orifice-load"', 'circuit = "orifice-lode"'))
-    assert "orifice-load" in told
+def with_a_speed_that_follows(content):
+    content["nodes"]["pump_shaft"]["speed"] = {"from": "spool.speed"}
+    del content["values"]["operation"]["pump_speed"], content["operation"]["pump_speed"]
+
+
+def with_another_name(content):
+    content["components"]["throttle"] = content["components"].pop("load")
+    content["throttle"] = content.pop("load")
+
+
+def with_an_elastic_inlet(content):
+    content["nodes"]["inlet"] = {"type": "vessel", "oil_volume": "12.7 cc"}
+    del content["inlet"]
+
+
+@pytest.mark.parametrize(
+    "change", [with_another_tank, with_a_speed_that_follows, with_another_name, with_an_elastic_inlet]
+)
+def test_another_drawing_is_no_rig(change):
+    content = copy_tables(parsed_table(PROTOTYPE, "mine.toml").content)
+    change(content)
+    assert not is_bench(built_system(Table("mine", content, {}), "mine"))
 
 
 def test_a_changed_prototype_still_goes_onto_a_rig():
     """With a leak behind the load line its values are found in the tables by which the file has them."""
-    rig = unit_on_rig(built(with_leak("load_line")), "map")
-    assert rig.circuit_name == "orifice-load"
-    expected = load_system("prototype").tables
+    rig = rotary_bench(unit_on_rig(built(with_leak("load_line")), "map"), "map")
+    expected = rotary_bench(load_system("prototype"), "map")
     for name in ("pump", "valve", "relief_valve", "check_valve", "load_line"):
-        assert rig.tables[name] == expected[name], name
+        assert rig.value(name) == expected.value(name), name

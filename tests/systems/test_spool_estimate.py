@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from tests.words import wording
 
+from vvdp.evaluation.bench_report import BenchReport
 from vvdp.numerics.kalman import chance_band
 from vvdp.programs.estimate_report import (
     ShaftWatch,
@@ -116,4 +117,4 @@ def test_names_say_what_the_speed_is():
 
 
 def test_a_bench_without_an_encoder_has_none_of_it():
-    assert "spool_speed_coverage" not in load_system("prototype-constant-load").extras.QUANTITIES
+    assert "spool_speed_coverage" not in BenchReport(load_system("prototype-constant-load")).QUANTITIES

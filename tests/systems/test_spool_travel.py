@@ -11,6 +11,7 @@ from vvdp.base.errors import ConfigError
 from vvdp.base.tables import Table, parsed_table
 from vvdp.components.rods import END_STOP
 from vvdp.components.rotary_valve import ROTARY_VALVE
+from vvdp.evaluation.bench_report import additions
 from vvdp.fluid.oil import Oil
 from vvdp.geometry.shape import Travel
 from vvdp.geometry.shape_tables import given_shape
@@ -63,7 +64,7 @@ def moved(low: str, high: str, **geometry: str) -> System:
 
 @pytest.fixture(scope="module")
 def valve() -> RotaryValve:
-    return load_system("prototype").tables["valve"]
+    return load_system("prototype").case.params.valve
 
 
 def test_travel_of_the_duty_ratio_by_hand(valve):
@@ -211,7 +212,7 @@ def test_a_shape_without_a_valve_is_refused():
 def test_a_spool_at_its_stops_is_within_the_laws_of_the_valve(position, kept):
     """-kappa - 0.05 = -0.3501 of 20.32 mm is -7.11 mm, 1.3501 of it 27.43 mm."""
     system = load_system("prototype", (f"operation.axial_position={position}",))
-    (duty,) = [each for each in system.extras.bounds(_numbers()) if each.label == "duty ratio"]
+    (duty,) = [each for each in additions(system).bounds(_numbers()) if each.label == "duty ratio"]
     assert duty.is_kept is kept
 
 

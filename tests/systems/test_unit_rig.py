@@ -12,11 +12,12 @@ from tests.words import wording
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.tables import Table
+from vvdp.evaluation.bench import rotary_bench
 from vvdp.evaluation.unit_rig import unit_on_rig
 from vvdp.evaluation.valve_unit import valve_unit
 from vvdp.fluid.oil import Oil
 from vvdp.simulation.run import simulate
-from vvdp.simulation.values import leaves
+from vvdp.simulation.values import flat, leaves
 from vvdp.steady.test_stand import stand
 from vvdp.systems.resolved import resolved_text
 from vvdp.systems.system import built_system, load_system
@@ -51,11 +52,28 @@ def test_the_rig_has_the_values_of_the_circuit(name, part):
     assert {key: getattr(there, key) for key in HELD} == pytest.approx(held, rel=4e-16)
 
 
-def test_a_circuit_that_is_drawn_like_a_rig_is_that_rig():
-    system = load_system("prototype")
-    assert unit_on_rig(system, "map") is system.counterpart
-    assert unit_on_rig(system, "map", "valve") is system.counterpart
-    assert unit_on_rig(system.counterpart, "map") is system.counterpart
+def test_a_rig_is_its_own_rig():
+    system = load_system("prototype-constant-load")
+    assert unit_on_rig(system, "map") is system
+    assert unit_on_rig(system, "map", "valve") is system
+
+
+@pytest.mark.parametrize("setting", ["operation.duty_ratio=0.4", "operation.axial_position=8 mm"])
+def test_a_rig_with_programs_is_drawn_without_them(setting):
+    """The same name, title, equations and values as in the file, with its origins and ranges; the same bits."""
+    system = load_system("prototype", [setting, "load.area={step=['3 mm^2','4 mm^2'],at='0.1 s'}"])
+    rig = unit_on_rig(system, "map")
+    assert unit_on_rig(rig, "map") is rig
+    assert not rig.circuit.network.programs and system.circuit.network.programs
+    assert (rig.name, rig.title) == (system.name, system.title)
+    assert np.array_equal(flat(rig.case.state), flat(system.case.state))
+    rates = [flat(each.model.circuit(0.0, each.case.state, each.case.command, each.case.params)[0])
+             for each in (rig, system)]  # fmt: skip
+    assert np.array_equal(*rates)
+    programs = {"encoder", "spool_filter"}
+    assert {row.setting: row for row in rig.rows} == {
+        row.setting: row for row in system.rows if row.table not in programs
+    }
 
 
 def without_rotor(system):
@@ -96,7 +114,7 @@ def test_a_line_and_its_orifice_go_with_the_unit():
     """They have the pressures of the circuit; the throttle is that of the file, though no name says what it is."""
     drawn = without_rotor(built_system(Table("line", tomllib.loads(LINE), {}), "line"))
     rig = unit_on_rig(drawn, "rig ripple")
-    assert rig.tables["load"].discharge_coefficient == 0.6
+    assert rotary_bench(rig, "rig").load.discharge_coefficient == 0.6
     one, other = (
         simulate(each.model, each.case, dataclasses.replace(each.stepping, relative_tolerance=1e-10))
         for each in (drawn, rig)
@@ -108,15 +126,16 @@ def test_a_line_and_its_orifice_go_with_the_unit():
 def test_an_orifice_is_sized_where_the_circuit_has_none():
     """Half of 22.8 cc/rev at 1800 rpm, 3.42e-4 m^3/s, at 50 bar: A = Q/(0.61 sqrt(2*50e5/876)) = 5.25 mm^2."""
     rig = unit_on_rig(load_system("two-cylinders"), "map", "lift_unit")
-    assert rig.tables["load"].area.base == pytest.approx(5.247e-6, rel=1e-3)
-    assert rig.tables["load_line"].oil_volume == pytest.approx(0.4e-3)
+    bench = rotary_bench(rig, "rig")
+    assert bench.value("load.area").base == pytest.approx(5.247e-6, rel=1e-3)
+    assert bench.load_line.oil_volume == pytest.approx(0.4e-3)
 
 
 def test_its_text_is_a_system_with_origins_and_ranges():
     system = load_system("vvdp-duty-control")
     rig = unit_on_rig(system, "map")
     again = built_system(Table("rig", tomllib.loads(resolved_text(rig)), {}), "rig")
-    assert again.tables == rig.tables
+    assert again.case == rig.case
     ranges = {f"{row.table}.{row.key}" for row in system.uncertainties if row.table in rig.content}
     assert {f"{row.table}.{row.key}" for row in again.uncertainties} == ranges
     assert "valve.radial_clearance" in ranges

@@ -10,6 +10,7 @@ import pytest
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.tables import Table
+from vvdp.evaluation.bench import rotary_bench
 from vvdp.evaluation.quantities import quantities
 from vvdp.evaluation.summary import summary
 from vvdp.evaluation.validity import bounds
@@ -146,9 +147,9 @@ def test_the_unit_is_found_in_the_network(half):
 
 
 @pytest.mark.parametrize("name", ["prototype", "prototype-constant-load", "vvdp-duty-control"])
-def test_the_network_has_what_the_tables_say(name):
+def test_the_bench_says_what_is_found_in_the_network(name):
     system = load_system(name)
-    found, said = valve_unit(system, "valve"), system.extras.unit
+    found, said = valve_unit(system, "valve"), rotary_bench(system, "valve").unit
     assert vars(found.oil) == vars(said.oil)
     assert replace(found, oil=said.oil) == said
 

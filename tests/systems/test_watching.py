@@ -124,7 +124,7 @@ def test_the_filter_of_the_prototype_is_the_usual_one():
     values = load_system("prototype").case.settings["estimate"]
     usual = event_filter(equal_wheel(8))
     own = {"ripple_order", "ripple_variance", "ripple_drift"}
-    assert values.ripple_order == load_system("prototype").tables["valve"].sections
+    assert values.ripple_order == load_system("prototype").case.params.valve.sections
     for field in fields(EventFilterValues):
         if field.name in own:
             continue

@@ -20,7 +20,7 @@ Q, RHO, MU, OMEGA = 4e-2 / 60.0, 876.0, 0.0387, 150.8
 
 @pytest.fixture(scope="module")
 def spool():
-    return load_system("prototype").tables["valve"]
+    return load_system("prototype").case.params.valve
 
 
 def test_jet_force_of_one_stronger_nozzle(spool):

@@ -193,6 +193,7 @@ def _exit(run: "RecordedRun") -> None:
 def _print(run: "RecordedRun", changes: "tuple[Move, ...]") -> None:
     from vvdp.cli.printing import listing_grid
     from vvdp.cli.screen import console, grid, tell, warn
+    from vvdp.evaluation.bench_report import additions
     from vvdp.evaluation.overview import period, warnings
     from vvdp.runs.tables import screen_listings
     from vvdp.simulation.balance import LIMIT
@@ -207,8 +208,8 @@ def _print(run: "RecordedRun", changes: "tuple[Move, ...]") -> None:
         if place == 0 and listing.title:
             tell("")
         out.print(listing_grid(listing))
-    if run.system.extras is not None and run.system.extras.OVERVIEW_NOTE:
-        tell(f"{run.system.extras.OVERVIEW_NOTE}\n")
+    if (own := additions(run.system)) and own.OVERVIEW_NOTE:
+        tell(f"{own.OVERVIEW_NOTE}\n")
     if "trusted" in found:
         energy, oil = found["energy_residual"], found["mass_residual"]
         tell(f"balances: energy {energy:.1e}, oil {oil:.1e} of the throughput (limit {LIMIT:.0e})")

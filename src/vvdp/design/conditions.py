@@ -29,5 +29,5 @@ def conditions(system: System) -> dict[str, str]:
         "load": with_unit(at.load_pressure, PRESSURE_LEVEL),
         "relief setting": with_unit(at.relief_pressure, PRESSURE_LEVEL),
         "tank": with_unit(at.tank_pressure, PRESSURE_LEVEL),
-        "motor": with_unit(rotary_bench(system, "design").motor.rated_power, POWER),
+        "motor": with_unit(rotary_bench(system, "design").rated_power, POWER),
     }

@@ -8,14 +8,13 @@ import numpy as np
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.extras import require
-from vvdp.base.params import Params
 from vvdp.design.optimise import optimise
 from vvdp.design.problem import Bound, Limit, Point, Problem
 from vvdp.design.quantities import Quantities, Setup, quantities, setup, switching_condition
-from vvdp.design.soft_switching import Softening, best_chamber, soft_quantities, usual_bypass
+from vvdp.design.soft_switching import Softening, best_chamber, soft_quantities, soft_rig, usual_bypass
 from vvdp.design.variables import VARIABLES, value_in, with_variables
 from vvdp.evaluation.bench import rotary_bench
-from vvdp.evaluation.unit_rig import STIFF_COUPLING
+from vvdp.evaluation.unit_rig import STIFF_COUPLING, unit_on_rig
 from vvdp.hydraulics.soft_switching import SwitchChamber
 from vvdp.simulation.link import quiet
 from vvdp.simulation.values import names
@@ -234,12 +233,10 @@ def _simulate(
 
 def _stand_with(system: System, *, has_bypass: bool, has_chamber: bool) -> Stand:
     """The system on a test rig, with the components of soft switching."""
-    more: dict[str, Params] = {}
-    if has_bypass:
-        more["bypass"] = usual_bypass(float(setup(system).flow))
-    if has_chamber:
-        more["chamber"] = SwitchChamber(precharge_pressure=1.5e6)
-    return stand(system.with_tables({**system.tables, **more}) if more else system, "design levers")
+    rig = unit_on_rig(system, "design levers")
+    chamber = SwitchChamber(precharge_pressure=1.5e6) if has_chamber else None
+    soft = Softening(usual_bypass(float(setup(system).flow)), chamber)
+    return stand(soft_rig(rig, soft) if has_bypass else rig, "design levers")
 
 
 def _changed_stand(held: Stand, each: Pulled, at: Setup, oil: Mapping[str, float]) -> Stand:

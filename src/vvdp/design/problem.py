@@ -278,7 +278,7 @@ def with_usual_limits(asked: Problem, *, front: bool = False) -> Problem:
     if front and "relief_margin" not in named:
         more.append(Limit("relief_margin", at_least=True, value=0.0, usual=True))
     if front and "input_power" not in named:
-        rated = rotary_bench(asked.system, "design").motor.rated_power
+        rated = rotary_bench(asked.system, "design").rated_power
         now = max(float(q.input_power) for q in before)
         more.append(Limit("input_power", at_least=False, value=max(rated, now), usual=True))
     return replace(asked, limits=(*asked.limits, *more))

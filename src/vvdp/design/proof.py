@@ -127,7 +127,7 @@ def doubts(problem: Problem, values: Mapping[str, float]) -> list[str]:
             message = f"no equilibrium speed: over a cycle the torques balance at {at.averaged_pwm_frequency:.4g} Hz"
             raise ConfigError([Fault(system.name, 0, "valve", message)])
         found += [text for text in at.warnings if text not in found]
-    rated = rotary_bench(problem.system, "design").motor.rated_power
+    rated = rotary_bench(problem.system, "design").rated_power
     needed = max(q.input_power for q in problem.evaluate(values))
     if needed > rated:
         found.append(f"the pump takes in {needed:.4g} W, more than the {rated:.4g} W of its motor")

@@ -10,12 +10,16 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.kinds import Flow, Frequency, Power, Volume
+from vvdp.base.kinds import PRESSURE_LEVEL, Flow, Frequency, Power, Volume
+from vvdp.base.tables import Table, copy_tables
 from vvdp.design.quantities import Quantities, Setup, quantities, switching_condition
+from vvdp.evaluation.rig_drawing import COMPONENTS
 from vvdp.fluid.oil import density, film_viscosity
 from vvdp.hydraulics.check_valve import CheckValve, check_flow
-from vvdp.hydraulics.orifice import Orifice, orifice_flow
-from vvdp.hydraulics.soft_switching import SwitchChamber, released_area
+from vvdp.hydraulics.orifice import orifice_flow
+from vvdp.hydraulics.soft_switching import Mouth, SwitchChamber, released_area
+from vvdp.systems.changed import entries, exact_text
+from vvdp.systems.system import System
 from vvdp.valve.branch import BranchFlow, BranchLaw, branch_law, throttled_flow
 from vvdp.valve.flow_map import highest_inlet_pressure, static_relief_flow
 from vvdp.valve.geometry import EVEN, Openings, port_shape, shape_openings
@@ -28,15 +32,15 @@ FINER = 16
 """Pieces of an angle in which the chamber is released or locked, which takes only a part of it."""
 PERIODS = 4
 """Until the oil in the chamber comes back: it empties in each of them, where it can."""
-MOUTH = Orifice()
 CLOSED = BranchFlow(0.0, 0.0, 1.0, 0.0, 0.0)
 
 
 class Softening(NamedTuple):
-    """A check valve past the load port, and the chamber beside it; None without one."""
+    """A check valve past the load port, the chamber beside it (None without one) and its mouth."""
 
     bypass: CheckValve
     chamber: SwitchChamber | None
+    mouth: Mouth = Mouth()
 
 
 class SoftMeans(NamedTuple):
@@ -62,6 +66,19 @@ class _Instant(NamedTuple):
 def usual_bypass(flow: float) -> CheckValve:
     """A check valve for a pump flow [m^3/s]: 0.5 bar to crack, 5 bar at that flow; assumed."""
     return CheckValve(cracking_pressure=5e4, rated_drop=5e5, rated_flow=flow)
+
+
+def soft_rig(rig: System, soft: Softening) -> System:
+    """A test rig with the check valve and the chamber drawn into its file. Raises ConfigError with all faults."""
+    content = copy_tables(rig.table.content)
+    content["components"]["bypass"] = {**COMPONENTS["bypass"], **entries(soft.bypass)}
+    if soft.chamber is not None:
+        start = exact_text(soft.chamber.precharge_pressure, PRESSURE_LEVEL)
+        content["nodes"]["chamber"] = {"type": "vessel", "start": start, **entries(soft.chamber)}
+        opening = {"from": "valve.tank_opening"}
+        content["components"]["mouth"] = {**COMPONENTS["mouth"], "opening": opening, **entries(soft.mouth)}
+    content["components"] = {name: content["components"][name] for name in COMPONENTS if name in content["components"]}
+    return rig.read_from(Table(rig.name, content, {}))
 
 
 def soft_means(at: Setup, soft: Softening, angles: int = ANGLES) -> SoftMeans:
@@ -142,7 +159,7 @@ def _parts(at: Setup, soft: Softening, count: int) -> list[_Part]:
     def openings(share: float) -> Openings:
         return Openings(*map(float, shape_openings(turn * share, place, shape)))
 
-    release = 0.0 if soft.chamber is None else soft.chamber.release_opening
+    release = 0.0 if soft.chamber is None else soft.mouth.release_opening
     found = []
     for number in range(count):
         ends = [openings((number + end) / count).tank for end in (0, 1)]
@@ -174,15 +191,15 @@ class _Circuit:
         """The instant at which everything takes the pump flow, `held` the oil in the chamber [m^3]."""
         from scipy.optimize import brentq
 
-        at, chamber = self.at, self.soft.chamber
+        at, (_, chamber, mouth) = self.at, self.soft
         relief = (at.relief_pressure, at.relief_override, at.relief_rated_flow)
-        area = 0.0 if chamber is None else float(released_area(openings.tank, chamber))
+        area = 0.0 if chamber is None else float(released_area(openings.tank, mouth))
         behind = 0.0 if chamber is None else _gas_pressure(held, chamber)
 
         def flows(pressure: float) -> tuple[BranchFlow, BranchFlow, float, float]:
             load = self._branch(pressure, at.load_pressure, openings.load)
             tank = self._branch(pressure, at.tank_pressure, openings.tank)
-            taken = 0.0 if area == 0.0 else float(orifice_flow(area, pressure - behind, self.density, MOUTH))
+            taken = 0.0 if area == 0.0 else float(orifice_flow(area, pressure - behind, self.density, mouth))
             passed = float(check_flow(pressure - at.load_pressure, self.soft.bypass))
             return load, tank, passed, taken if held > 0.0 else max(taken, 0.0)
 

@@ -8,7 +8,6 @@ from typing import Any
 from vvdp.base.display import with_unit
 from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.kinds import Kind
-from vvdp.base.signal import Signal, constant
 from vvdp.base.tables import Sourced, nearest
 from vvdp.base.units import parse
 from vvdp.design.quantities import Setup, loose_copy
@@ -192,12 +191,7 @@ def with_inputs(at: Setup, values: Mapping[str, object]) -> Setup:
 
 def bench_with(bench: RotaryBench, values: Mapping[str, float]) -> RotaryBench:
     """A bench with values [SI] by setting. Raises ParameterError where they contradict each other."""
-    tables: dict[str, dict[str, Any]] = {}
-    for setting, value in values.items():
-        table, _, key = setting.partition(".")
-        old = getattr(bench.tables[table], key)
-        tables.setdefault(table, {})[key] = constant(value) if isinstance(old, Signal) else value
     if "oil.viscosity_40" in values:
         ratio = values["oil.viscosity_40"] / bench.oil.viscosity_40
-        tables["oil"]["viscosity_100"] = ratio * bench.oil.viscosity_100
-    return bench.with_tables(**tables)
+        values = {**values, "oil.viscosity_100": ratio * bench.oil.viscosity_100}
+    return bench.with_values(values)

@@ -156,12 +156,12 @@ def over_temperature(
     at, bench = setup(system), rotary_bench(system, "design")
     rows: list[dict[str, float]] = []
     for temperature in temperatures:
-        row = _row(at._replace(temperature=float(temperature)), limits, bench.limits.cavitation_pressure)
+        row = _row(at._replace(temperature=float(temperature)), limits, bench.cavitation_pressure)
         rows.append(row)
         if progress:
             progress(len(rows), len(temperatures))
     columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-    checks = _checks(columns, limits, bench.motor.rated_power, at)
+    checks = _checks(columns, limits, bench.rated_power, at)
     return OverTemperature(system, temperatures, columns, checks, limits)
 
 

@@ -1,7 +1,6 @@
 """The runs of a tolerance study: a system simulated at evenly spread draws of its inputs, all in lanes."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -10,9 +9,10 @@ from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.tables import Sourced
 from vvdp.design.spreads import Spread, bench_with
-from vvdp.evaluation.bench import rotary_bench
+from vvdp.evaluation.bench import RotaryBench, rotary_bench
 from vvdp.evaluation.summary import simulated_summary
 from vvdp.simulation.batch import simulate_batch
+from vvdp.systems.changed import with_numbers
 from vvdp.systems.system import System
 
 FEWEST = 8
@@ -76,21 +76,21 @@ def as_rows(taken: Sequence[Spread]) -> tuple[Sourced, ...]:
     )
 
 
-def _general_form(system: System, taken: Sequence[Spread]) -> System:
-    """The system, drawn so that it holds for all draws: at the end of a spread a component may have a simpler form."""
+def _general_form(system: System, taken: Sequence[Spread]) -> RotaryBench:
+    """The bench, drawn so that it holds for all draws: at the end of a spread a component may have a simpler form."""
     bench = rotary_bench(system, "design tolerance")
     try:
-        between = bench_with(bench, {each.setting: float(each.quantile(0.5)) for each in taken})
-    except ParameterError:  # what contradicts is informed of each draw
-        return bench.system
-    return replace(bench.system, circuit=bench.system.with_tables(between.tables).circuit, redrawn=True)
+        between = with_numbers(system, {each.setting: float(each.quantile(0.5)) for each in taken})
+    except ConfigError:  # what contradicts is reported of each draw
+        return bench
+    return bench.drawn_as(between)
 
 
 def _results(
-    system: System, variants: Sequence[Mapping[str, float]], keys: Sequence[str]
+    bench: RotaryBench, variants: Sequence[Mapping[str, float]], keys: Sequence[str]
 ) -> tuple[dict[str, Array], list[str]]:
     """The numbers of each variant [SI by setting], nan where it has none, and the reason of that."""
-    bench = rotary_bench(system, "design tolerance")
+    system = bench.own_system
     cases, places, reasons = [], [], [""] * len(variants)
     for place, values in enumerate(variants):
         try:

@@ -1,43 +1,40 @@
-"""Additions of a test rig of the rotary valve to other systems, and values that verbs about it need."""
+"""The test rig of a rotary valve as a view of its network: values, other values, cases, and series of a run."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, fields, replace
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, Fault
+from vvdp.base.params import field_names
 from vvdp.base.signal import Signal, constant, map_signal, signal_value
-from vvdp.evaluation.bench_overview import ANALYTIC, OVERVIEW, OVERVIEW_NOTE, QUANTITIES
-from vvdp.evaluation.bench_validity import bench_bounds, bench_warnings, efficiency, transition_loss
+from vvdp.evaluation.bench_parts import SOFTENING, asked_duty_ratio, is_bench
 from vvdp.evaluation.bench_values import BenchValues
-from vvdp.evaluation.port_cavitation import lowest_cavitation_number
-from vvdp.evaluation.valve_forms import unit_forms, unit_limits
+from vvdp.evaluation.rig_drawing import full_path
 from vvdp.evaluation.valve_unit import ValveUnit
-from vvdp.fluid.oil import Oil, density
+from vvdp.fluid.oil import Oil
+from vvdp.hydraulics.orifice import Orifice
 from vvdp.hydraulics.pump import Pump
 from vvdp.hydraulics.relief_valve import ReliefValve
 from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
-from vvdp.programs.estimate_report import shaft_watch
-from vvdp.results.chart import Chart
-from vvdp.results.result import Table
+from vvdp.network.nodes import UNRATED, Connection, Source
+from vvdp.programs.estimate_report import ShaftWatch, shaft_watch
 from vvdp.simulation.model import Case
 from vvdp.simulation.outcome import Outcome
-from vvdp.simulation.record import Record
 from vvdp.simulation.run import Run
-from vvdp.simulation.values import as_value, flat, leaves
-from vvdp.systems.bench_tables import AxialOperation, DriveMotor, DutyOperation, Limits, OrificeLoad, PressureLoad
-from vvdp.systems.bound import Bound
-from vvdp.systems.extras import Extras, Summary
-from vvdp.systems.program_reports import reported_programs
+from vvdp.simulation.values import leaves
+from vvdp.systems.changed import with_numbers
 from vvdp.systems.system import System
-from vvdp.valve.losses import full_open_loss
+from vvdp.systems.value_places import changed_values, value_at, value_place
 from vvdp.valve.rotary import RotaryValve
 
-SOFTENING = ("bypass", "mouth")
-"""Components of soft switching that lose power beside the valve."""
+UNDRIVEN = SpoolDrive(coupling=0.0)
+"""The drive of a spool that has none."""
 
 
 @dataclass(frozen=True)
@@ -63,51 +60,99 @@ class BenchSeries:
     tank_opening: Array
 
 
-class RotaryBench(Extras):
-    """A pump unit with its load, as a system's tables give it; `load_line` is None where a source is the load."""
+class Operation(NamedTuple):
+    """What is prescribed from outside over time, apart from the spool: speeds [rad/s], temperature [K], and the
+    pressure of the tank [Pa, absolute]."""
 
-    PERIOD = "PWM period"
-    OVERVIEW = OVERVIEW
-    OVERVIEW_NOTE = OVERVIEW_NOTE
-    HEADLINE = ("efficiency", "pwm_frequency_Hz", "pressure_max_inlet_Pa", "loss_total_W")
-    QUANTITIES = QUANTITIES
+    pump_speed: Signal
+    oil_temperature: Signal
+    spool_motor_speed: Signal
+    tank_pressure: Signal
+
+
+class RotaryBench:
+    """A pump unit on its load, as the network of a system has it; `load_line` is None where a source is the load.
+
+    `changes` are values other than those of the file, by their places among the parameters; `params` are all of them.
+    """
 
     INLET_TOTAL = "books.totals.inlet_pressure"
     LOAD_TOTAL = "books.totals.load_line_pressure"
     LOAD_FLOW_TOTAL = "books.totals.valve_load_flow"
     """Integrals from which means of inlet pressure, load pressure and load flow are taken, by their paths."""
 
-    CLOSED_FORMS = ANALYTIC
+    def __init__(self, system: System, changes: Mapping[str, Any] = MappingProxyType({}), params: Any = None) -> None:
+        self.system, self.changes = system, changes
+        self.params = params or changed_values(system.case.params, changes)
+        self.oil: Oil = self.value("oil")
+        self.pump: Pump = self.value("pump")
+        self.relief_valve: ReliefValve = self.value("relief_valve")
+        self.valve: RotaryValve = self.value("valve")
 
-    system: System
+    def __reduce__(self) -> tuple[Any, ...]:
+        return RotaryBench, (self.system, dict(self.changes))
 
-    def __init__(self, system: System, tables: Mapping[str, Any] | None = None) -> None:
-        super().__init__(system)
-        self.tables = given = system.tables if tables is None else tables
-        self.oil: Oil = given["oil"]
-        self.pump: Pump = given["pump"]
-        self.motor: DriveMotor = given["motor"]
-        self.relief_valve: ReliefValve = given["relief_valve"]
-        self.valve: RotaryValve = given["valve"]
-        self.spool_drive: SpoolDrive = given["spool_drive"]
-        self.limits: Limits = given["limits"]
-        self.operation: DutyOperation | AxialOperation = given["operation"]
-        self.load: OrificeLoad | PressureLoad = given["load"]
-        self.load_line: Vessel | None = given.get("load_line")
-        self.programs = reported_programs(system, system.stepping.sample_period) or Extras(system)
-        self.watch = shaft_watch(system.circuit.network, "spool")
-        self.QUANTITIES = {**QUANTITIES, **self.programs.QUANTITIES}
-        self.OVERVIEW = (*OVERVIEW, *self.programs.OVERVIEW)
+    def value(self, path: str) -> Any:
+        """The value or the table at a path of a rig, such as `operation.pump_speed`."""
+        return value_at(self.params, self._place(path))
+
+    def _place(self, path: str) -> str:
+        circuit = self.system.circuit
+        return value_place(circuit, full_path(path, circuit.network))
+
+    @cached_property
+    def operation(self) -> Operation:
+        """What is prescribed; the motor of a spool that has none stands."""
+        driven = "spool_motor" in self.system.circuit.network.nodes
+        return Operation(
+            pump_speed=self.value("operation.pump_speed"),
+            oil_temperature=self.value("operation.oil_temperature"),
+            spool_motor_speed=self.value("operation.spool_motor_speed") if driven else constant(0.0),
+            tank_pressure=self.value("operation.tank_pressure"),
+        )
+
+    @cached_property
+    def watch(self) -> ShaftWatch | None:
+        """The event filter that watches the spool; None where there is none."""
+        return shaft_watch(self.system.circuit.network, "spool")
+
+    @property
+    def spool_drive(self) -> SpoolDrive:
+        """The drive of the spool beside the flow."""
+        found: SpoolDrive = self.value("spool_drive") if self._has("coupling") else UNDRIVEN
+        return found
+
+    @property
+    def load(self) -> Orifice | None:
+        """The orifice behind the load line; None where a source is the load."""
+        found: Orifice | None = self.value("load") if self.makes_pressure else None
+        return found
+
+    @property
+    def load_line(self) -> Vessel | None:
+        """The load line; None where a source is the load."""
+        found: Vessel | None = self.value("load_line") if self.makes_pressure else None
+        return found
 
     @property
     def makes_pressure(self) -> bool:
         """Whether the load makes its own pressure; else a source holds it."""
-        return isinstance(self.load, OrificeLoad)
+        return self._has("load")
 
     @property
     def inlet_volume(self) -> float:
         """Volume between pump, relief valve and nozzles [m^3]."""
-        return float(self.tables["inlet"].volume)
+        return float(self.value("inlet.volume"))
+
+    @property
+    def rated_power(self) -> float:
+        """Rated power of the motor that turns the pump [W]."""
+        return float(getattr(self.system.circuit.network.nodes["pump_shaft"], "rated_power", UNRATED))
+
+    @property
+    def cavitation_pressure(self) -> float:
+        """The pressure below which the oil is held to cavitate in the ports [Pa, absolute]."""
+        return float(signal_value(0.0, self.value("limits.cavitation_pressure")))
 
     @property
     def tank_pressure(self) -> float:
@@ -122,25 +167,48 @@ class RotaryBench(Extras):
     @property
     def is_placed(self) -> bool:
         """Whether the axial position is prescribed, not the duty ratio."""
-        return isinstance(self.operation, AxialOperation)
+        return isinstance(self._position_source, Signal)
 
     @property
     def duty_ratio(self) -> Signal:
         """The duty ratio, or the axial position over the helix length."""
-        if isinstance(self.operation, DutyOperation):
-            return self.operation.duty_ratio
-        return map_signal(self.operation.axial_position, lambda x: x / self.valve.helix_length)
+        if self.is_placed:
+            return map_signal(self.value("operation.axial_position"), lambda x: x / self.valve.helix_length)
+        if isinstance(self._position_source, Connection):
+            found: Signal = self.value("operation.duty_ratio")
+            return found
+        asked = asked_duty_ratio(self.system)
+        assert asked is not None
+        return asked
 
     @property
     def axial_position(self) -> Signal:
         """The axial position of the spool [m]."""
-        if isinstance(self.operation, DutyOperation):
-            return map_signal(self.operation.duty_ratio, lambda d: d * self.valve.helix_length)
-        return self.operation.axial_position
+        if self.is_placed:
+            found: Signal = self.value("operation.axial_position")
+            return found
+        return map_signal(self.duty_ratio, lambda d: d * self.valve.helix_length)
+
+    @property
+    def load_pressure(self) -> float:
+        """The load pressure at the start, prescribed or initial [Pa, absolute]."""
+        if self.makes_pressure:
+            return float(self.value("initial.load_pressure"))
+        return float(signal_value(0.0, self.value("load.pressure")))
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether a motor turns the spool."""
+        return self.spool_drive.coupling > 0.0
+
+    @property
+    def is_softened(self) -> bool:
+        """Whether a check valve past the load port or a chamber switches it softly."""
+        return any(map(self._has, SOFTENING))
 
     @property
     def unit(self) -> ValveUnit:
-        """Its valve with pump and relief valve, and where it works at the start, as its tables have it."""
+        """Its valve with pump and relief valve, and where it works at the start."""
         return ValveUnit(
             valve=self.valve,
             oil=self.oil,
@@ -157,23 +225,6 @@ class RotaryBench(Extras):
         )
 
     @property
-    def load_pressure(self) -> float:
-        """The load pressure at the start, prescribed or initial [Pa, absolute]."""
-        if isinstance(self.load, PressureLoad):
-            return float(signal_value(0.0, self.load.pressure))
-        return float(self.tables["initial"].load_pressure)
-
-    @property
-    def is_driven(self) -> bool:
-        """Whether a motor turns the spool."""
-        return self.spool_drive.coupling > 0.0
-
-    @property
-    def is_softened(self) -> bool:
-        """Whether a check valve past the load port or a chamber switches it softly."""
-        return any(self.tables.get(name) is not None for name in ("bypass", "chamber"))
-
-    @property
     def values(self) -> BenchValues:
         """What its checks read."""
         return BenchValues(
@@ -186,30 +237,47 @@ class RotaryBench(Extras):
             temperature=float(signal_value(0.0, self.operation.oil_temperature)),
             reference=self.reference,
             tank_pressure=self.tank_pressure,
-            cavitation_pressure=self.limits.cavitation_pressure,
+            cavitation_pressure=self.cavitation_pressure,
             inlet_volume=self.inlet_volume,
             ripple_amplitude=self.pump.ripple_amplitude,
         )
 
     @property
+    def signals(self) -> dict[str, Signal]:
+        """What is prescribed over time, by its path."""
+        position = "axial_position" if self.is_placed else "duty_ratio"
+        found = {f"operation.{name}": signal for name, signal in self.operation._asdict().items()}
+        found[f"operation.{position}"] = self.axial_position if self.is_placed else self.duty_ratio
+        load = "load.area" if self.makes_pressure else "load.pressure"
+        return found | {load: self.value(load)}
+
+    @property
     def is_steady(self) -> bool:
         """Whether all that is prescribed stays as it is."""
-        parts = (self.operation, self.load)
-        prescribed = [getattr(part, field.name) for part in parts for field in fields(part)]
-        return all(value.is_constant for value in prescribed if isinstance(value, Signal))
+        return all(signal.is_constant for signal in self.signals.values())
 
     @property
     def case(self) -> Case:
-        """The case of its tables, without drawing the network again."""
-        params = self.system.case.params
-        known = {field.name for field in fields(params)}
-        given = {name: table for name, table in self.tables.items() if name in known}
-        return self.system.circuit.case_of(replace(params, **given))
+        """The case of its values, without drawing the network again."""
+        return self.system.circuit.case_of(self.params)
+
+    @property
+    def own_system(self) -> System:
+        """The system with its values in place of those of the file; its text and rows stay."""
+        return replace(self.system, circuit=replace(self.system.circuit, case=self.case))
+
+    def with_values(self, values: Mapping[str, Any]) -> "RotaryBench":
+        """The same bench with other values by their paths. Raises ParameterError where they contradict."""
+        own = {self._place(path): value for path, value in values.items()}
+        return RotaryBench(self.system, {**self.changes, **own}, changed_values(self.params, own))
 
     def with_tables(self, **tables: Mapping[str, Any]) -> "RotaryBench":
         """The same bench with some values of its tables replaced. Raises ParameterError where they contradict."""
-        new = {name: replace(self.tables[name], **values) for name, values in tables.items()}
-        return RotaryBench(self.system, {**self.tables, **new})
+        return self.with_values({f"{name}.{key}": table[key] for name, table in tables.items() for key in table})
+
+    def drawn_as(self, system: System) -> "RotaryBench":
+        """The same values in another drawing of the circuit."""
+        return RotaryBench(system, {name: getattr(self.params, name) for name in field_names(type(self.params))})
 
     def starting(
         self, *, inlet_pressure: float, load_pressure: float, spool_speed: float, spool_angle: float
@@ -225,21 +293,17 @@ class RotaryBench(Extras):
 
         The pump does not pulsate: only what repeats itself with the valve is left.
         """
-        tables = {name: _hold_table(table) for name, table in self.tables.items()}
-        operation = tables["operation"]
-        tables["operation"] = DutyOperation(
-            pump_speed=operation.pump_speed,
-            oil_temperature=operation.oil_temperature,
-            duty_ratio=constant(signal_value(0.0, self.duty_ratio)),
-            spool_motor_speed=operation.spool_motor_speed,
-            tank_pressure=operation.tank_pressure,
-        )
-        tables["pump"] = replace(tables["pump"], ripple_amplitude=0.0)
-        return RotaryBench(self.system.with_tables(tables))
+        held = {path: signal_value(0.0, each) for path, each in self.signals.items() if not each.is_constant}
+        if self.is_placed:
+            held.pop("operation.axial_position", None)
+            held["operation.duty_ratio"] = signal_value(0.0, self.duty_ratio)
+        if self.pump.ripple_amplitude > 0.0:
+            held["pump.ripple_amplitude"] = 0.0
+        return RotaryBench(with_numbers(self.system, held)) if held else self
 
     def with_load(self, case: Case, area: Signal, pressure: float) -> Case:
         """The case with an orifice load of another `area` [m^2], from a load `pressure` [Pa, absolute]."""
-        params = replace(case.params, load=replace(case.params.load, area=area))
+        params = changed_values(case.params, {self._place("load.area"): area})
         return replace(case, params=params, state=case.state._replace(load_line=pressure))
 
     def series(self, state: Callable[[str], Array], output: Callable[[str], Array]) -> BenchSeries:
@@ -273,125 +337,17 @@ class RotaryBench(Extras):
         place = paths.index(total)
         return float((window.last[place] - window.first[place]) / (window.end - window.begin))
 
-    def simulation_numbers(self, run: Outcome, found: Summary) -> Summary:
-        """The numbers of a bench that its simulation gives, beside those that any circuit has."""
-        window = run.window
-        span = window.end - window.begin
-        mean = as_value(run.case.state.books, (window.last - window.first)[-flat(run.case.state.books).size :] / span)
-        totals, valve, supplied = mean.totals, mean.spent.valve, mean.supplied
-        pump_flow = totals.pump_flow + totals.pump_leakage_flow
-        rho = density(signal_value(0.0, self.operation.oil_temperature), self.oil)
-        delivered = totals.pump_flow
-        open_loss = full_open_loss(delivered, rho, self.valve) if delivered > 0.0 else 0.0
-        shaft, motor = supplied.pump_shaft, supplied.spool_motor
-        load_power = mean.spent.load if self.makes_pressure else -supplied.load_line - supplied.tank
-        drops = valve.nozzle + valve.centre_section + valve.outlet_turbine + _beside(mean.spent)
-        place = [path for path, _, _ in leaves(run.case.state)].index("spool.angle")
-        return {
-            "pwm_frequency_Hz": float(found["speed_mean_spool_rad_s"]) * self.valve.sections / (2.0 * np.pi),
-            "mean_pump_flow_m3_s": pump_flow,
-            "mean_load_flow_m3_s": _load_flow(totals),
-            "mean_tank_flow_m3_s": totals.valve_tank_flow - totals.valve_leakage,
-            "mean_leakage_flow_m3_s": totals.valve_leakage,
-            "load_flow_fraction": _ratio(_load_flow(totals), pump_flow),
-            "mean_load_opening": totals.valve_load_opening,
-            "cavitation_port_share": min(max(totals.valve_cavitating, 0.0), 1.0),
-            "cavitation_number_lowest": lowest_cavitation_number(self.values, found, (run.low[place], run.high[place])),
-            "input_power_W": shaft,
-            "spool_motor_power_W": motor,
-            "load_power_W": load_power,
-            "efficiency": efficiency(load_power, shaft + motor, float(found["stored_power_W"])),
-            "motor_rated_power_W": self.motor.rated_power,
-            "motor_overloaded": bool(shaft > self.motor.rated_power),
-            "loss_nozzle_W": valve.nozzle,
-            "loss_centre_section_W": valve.centre_section,
-            "loss_outlet_turbine_W": valve.outlet_turbine,
-            "loss_spool_friction_W": valve.spool_friction,
-            "spool_shaft_power_W": -valve.to_spool,
-            "loss_full_open_W": open_loss,
-            "loss_transition_W": transition_loss(drops + mean.spent.relief_valve - open_loss, shaft + motor),
-            "loss_total_W": shaft + motor - load_power,
-            "steady": self.is_steady,
-            **self.programs.simulation_numbers(run, found),
-        }
-
-    def record_numbers(self, run: Run) -> Summary:
-        """The numbers of its programs."""
-        return self.programs.record_numbers(run)
-
-    def closed_forms(self, found: Mapping[str, float | bool]) -> Summary:
-        """The analytic results at the mean load pressure, to stand beside the simulated ones in `found`.
-
-        There are none without flow or load, with anything prescribed that changes over time, with a driven spool, nor
-        where `closed_form_limits` says why. They take as long to calculate as a short run.
-        """
-        if not self._is_analytic(found) or any(self.closed_form_limits(found)):
-            return {}
-        return unit_forms(self.unit, float(found["pressure_mean_load_line_Pa"]) + self.reference)
-
-    def _is_analytic(self, found: Mapping[str, float | bool]) -> bool:
-        """Whether a run is of the kind that closed forms describe: steady, spun by the flow alone, against a load."""
-        loaded = found["pressure_mean_load_line_Pa"] + self.reference > self.tank_pressure
-        return self.is_steady and not self.is_driven and self.unit.nominal_flow > 0.0 and bool(loaded)
-
-    def closed_form_limits(self, found: Mapping[str, float | bool]) -> Iterator[str]:
-        """Why the closed forms do not describe a run of the kind that they could, a sentence each; none where they do.
-
-        found  the numbers of a run
-        """
-        if self._is_analytic(found):
-            load_pressure = float(found["pressure_mean_load_line_Pa"]) + self.reference
-            yield from unit_limits(self.unit, load_pressure, self.values, found)
-
     @property
-    def temperature(self) -> Signal:
-        """The oil's temperature [K]."""
-        return self.operation.oil_temperature
+    def _position_source(self) -> Source:
+        return self.system.circuit.network.parts["valve"].inputs["axial_position"]
 
-    def bounds(self, found: Mapping[str, float]) -> Iterator[Bound]:
-        """The bounds of the laws of valve and spool at what a run has `found`."""
-        return bench_bounds(self.values, found)
-
-    def warnings(self, found: Mapping[str, float]) -> Iterator[str]:
-        """Warnings to read before the numbers of a bench, in sentences."""
-        yield from bench_warnings(self.values, found, self.closed_form_limits(found))
-        yield from self.programs.warnings(found)
-
-    def merits(self, found: Mapping[str, float]) -> Iterator[str]:
-        """Merits that the numbers of its programs show."""
-        return self.programs.merits(found)
-
-    def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:
-        """The figures of its programs."""
-        return self.programs.charts(record)
+    def _has(self, name: str) -> bool:
+        return name in self.system.circuit.network.parts
 
 
 def rotary_bench(system: System, verb: str) -> RotaryBench:
     """The bench that a system is. Raises ConfigError, which names `verb`, where it is none."""
-    found = (system.counterpart or system).extras
-    if isinstance(found, RotaryBench):
-        return found
-    message = (
-        f"`vvdp {verb}` needs a pump unit with a rotary valve on a test rig (circuit = "
-        '"orifice-load" or "constant-load"); this circuit has none'
-    )
+    if is_bench(system):
+        return RotaryBench(system)
+    message = f"`vvdp {verb}` needs a pump unit with a rotary valve on a test rig; this circuit has none"
     raise ConfigError([Fault(system.name, 0, "", message)])
-
-
-def _hold_table(table: Any) -> Any:
-    signals = {f.name: value for f in fields(table) if isinstance(value := getattr(table, f.name), Signal)}
-    return replace(table, **{name: constant(signal_value(0.0, value)) for name, value in signals.items()})
-
-
-def _beside(spent: Any) -> float:
-    """Losses of the components of soft switching [W]; none without them."""
-    return float(sum(getattr(spent, name, 0.0) for name in SOFTENING))
-
-
-def _load_flow(totals: Any) -> float:
-    """Mean flow to the load [m^3/s], with what a check valve past its port carries."""
-    return float(totals.valve_load_flow + getattr(totals, "bypass_flow", 0.0))
-
-
-def _ratio(a: float, b: float) -> float:
-    return a / b if b else 0.0

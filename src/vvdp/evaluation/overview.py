@@ -7,6 +7,8 @@ from vvdp.base.display import key_suffix, percent, with_unit
 from vvdp.base.kinds import GAUGE_PRESSURE, MEAN_POWER, POSITION, SPEED, VELOCITY, Kind
 from vvdp.base.signal import Signal
 from vvdp.base.units import ATMOSPHERE
+from vvdp.evaluation.bench_parts import shows_all
+from vvdp.evaluation.bench_report import additions
 from vvdp.evaluation.summary import is_closed
 from vvdp.evaluation.validity import broken_bounds
 from vvdp.network.network import Network, Part
@@ -14,12 +16,10 @@ from vvdp.network.nodes import DrivenShaft, HydraulicNode, Rod, Shaft
 from vvdp.network.paths import flows_of, moving_parts
 from vvdp.network.sense import idle_nodes
 from vvdp.simulation.outcome import SETTLED
-from vvdp.systems.extras import shows_all
 from vvdp.systems.plausibility import idle_orifices
 from vvdp.systems.spool_travel import travel_warnings
 from vvdp.systems.system import System
 
-COMPLETE = "draw all of it, or remove the line circuit"
 """Remedy where a file draws another circuit than it names."""
 
 
@@ -154,8 +154,6 @@ def warnings(system: System, found: Mapping[str, float | bool]) -> Iterator[str]
             f"above the atmosphere's {ATMOSPHERE / 1e5:.5g} bar"
         )
     yield from travel_warnings(system)
-    if other := other_drawing(system):
-        yield f"{other}; {COMPLETE}"
     if not found["settled"] and expects_steady_state(system, found):
         yield (
             f"not settled: a mean would still change by more than {percent(SETTLED)} if the run went on; let it last "
@@ -163,15 +161,8 @@ def warnings(system: System, found: Mapping[str, float | bool]) -> Iterator[str]
         )
     if not shows_all(system):
         yield from overloaded_drives(system, found)
-    if system.extras is not None:
-        yield from system.extras.warnings(found)
-
-
-def other_drawing(system: System) -> str:
-    """The sentence that a file names a circuit and draws another one; empty if it does not."""
-    named = system.content.get("circuit")
-    words = f"the file names the circuit {named!r} and draws another one; its numbers and figures are left out"
-    return system.lacking and f"{words}: {system.lacking}"
+    if own := additions(system):
+        yield from own.warnings(found)
 
 
 def overloaded_drives(system: System, found: Mapping[str, float | bool]) -> Iterator[str]:
@@ -207,9 +198,10 @@ def expects_steady_state(system: System, found: Mapping[str, float | bool]) -> b
     """
     window = found["averaged_from_s"], found["averaged_to_s"]
     steady = all(row.value.is_constant_within(*window) for row in system.rows if isinstance(row.value, Signal))
-    return steady and (system.extras is None or system.extras.STEADY)
+    return steady and ((own := additions(system)) is None or own.STEADY)
 
 
 def period(system: System) -> str:
     """The word for the interval between two marks of a run."""
-    return "period" if system.extras is None else system.extras.PERIOD
+    own = additions(system)
+    return "period" if own is None else own.PERIOD

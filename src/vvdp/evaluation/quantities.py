@@ -18,6 +18,7 @@ from vvdp.base.kinds import (
     VOLUME,
     Kind,
 )
+from vvdp.evaluation.bench_report import additions
 from vvdp.evaluation.control_stages import sequences
 from vvdp.evaluation.heat_numbers import heat_quantities
 from vvdp.evaluation.tank_levels import reservoirs
@@ -55,7 +56,7 @@ EXTREMES = {"mean": "mean", "min": "lowest", "max": "highest"}
 
 def quantities(system: System) -> dict[str, tuple[Kind, str]]:
     """Kind and label of every key that a summary of the system may have."""
-    own = {} if system.extras is None else dict(system.extras.QUANTITIES)
+    own = {} if (more := additions(system)) is None else dict(more.QUANTITIES)
     of_network = dict(_of_nodes(system)) | dict(_of_parts(system)) | dict(_of_tanks(system))
     of_network |= dict(heat_quantities(system)) | dict(_of_drives(system))
     return dict(OF_ANY_RUN) | of_network | dict(valve_quantities(system)) | dict(placed_form_quantities(system)) | own

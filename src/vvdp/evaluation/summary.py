@@ -6,6 +6,7 @@ from operator import attrgetter
 import numpy as np
 
 from vvdp.base.signal import Signal
+from vvdp.evaluation.bench_report import additions
 from vvdp.evaluation.control_stages import waiting_numbers
 from vvdp.evaluation.heat_numbers import heat_numbers, temperature_numbers
 from vvdp.evaluation.pipe_waves import wave_numbers
@@ -49,14 +50,16 @@ def summary(system: System, run: Run) -> Summary:
 def run_summary(system: System, run: Run) -> Summary:
     """The part of a summary that the run itself gives: all but the closed forms, in a tenth of the time."""
     simulated = simulated_summary(outcome(run), system)
-    recorded: Summary = {} if system.extras is None else system.extras.record_numbers(run)
+    own = additions(system)
+    recorded: Summary = {} if own is None else own.record_numbers(run)
     seen = wave_numbers(system, run) | temperature_numbers(system, run) | junction_numbers(system, run)
     return simulated | recorded | seen | (validity(system, simulated | seen) if seen else {})
 
 
 def closed_forms(system: System, found: Mapping[str, float | bool]) -> Summary:
     """The analytic results to stand beside those of a run in `found`; empty where a system has none."""
-    return {**placed_forms(system, found), **({} if system.extras is None else system.extras.closed_forms(found))}
+    own = additions(system)
+    return {**placed_forms(system, found), **({} if own is None else own.closed_forms(found))}
 
 
 def simulated_summary(run: Outcome, system: System) -> Summary:
@@ -77,8 +80,8 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
     }
     balances = _balances(run)
     found |= valve_numbers(system, means, found | balances)
-    if system.extras is not None:
-        found |= system.extras.simulation_numbers(run, found | balances)
+    if own := additions(system):
+        found |= own.simulation_numbers(run, found | balances)
     found |= balances
     found["settled"] = window.settled and not is_filling(found)
     found |= validity(system, found)

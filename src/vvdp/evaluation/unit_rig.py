@@ -4,13 +4,16 @@ with the line that it feeds and an orifice that holds its pressure.
 The rig is a system like any other: a text with the values that the file of the circuit gives, with origin and range.
 """
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.kinds import ANGLE, AREA, COUPLING, DUTY_RATIO, POWER, PRESSURE_LEVEL, SPEED, TEMPERATURE, VOLUME, Kind
 from vvdp.base.params import Params, default_values, field_kinds, field_names
 from vvdp.base.tables import Table
-from vvdp.evaluation.bench import RotaryBench
+from vvdp.evaluation.bench import Operation
+from vvdp.evaluation.bench_parts import is_bench
+from vvdp.evaluation.rig_drawing import drawing, full_path
 from vvdp.evaluation.valve_numbers import PlacedValve
 from vvdp.evaluation.valve_unit import ValveUnit, at_start, chosen_valve, neighbour, start_numbers, valve_unit
 from vvdp.fluid.oil import Oil, density
@@ -25,9 +28,9 @@ from vvdp.network.component import Component
 from vvdp.network.network import Part
 from vvdp.network.nodes import Chamber, DrivenShaft, Node, OilVolume
 from vvdp.simulation.values import names
+from vvdp.systems.changed import exact_text
 from vvdp.systems.part_scopes import Entries
 from vvdp.systems.short_paths import with_full_paths
-from vvdp.systems.spool_travel import spool_source
 from vvdp.systems.system import System, built_system
 
 STIFF_COUPLING = 1.0
@@ -38,11 +41,11 @@ share of the pump flow through the orifice if the circuit has none. All assumed.
 
 
 def unit_on_rig(system: System, verb: str, part: str = "") -> System:
-    """A test rig with the pump unit of a rotary valve; the system itself if it is one whose duty ratio is prescribed.
+    """A test rig with the pump unit of a rotary valve; the system itself if it is one.
 
-    The rig holds what the circuit has at the start of its run: oil temperature, tank pressure, pump speed (the rated
-    one if the motor stands then), load pressure (half the relief setting if there is none) and duty ratio (a half if a
-    port is closed).
+    The rig prescribes what the file of the circuit does. Otherwise it holds what the circuit has at the start of its
+    run: oil temperature, tank pressure, pump speed (the rated one if the motor stands then), load pressure (half the
+    relief setting if there is none) and duty ratio (a half if a port is closed).
 
     verb  that needs the rig, for messages
     part  name of the valve where there are several, or of the part that it is alone in
@@ -50,12 +53,22 @@ def unit_on_rig(system: System, verb: str, part: str = "") -> System:
     Raises ConfigError if there is none, or if its inlet or spool joins what a rig does not have.
     """
     placed = chosen_valve(system, verb, part)
-    bench = system.counterpart or system
-    if isinstance(bench.extras, RotaryBench) and not isinstance(spool_source(bench.circuit.network), str):
-        return bench
+    if _is_rig(system):
+        return system
     rig = _Rig(system, placed, valve_unit(system, verb, placed.name))
     rig.refuse_others(verb)
-    return built_system(Table(system.name, rig.content, {}), f"{system.name}-{placed.name}", system.folder)
+    name = system.name if is_bench(system) else f"{system.name}-{placed.name}"
+    return built_system(Table(system.name, rig.content, {}), name, system.folder)
+
+
+def _is_rig(system: System) -> bool:
+    """Whether a system is a rig already: without programs, and with the paths of rigs in its file."""
+    network, known = system.circuit.network, {row.setting for row in system.rows}
+    if not is_bench(system) or network.programs or "coupling" not in network.parts:
+        return False
+    short = with_full_paths(system.table, []).short
+    asked = {f"operation.{name}" for name in Operation._fields}
+    return known >= asked and all(full_path(outer, network) == full for full, outer in short.items())
 
 
 def is_meter(component: Component) -> bool:
@@ -131,46 +144,71 @@ class _Rig:
     @property
     def content(self) -> Entries:
         """The tables of the rig."""
-        given, unit = self.system.content, self.unit
-        rated = unit.pump.displacement * self.pump_speed * (unit.relief_valve.cracking_pressure - unit.tank_pressure)
+        given, unit, system = self.system.content, self.unit, self.system
+        title = f"{system.title}: pump unit of {self.placed.name.replace('_', ' ')} on a test rig"
         cavitation = at_start(self.placed.part.inputs["cavitation_pressure"], self.start)
-        usual = _value(rated, POWER, "the whole pump flow at the setting of the relief valve")
         inlet = self.file.node(self.nodes["inlet"]).get(
             "volume", _value(unit.inlet_volume, VOLUME, "as in the circuit")
         )
         return {
-            "title": f"{self.system.title}: pump unit of {self.placed.name.replace('_', ' ')} on a test rig",
-            "circuit": "constant-load" if self.line is None else "orifice-load",
+            "title": system.title if is_bench(system) else title,
+            **drawing({"coupling", *self.parts}, has_line=self.line is not None),
             "oil": _entries(unit.oil, self.file.oil(self.nodes["inlet"]), Oil),
             "spool_drive": {"coupling": _coupling(self)},
             **{
                 name: _entries(values, self.file.component(part, values), type(values))
                 for name, (part, values) in self.parts.items()
             },
-            "motor": {"rated_power": given.get("motor", {}).get("rated_power", usual)},
+            "motor": {"rated_power": self._rated_power},
             "inlet": {"volume": inlet},
             **_load(self),
             "operation": _operation(self),
-            "limits": given.get("limits", {"cavitation_pressure": _at_start(cavitation, PRESSURE_LEVEL)}),
+            "limits": {"cavitation_pressure": _at_start(cavitation, PRESSURE_LEVEL), **given.get("limits", {})},
             **({SHAPE: given[SHAPE]} if SHAPE in given else {}),
             "run": given["run"],
         }
 
+    @property
+    def _rated_power(self) -> Any:
+        """The entry of the rated power of the pump's motor; without one that of the pump flow at the relief setting."""
+        unit, shaft = self.unit, self.parts["pump"][0].nodes["shaft"]
+        rated = unit.pump.displacement * self.pump_speed * (unit.relief_valve.cracking_pressure - unit.tank_pressure)
+        usual = _value(rated, POWER, "the whole pump flow at the setting of the relief valve")
+        return self.file.node(shaft).get("rated_power", usual)
+
+    def entry(self, node: str, key: str, otherwise: Entries) -> Any:
+        """The entry of what the file prescribes at a node over time; another one if it says nothing or a path."""
+        entry = self.file.node(node).get(key, otherwise)
+        return otherwise if isinstance(entry, Mapping) and "from" in entry else entry
+
 
 def _operation(rig: _Rig) -> Entries:
-    """What the rig holds."""
+    """What the rig holds: as the file has it where it states it, else as at the start."""
     unit, drive = rig.unit, rig.parts.get("spool_drive")
-    turning = rig.network.nodes[drive[0].nodes["motor"] if drive else rig.nodes["spool"]]
-    motor = at_start(turning.speed, rig.start) if isinstance(turning, DrivenShaft) else 0.0
-    switches = 0.0 < unit.duty_ratio < 1.0
-    half = _value(HALF, DUTY_RATIO, "a port is closed when the circuit's run starts", "assumed")
+    turning = drive[0].nodes["motor"] if drive else rig.nodes["spool"]
+    node, pump = rig.network.nodes[turning], rig.parts["pump"][0].nodes["shaft"]
+    motor = _at_start(at_start(node.speed, rig.start) if isinstance(node, DrivenShaft) else 0.0, SPEED)
+    speed, own = _at_start(rig.pump_speed, SPEED), rig.system.content.get("operation", {})
     return {
-        "pump_speed": _at_start(rig.pump_speed, SPEED),
-        "oil_temperature": _at_start(unit.temperature, TEMPERATURE),
-        "duty_ratio": _at_start(unit.duty_ratio, DUTY_RATIO) if switches else half,
-        "spool_motor_speed": _at_start(motor, SPEED),
-        "tank_pressure": _at_start(unit.tank_pressure, PRESSURE_LEVEL),
+        "pump_speed": speed if rig.pump_speed != unit.pump_speed else rig.entry(pump, "speed", speed),
+        "oil_temperature": own.get("oil_temperature", _at_start(unit.temperature, TEMPERATURE)),
+        **_position(rig),
+        "spool_motor_speed": rig.entry(turning, "speed", motor) if isinstance(node, DrivenShaft) else motor,
+        "tank_pressure": rig.entry(rig.nodes["tank"], "pressure", _at_start(unit.tank_pressure, PRESSURE_LEVEL)),
     }
+
+
+def _position(rig: _Rig) -> Entries:
+    """The entry of the duty ratio or of the axial position: of the file, else as at the start; a half if a port is
+    closed then."""
+    given = rig.file.table("components", rig.placed.part.name)
+    if not 0.0 < rig.unit.duty_ratio < 1.0:
+        return {"duty_ratio": _value(HALF, DUTY_RATIO, "a port is closed when the circuit's run starts", "assumed")}
+    for key in ("duty_ratio", "axial_position"):
+        if key in given and not (isinstance(given[key], Mapping) and "from" in given[key]):
+            return {key: given[key]}
+    asked = rig.system.content.get("operation", {}).get("duty_ratio")
+    return {"duty_ratio": asked or _at_start(rig.unit.duty_ratio, DUTY_RATIO)}
 
 
 def _coupling(rig: _Rig) -> Entries:
@@ -191,8 +229,9 @@ def _pump_speed(rig: _Rig) -> float:
 
 def _load(rig: _Rig) -> Entries:
     """The tables of the load, and of the start: that of the circuit, with a load pressure above that of the tank."""
-    unit, start = rig.unit, _start(rig)
-    pressure, held = unit.load_pressure, _at_start(unit.load_pressure, PRESSURE_LEVEL)
+    unit, start, key = rig.unit, _start(rig), "pressure" if rig.line is None else "start"
+    pressure = unit.load_pressure
+    held = rig.entry(rig.nodes["load"], key, _at_start(pressure, PRESSURE_LEVEL))
     if not pressure > unit.tank_pressure:
         pressure = unit.tank_pressure + HALF * (unit.relief_valve.cracking_pressure - unit.tank_pressure)
         held = _value(pressure, PRESSURE_LEVEL, "half the setting of the relief valve: no load at the start", "assumed")
@@ -230,10 +269,11 @@ def _orifice(rig: _Rig, pressure: float) -> Entries:
 def _start(rig: _Rig) -> Entries:
     """Where the run of the rig starts, but for its load: as that of the circuit."""
     inlet, spool = rig.nodes["inlet"], rig.nodes["spool"]
+    speed, angle = (rig.start.get(f"{spool}.{key}", 0.0) for key in ("speed", "angle"))
     return {
-        "inlet_pressure": _at_start(rig.start[inlet], PRESSURE_LEVEL),
-        "spool_speed": _at_start(rig.start.get(f"{spool}.speed", 0.0), SPEED),
-        "spool_angle": _at_start(rig.start.get(f"{spool}.angle", 0.0), ANGLE),
+        "inlet_pressure": rig.entry(inlet, "start", _at_start(rig.start[inlet], PRESSURE_LEVEL)),
+        "spool_speed": rig.entry(spool, "speed", _at_start(speed, SPEED)),
+        "spool_angle": rig.entry(spool, "angle", _at_start(angle, ANGLE)),
     }
 
 
@@ -253,9 +293,5 @@ def _at_start(value: float, kind: Kind) -> dict[str, str]:
 
 
 def _value(value: float, kind: Kind, note: str, status: str = "derived") -> dict[str, str]:
-    """An entry with a value [SI] and where it comes from; a pressure level is absolute."""
-    if kind.name == PRESSURE_LEVEL.name:
-        text = f"{float(value) / 1e5!r} bara"
-    else:
-        text = f"{float(value)!r} {kind.unit}" if kind.unit != "1" else repr(float(value))
-    return {"value": text, "status": status, "note": note}
+    """An entry with a value [SI] and where it comes from."""
+    return {"value": exact_text(float(value), kind), "status": status, "note": note}

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 from vvdp.base.kinds import POSITION, PRESSURE_DIFFERENCE, TEMPERATURE
+from vvdp.evaluation.bench_report import additions
 from vvdp.evaluation.control_stages import reach_bounds, waiting_bounds
 from vvdp.evaluation.heat_numbers import COLDEST, HOTTEST, temperature_bounds
 from vvdp.evaluation.pipe_waves import wave_bounds
@@ -14,17 +15,16 @@ from vvdp.network.nodes import HydraulicNode
 from vvdp.systems.bound import Bound
 from vvdp.systems.extras import LoadedSystem
 from vvdp.systems.plausibility import plausible_bounds
+from vvdp.systems.system import System
 from vvdp.valve.validity import CAVITATION_PRESSURE
 
 STOP_GIVES = 0.01
 """Of the stroke, by which end stops may give way: theirs are springs."""
 
 
-def bounds(system: LoadedSystem, found: Mapping[str, float | bool]) -> Iterator[Bound]:
+def bounds(system: System, found: Mapping[str, float | bool]) -> Iterator[Bound]:
     """The bounds of all laws at what a run has `found`."""
-    extras = system.extras
-    temperature = system.circuit.network.temperature if extras is None else extras.temperature
-    coldest, hottest = temperature.extremes
+    coldest, hottest = system.circuit.network.temperature.extremes
     yield Bound(
         label="oil temperature",
         kind=TEMPERATURE,
@@ -54,8 +54,8 @@ def bounds(system: LoadedSystem, found: Mapping[str, float | bool]) -> Iterator[
     yield from waiting_bounds(system, found)
     yield from reach_bounds(system)
     yield from _strokes(system, found)
-    if extras is not None:
-        yield from extras.bounds(found)
+    if own := additions(system):
+        yield from own.bounds(found)
 
 
 def _strokes(system: LoadedSystem, found: Mapping[str, float | bool]) -> Iterator[Bound]:
@@ -75,7 +75,7 @@ def _strokes(system: LoadedSystem, found: Mapping[str, float | bool]) -> Iterato
             )
 
 
-def broken_bounds(system: LoadedSystem, found: Mapping[str, float | bool]) -> list[str]:
+def broken_bounds(system: System, found: Mapping[str, float | bool]) -> list[str]:
     """A sentence for every law that is used outside its range; empty where none is."""
     return [bound.sentence for bound in bounds(system, found) if not bound.is_kept]
 

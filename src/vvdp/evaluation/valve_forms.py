@@ -7,6 +7,7 @@ from vvdp.base.errors import ConfigError
 from vvdp.base.kinds import Kind
 from vvdp.base.signal import Signal, constant
 from vvdp.evaluation.bench_overview import ANALYTIC, QUANTITIES
+from vvdp.evaluation.bench_parts import shows_all
 from vvdp.evaluation.bench_validity import switching_limits
 from vvdp.evaluation.bench_values import BenchValues
 from vvdp.evaluation.valve_numbers import PlacedValve, placed_valves
@@ -15,7 +16,7 @@ from vvdp.hydraulics.pump import pump_friction_power
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Network
 from vvdp.network.nodes import Connection, Shaft, Source
-from vvdp.systems.extras import LoadedSystem, Summary, shows_all
+from vvdp.systems.extras import LoadedSystem, Summary
 from vvdp.valve.losses import range_warnings
 from vvdp.valve.validity import CAVITATION_PRESSURE
 

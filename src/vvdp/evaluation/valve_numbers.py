@@ -8,12 +8,13 @@ import numpy as np
 from vvdp.base.kinds import FRACTION, FREQUENCY, MEAN_POWER, Kind
 from vvdp.base.signal import signal_value
 from vvdp.components.rotary_valve import ROTARY_VALVE
+from vvdp.evaluation.bench_parts import shows_all
 from vvdp.evaluation.bench_validity import ValveReading, efficiency, transition_loss, valve_bounds
 from vvdp.fluid.oil import density
 from vvdp.network.network import Network, Part
 from vvdp.network.nodes import DrivenShaft, HydraulicNode
 from vvdp.systems.bound import Bound
-from vvdp.systems.extras import LoadedSystem, Summary, shows_all
+from vvdp.systems.extras import LoadedSystem, Summary
 from vvdp.valve.losses import full_open_loss
 from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import pwm_frequency

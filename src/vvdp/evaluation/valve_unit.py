@@ -10,6 +10,7 @@ from vvdp.base.kinds import PRESSURE_DIFFERENCE, TIME
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal, signal_value
 from vvdp.base.tables import nearest
+from vvdp.evaluation.bench_parts import asked_duty_ratio
 from vvdp.evaluation.valve_numbers import PlacedValve, placed_valves
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.pump import Pump
@@ -180,8 +181,8 @@ def at_start(source: Source, known: Mapping[str, float]) -> float:
 
 def _duty_ratio(system: LoadedSystem, placed: PlacedValve, known: Mapping[str, float]) -> float:
     """The duty ratio at the start: as the file asks for it, else the axial position over the length of the helix."""
-    asked = getattr(system.tables.get("operation"), "duty_ratio", None)
-    if isinstance(asked, Signal):
+    asked = asked_duty_ratio(system)
+    if asked is not None:
         return float(signal_value(0.0, asked))
     return at_start(placed.part.inputs["axial_position"], known) / placed.values.helix_length
 

@@ -29,12 +29,15 @@ from vvdp.simulation.model import Case, Model, initial_case, no_mark
 
 @dataclass(frozen=True)
 class Circuit:
-    """A network as it is simulated: the functions, the values to start from, and the text they come from."""
+    """A network as it is simulated: the functions, the values to start from, the text they come from, and where each
+    part of the network stands in it.
+    """
 
     network: Network
     model: Model
     case: Case
     text: str
+    places: Places
 
     @cached_property
     def digest(self) -> str:
@@ -47,13 +50,9 @@ class Circuit:
         calls = [(name, p.period, p.phase, p.latency) for name, p in self.model.programs.items()]
         return hashlib.sha256(repr((self.text, words, calls)).encode()).hexdigest()
 
-    @cached_property
-    def _places(self) -> Places:
-        return Places(self.network)
-
     def place(self, value: Params | Signal) -> str:
         """Where a value of the network stands in the parameters, such as `operation.pump_speed`."""
-        return self._places.path(value).removeprefix("p.")
+        return self.places.path(value).removeprefix("p.")
 
     def case_of(self, params: Any) -> Case:
         """The case of other parameters of the same classes."""
@@ -88,7 +87,7 @@ def build(network: Network) -> Circuit:
     settings = {program.name: program.settings for program in written}
     case = initial_case(model, classes.command, classes.values, settings)
     _check_inertias(network, case)
-    return Circuit(network, model, case, whole)
+    return Circuit(network, model, case, whole, places)
 
 
 def _is_of_package(component: Component) -> bool:

@@ -21,7 +21,7 @@ def conditions(stand: Stand) -> dict[str, str]:
         "temperature": with_unit(here.oil_temperature, kinds.TEMPERATURE),
         "pump": f"{with_unit(bench.pump.displacement, kinds.DISPLACEMENT)} at "
         f"{with_unit(here.pump_speed, kinds.SPEED, 5)}, {with_unit(stand.pump_flow(here), kinds.FLOW)}",
-        "motor": with_unit(bench.motor.rated_power, kinds.POWER),
+        "motor": with_unit(bench.rated_power, kinds.POWER),
         "relief valve": f"{with_unit(stand.relief_pressure, kinds.PRESSURE_LEVEL)}, "
         f"{override if relief.override_pressure > 0.0 else 'ideal'}",
         "tank": with_unit(stand.tank_pressure, kinds.PRESSURE_LEVEL),

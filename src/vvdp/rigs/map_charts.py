@@ -95,7 +95,7 @@ def _flow_chart(found: PumpMap, table: str, pair: tuple[int, int], ending: str, 
         stroke=Stroke.DOTTED,
     )
     low, backwards = _backwards(found, pair)
-    rated, power = found.stand.bench.motor.rated_power, found.grid("input_power_W")[pair]
+    rated, power = found.stand.bench.rated_power, found.grid("input_power_W")[pair]
     near = bool(np.isfinite(power).any()) and rated < 1.5 * float(np.nanmax(power))
     levels = (Level(value=rated, colour=Colour.INLET),) if near else ()
     return Chart(

@@ -204,7 +204,7 @@ def _numbers(found: PumpMap) -> dict[str, float]:
         "points": float(found.axes.count),
         "points_without_result": float(sum(reason is not None for reason in found.reasons)),
         "points_above_motor_power": float(np.nansum(found.columns["motor_overloaded"])),
-        "motor_rated_power_W": float(found.stand.bench.motor.rated_power),
+        "motor_rated_power_W": float(found.stand.bench.rated_power),
     }
     for flag in _ripple_flag(found):
         numbers["points_with_ripple_at_relief"] = float(np.nansum(found.columns[flag]))

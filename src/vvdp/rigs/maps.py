@@ -192,7 +192,7 @@ def averaged_columns(stand: Stand, points: Any, means: Any) -> dict[str, Array]:
         "mean_tank_flow_m3_s": means.tank_flow,
         "flow_mean_relief_valve_m3_s": means.relief_flow,
         "mean_leakage_flow_m3_s": leakage,
-        "motor_overloaded": (shaft > bench.motor.rated_power).astype(float),
+        "motor_overloaded": (shaft > bench.rated_power).astype(float),
         "loss_compressibility_W": frequency * bench.inlet_volume * compression_energy_per_volume(p, tank, oil),
     }
 
@@ -376,9 +376,8 @@ def _key(stand: Stand, point: SetPoint, digest: str) -> str:
     tolerance = min(stand.stepping.relative_tolerance, TOLERANCE)
     solver = (LIMIT, DISTANCE, tolerance, HELD, stand.stepping.method)
     found = hashlib.sha256(repr((VERSION, digest, solver, tuple(point))).encode())
-    for _, table in sorted(stand.bench.tables.items()):
-        found.update(repr([path for path, _, _ in leaves(table)]).encode())
-        found.update(flat(table).tobytes())
+    found.update(repr([path for path, _, _ in leaves(stand.bench.params)]).encode())
+    found.update(flat(stand.bench.params).tobytes())
     return found.hexdigest()
 
 

@@ -24,6 +24,7 @@ from vvdp.base.kinds import (
 from vvdp.base.signal import signal_value
 from vvdp.estimation.estimator import Estimate
 from vvdp.evaluation.bench import BenchSeries, RotaryBench
+from vvdp.evaluation.bench_report import BenchReport
 from vvdp.numerics.spectrum import line_spectrum
 from vvdp.programs.estimate_report import STATED, UNITS, ShaftWatch, estimate_errors, of_what
 from vvdp.results.result import Column, Finding, Grade, Listing, Row, Table
@@ -125,7 +126,7 @@ def _difference(loss: Loss) -> float:
     return 0.0 if abs(difference) < SAME * abs(loss.simulated) else difference
 
 
-def analytic_words(run: RecordedRun, bench: RotaryBench) -> Iterator[str]:
+def analytic_words(run: RecordedRun, bench: BenchReport) -> Iterator[str]:
     """Notes on the analytic losses beside the simulated ones."""
     if "analytic_loss_total_W" not in run.summary:
         needs = (
@@ -143,7 +144,7 @@ def analytic_words(run: RecordedRun, bench: RotaryBench) -> Iterator[str]:
     )
 
 
-def limit_findings(run: RecordedRun, bench: RotaryBench) -> Iterator[Finding]:
+def limit_findings(run: RecordedRun, bench: BenchReport) -> Iterator[Finding]:
     """Why there are no analytic results beside the simulated ones, where one would expect some."""
     for limit in bench.closed_form_limits(run.summary):
         text = f"They do not hold here: {limit}."

@@ -6,15 +6,13 @@ import numpy as np
 
 from vvdp.base.display import number, percent, plain, with_unit
 from vvdp.base.kinds import DURATION, MEAN_POWER
-from vvdp.evaluation.bench import RotaryBench
+from vvdp.evaluation.bench_report import BenchReport
 from vvdp.evaluation.bench_validity import efficiency_doubt
 from vvdp.evaluation.overview import (
-    COMPLETE,
     expects_steady_state,
     impossible_part,
     loss_lines,
     node_lines,
-    other_drawing,
     power_lines,
 )
 from vvdp.evaluation.summary import is_closed
@@ -125,13 +123,6 @@ def _drawing_warnings(run: RecordedRun) -> Iterator[Finding]:
             text=f"{sentence[:1].upper()}{sentence[1:]}.",
             remedy="The numbers are those of the drive and helix as given. Make end stops, helix and [geometry] agree.",
         )
-    if other := other_drawing(run.system):
-        yield Finding(
-            grade=Grade.WARNING,
-            title="Another circuit than the file names",
-            text=f"{other[:1].upper()}{other[1:]}.",
-            remedy=f"{COMPLETE[:1].upper()}{COMPLETE[1:]}.",
-        )
 
 
 def _range_warnings(run: RecordedRun) -> Iterator[Finding]:
@@ -144,7 +135,7 @@ def _range_warnings(run: RecordedRun) -> Iterator[Finding]:
         )
 
 
-def bench_warnings(run: RecordedRun, bench: RotaryBench) -> Iterator[Finding]:
+def bench_warnings(run: RecordedRun, bench: BenchReport) -> Iterator[Finding]:
     """Warnings about the run of a test rig of the rotary valve."""
     if run.has("motor_overloaded"):
         power, rated = run.number("input_power_W"), run.number("motor_rated_power_W")
@@ -178,7 +169,7 @@ def bench_warnings(run: RecordedRun, bench: RotaryBench) -> Iterator[Finding]:
             remedy="If the spool should turn, look at initial.spool_speed, spool_drive and the friction; or let the "
             "run last longer.",
         )
-    yield from sentences(tuple(bench.programs.warnings(run.summary)), Grade.WARNING)
+    yield from sentences(tuple(bench.program_warnings(run.summary)), Grade.WARNING)
 
 
 def in_words(run: RecordedRun) -> str:

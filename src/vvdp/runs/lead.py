@@ -4,7 +4,8 @@ from collections.abc import Iterator
 
 from vvdp.base.display import percent, with_unit
 from vvdp.base.kinds import EFFICIENCY, MEAN_POWER, NUMBER
-from vvdp.evaluation.bench import RotaryBench
+from vvdp.evaluation.bench_parts import is_bench
+from vvdp.evaluation.bench_report import additions
 from vvdp.evaluation.overview import loss_lines, power_lines
 from vvdp.results.result import Listing, Row
 from vvdp.runs.bench import components
@@ -23,7 +24,7 @@ def lead(run: RecordedRun) -> Listing:
 
 def _results(run: RecordedRun) -> Iterator[Row]:
     """The headline of the system, with its span over the ranges of values where the run has some; then its shares."""
-    extras, numbers, ranges = run.system.extras, run.numbers, kept_ranges(run)
+    extras, numbers, ranges = additions(run.system), run.numbers, kept_ranges(run)
     lines = () if extras is None else extras.OVERVIEW
     # The last group of an overview is that of its powers.
     shares = [line.keys[0] for line in lines if line.kind is EFFICIENCY and line.group == lines[-1].group]
@@ -48,7 +49,7 @@ def _powers(run: RecordedRun) -> Iterator[Row]:
 def _losses(run: RecordedRun) -> Iterator[Row]:
     """The whole loss and its largest parts, each with its share; on a test rig without what the load dissipates."""
     lines = [(line.component.replace("_", " "), line.loss) for line in loss_lines(run.system, run.summary)]
-    if isinstance(run.system.extras, RotaryBench):
+    if is_bench(run.system):
         lines = [(loss.name, loss.simulated) for loss in components(run)]
     whole = sum(loss for _, loss in lines)
     yield Row("all losses", MEAN_POWER, (whole,), LOSSES)

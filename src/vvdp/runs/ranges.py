@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from vvdp.base.errors import RunError
+from vvdp.evaluation.bench_report import additions
 from vvdp.evaluation.overview import node_lines
 from vvdp.evaluation.ranges import Ranges, at_ends, ranges_of, read_ranges
 from vvdp.evaluation.summary import simulated_summary
@@ -38,7 +39,7 @@ def run_ranges(
 
 def headline(run: RecordedRun) -> tuple[str, ...]:
     """The numbers of a run whose ranges are reported: those that the system names, else the pressures and speeds."""
-    extras = run.system.extras
+    extras = additions(run.system)
     if extras is not None and extras.HEADLINE:
         return extras.HEADLINE
     names = {line.name for line in node_lines(run.system, run.summary) if line.low != line.high}

@@ -3,6 +3,8 @@
 from collections.abc import Collection, Iterator
 
 from vvdp.evaluation.bench import RotaryBench
+from vvdp.evaluation.bench_parts import is_bench
+from vvdp.evaluation.bench_report import BenchReport, additions
 from vvdp.evaluation.overview import loss_lines, power_lines
 from vvdp.evaluation.quantities import quantities
 from vvdp.evaluation.range_display import result_with_ranges
@@ -44,9 +46,9 @@ LEAD = "lead"
 
 def run_result(run: RecordedRun) -> Result:
     """Everything that is to be said and drawn of a run."""
-    bench = _bench(run)
+    report = _report(run)
     shown, tables = course(run)
-    drawn = list(_losses(run) if bench is None else _bench_losses(run))
+    drawn = list(_losses(run) if report is None else _bench_losses(run))
     tables |= {chart.table: table for chart, table in drawn}
     losses = [chart for chart, _ in drawn]
     of_losses = loss_listings(run)
@@ -60,8 +62,8 @@ def run_result(run: RecordedRun) -> Result:
         tables=tables,
         charts={chart.name: chart for chart in (*shown, *losses)},
         badges=tuple(badges(run)),
-        findings=_findings(run, bench),
-        sections=_sections(run, bench, shown, losses, tuple(of_losses), tuple(harmonics)),
+        findings=_findings(run, report),
+        sections=_sections(run, report, shown, losses, tuple(of_losses), tuple(harmonics)),
         references=tuple(sorted({row.source for row in run.system.rows if row.source})),
         seconds=float(run.meta.get("seconds", 0.0)),
         finished=run.has("finished"),
@@ -75,7 +77,7 @@ def course(run: RecordedRun, shown: Collection[str] | None = None) -> tuple[list
 
     Of charts whose names are not among `shown`, nothing is calculated.
     """
-    extras, bench = run.system.extras, _bench(run)
+    extras, bench = additions(run.system), _bench(run)
     tables = {SERIES: recorded_series(run)}
     if bench is not None:
         tables |= _bench_tables(run, bench, tables[SERIES], shown)
@@ -95,8 +97,13 @@ def recorded_series(run: RecordedRun) -> Table:
     return series_table(run) if bench is None else bench_series(run, bench)
 
 
+def _report(run: RecordedRun) -> BenchReport | None:
+    own = additions(run.system)
+    return own if isinstance(own, BenchReport) else None
+
+
 def _bench(run: RecordedRun) -> RotaryBench | None:
-    return run.system.extras if isinstance(run.system.extras, RotaryBench) else None
+    return RotaryBench(run.system) if is_bench(run.system) else None
 
 
 def number_listings(run: RecordedRun) -> dict[str, Listing]:
@@ -107,25 +114,25 @@ def number_listings(run: RecordedRun) -> dict[str, Listing]:
 
 def loss_listings(run: RecordedRun) -> dict[str, Listing]:
     """The losses of a summary by component, by part or by cause."""
-    if _bench(run) is not None:
+    if is_bench(run.system):
         return bench_loss_listings(run)
     return {"losses": loss_listing(run)} | circuit_loss_listings(run)
 
 
 def key_listings(run: RecordedRun) -> dict[str, Listing]:
     """The overview that the system brings along; none where it brings none."""
-    extras = run.system.extras
+    extras = additions(run.system)
     return {} if extras is None or not extras.OVERVIEW else {"overview": overview(run, extras)}
 
 
-def _findings(run: RecordedRun, bench: RotaryBench | None) -> tuple[Finding, ...]:
-    found, extras = list(warnings(run)), run.system.extras
+def _findings(run: RecordedRun, report: BenchReport | None) -> tuple[Finding, ...]:
+    found, extras = list(warnings(run)), additions(run.system)
     good = () if extras is None else sentences(tuple(extras.merits(run.summary)), Grade.GOOD)
-    if bench is None:
+    if report is None:
         own = () if extras is None else extras.warnings(run.summary)
         return (*found, *sentences(tuple(own), Grade.WARNING), *good, Finding(text=in_words(run)))
-    limits = limit_findings(run, bench)
-    return (*found, *bench_warnings(run, bench), *limits, *good, Finding(text=bench_in_words(run)))
+    limits = limit_findings(run, report)
+    return (*found, *bench_warnings(run, report), *limits, *good, Finding(text=bench_in_words(run)))
 
 
 def _bench_tables(
@@ -158,13 +165,13 @@ def _bench_losses(run: RecordedRun) -> Iterator[tuple[Chart, Table]]:
         yield loss_chart(bars, caption), bars
 
 
-def _sections(run: RecordedRun, bench: RotaryBench | None, course: list[Chart], losses: list[Chart],
+def _sections(run: RecordedRun, report: BenchReport | None, course: list[Chart], losses: list[Chart],
               of_losses: tuple[str, ...], harmonics: tuple[str, ...]) -> tuple[Section, ...]:  # fmt: skip
-    words = () if bench is None else tuple(analytic_words(run, bench))
+    words = () if report is None else tuple(analytic_words(run, report))
     assumed = f"{assumed_words(run.system.assumptions)}; {len(run.system.rows)} values in all."
     shown = (*(chart.name for chart in course), *harmonics)
     inner = [f"circuit-{part}" for part in run.network.circuits]
-    chart = losses[0].name if losses and run.system.extras is not None else "circuit"
+    chart = losses[0].name if losses and additions(run.system) is not None else "circuit"
     return (
         Section(title="Result", shows=(LEAD, chart)),
         Section(title="Circuit", words=(f"Circuit: {run.system.circuit_name}.",), shows=("circuit", *inner)),

@@ -19,6 +19,7 @@ from vvdp.base.kinds import (
     VELOCITY,
     Kind,
 )
+from vvdp.evaluation.bench_report import additions
 from vvdp.evaluation.overview import (
     circuit_loss_lines,
     circuit_power_lines,
@@ -68,7 +69,7 @@ def without_dust(value: float, largest: float) -> float:
 
 def screen_listings(run: RecordedRun) -> tuple[Listing, ...]:
     """Tables on the screen: the overview that the system brings along; else nodes, components, losses, programs."""
-    extras = run.system.extras
+    extras = additions(run.system)
     own = (overview(run, extras),) if extras is not None and extras.OVERVIEW else ()
     if own and extras is not None and extras.IS_ALL:
         return own

@@ -2,7 +2,7 @@
 pressure."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -41,8 +41,7 @@ class Steady:
         """Results of the state, as docs/keys.md has it; empty where there is none."""
         if self.periodic is None or self.periodic.outcome is None:
             return {}
-        bench = self.stand.at(self.point)
-        return simulated_summary(self.periodic.outcome, replace(bench.system, own_tables=bench.tables))
+        return simulated_summary(self.periodic.outcome, self.stand.at(self.point).own_system)
 
 
 def steady_states(

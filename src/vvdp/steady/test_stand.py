@@ -10,11 +10,10 @@ import numpy as np
 
 from vvdp.base.kinds import SPEED, DutyRatio, Pressure, Speed, Temperature
 from vvdp.base.rules import require_positive_value
-from vvdp.base.signal import constant
 from vvdp.evaluation.bench import RotaryBench, rotary_bench
 from vvdp.evaluation.unit_rig import STIFF_COUPLING, unit_on_rig
 from vvdp.fluid.oil import density, film_viscosity
-from vvdp.hydraulics.orifice import Orifice, orifice_area_for
+from vvdp.hydraulics.orifice import orifice_area_for
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Stepping
 from vvdp.steady.cycle_means import SLOWEST, CycleMeans, CyclePoint, cycle_means
@@ -105,17 +104,13 @@ class Stand:
     def with_motor(self, pwm_frequency: float) -> "Stand":
         """The same stand with a motor that turns the spool so that it switches at `pwm_frequency` [Hz]."""
         speed = 2.0 * np.pi * pwm_frequency / self.bench.valve.sections
-        return self.with_tables(
-            spool_drive={"coupling": STIFF_COUPLING}, operation={"spool_motor_speed": constant(speed)}
-        )
+        return self.with_tables(spool_drive={"coupling": STIFF_COUPLING}, operation={"spool_motor_speed": speed})
 
     def at(self, point: SetPoint, area: float | None = None) -> RotaryBench:
         """The bench at a operating point, an orifice load with an `area` [m^2], that of the system unless given."""
-        operation = {name: constant(value) for name, value in point._asdict().items() if name != "load_pressure"}
-        bench = self.bench.with_tables(operation=operation)
-        if not self.makes_pressure:
-            return bench.with_tables(load={"pressure": constant(point.load_pressure)})
-        return bench if area is None else bench.with_tables(load={"area": constant(area)})
+        operation = {name: value for name, value in point._asdict().items() if name != "load_pressure"}
+        load = {"area": area} if self.makes_pressure else {"pressure": point.load_pressure}
+        return self.bench.with_tables(operation=operation, load={} if load.get("area", 1.0) is None else load)
 
     def case(self, point: SetPoint, means: CycleMeans, area: float | None = None) -> Case:
         """The case of a operating point from a guess of its periodic state, at a mark: load port in the middle of
@@ -196,7 +191,7 @@ def load_area(point: SetPoint, means: CycleMeans, stand: Stand) -> float | None:
     if delivered < SMALLEST_SHARE * stand.pump_flow(point) or drop <= 0.0:
         return None
     rho, load = float(density(point.oil_temperature, stand.bench.oil)), stand.bench.load
-    assert isinstance(load, Orifice)
+    assert load is not None
     return float(orifice_area_for(delivered, drop, rho, load))
 
 

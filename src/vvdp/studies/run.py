@@ -21,6 +21,7 @@ from vvdp.base.kinds import NUMBER, Kind
 from vvdp.base.signal import Signal
 from vvdp.base.tables import Sourced, Table, copy_tables, nearest, with_settings
 from vvdp.base.version import VERSION
+from vvdp.evaluation.bench_report import additions
 from vvdp.evaluation.overview import warnings
 from vvdp.evaluation.quantities import quantities
 from vvdp.evaluation.summary import simulated_summary
@@ -234,7 +235,8 @@ def _check_outputs(study: Study, base: System) -> None:
         finished=True,
         memory=base.case.memory,
     )
-    own = () if base.extras is None else (*base.extras.CLOSED_FORMS, *base.extras.QUANTITIES)
+    more = additions(base)
+    own = () if more is None else (*more.CLOSED_FORMS, *more.QUANTITIES)
     known = [*simulated_summary(still, base), *own]
     unknown = [name for name in study.outputs if name not in known]
     if unknown:
@@ -290,7 +292,8 @@ def _judged_rows(
 ) -> tuple[list[Mapping[str, float | bool]], tuple[Doubt, ...]]:
     """The numbers of each case, closed forms among them where the study asks for some, and what is to be known of
     them."""
-    closed_forms = base.extras is not None and not set(base.extras.CLOSED_FORMS).isdisjoint(study.outputs)
+    more = additions(base)
+    closed_forms = more is not None and not set(more.CLOSED_FORMS).isdisjoint(study.outputs)
     rows: list[Mapping[str, float | bool]] = []
     doubted: dict[str, tuple[str, list[int]]] = {}
     for case in planned:
@@ -299,8 +302,8 @@ def _judged_rows(
         if system is not None and _is_doubtful(row):
             for text in warnings(system, row):
                 doubted.setdefault(text.partition(":")[0], (text, []))[1].append(case.number)
-        if system is not None and system.extras is not None and closed_forms:
-            row = {**row, **system.extras.closed_forms(row)}
+        if closed_forms and system is not None and (own := additions(system)):
+            row = {**row, **own.closed_forms(row)}
         rows.append(row)
     return rows, tuple(Doubt(text, tuple(cases)) for text, cases in doubted.values())
 

@@ -5,7 +5,9 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from vvdp.base.kinds import PRESSURE_LEVEL, Kind
+from vvdp.base.params import Params, field_kinds, field_names
 from vvdp.base.tables import Table, with_settings
+from vvdp.systems.options import without_other_position
 from vvdp.systems.part_files import GROUPS
 from vvdp.systems.part_scopes import UNNAMED
 from vvdp.systems.system import System
@@ -21,7 +23,7 @@ def with_numbers(system: System, numbers: Mapping[str, Number | str | Mapping[st
     """
     kinds = {row.setting: row.kind for row in system.rows}
     settings = [f"{path}={setting_text(value, kinds.get(path))}" for path, value in numbers.items()]
-    return system.read_from(with_settings(system.table, settings))
+    return system.read_from(with_settings(without_other_position(system.table, settings), settings))
 
 
 def with_tables(system: System, tables: Mapping[str, Mapping[str, Any] | None]) -> System:
@@ -78,12 +80,18 @@ def setting_text(value: Any, kind: Kind | None) -> str:
         return f"[{', '.join(setting_text(each, kind) for each in value)}]"
     if isinstance(value, str):
         return json.dumps(value)
-    return json.dumps(quantity_text(value) or _text(float(value), kind))
+    return json.dumps(quantity_text(value) or exact_text(float(value), kind))
 
 
-def _text(value: float, kind: Kind | None) -> str:
-    """A number [SI] with the unit of its kind."""
-    if kind is PRESSURE_LEVEL:
+def entries(values: Params) -> dict[str, str]:
+    """The numbers of a parameter class [SI] as a file has them, by key."""
+    kinds = field_kinds(type(values))
+    return {key: exact_text(getattr(values, key), kinds[key]) for key in field_names(type(values))}
+
+
+def exact_text(value: float, kind: Kind | None) -> str:
+    """A number [SI] with the unit of its kind, as a file has it; a pressure level is absolute."""
+    if kind is not None and kind.name == PRESSURE_LEVEL.name:
         return f"{value / 1e5!r} bara"
     if kind is None or kind.unit == "1":
         return repr(value)

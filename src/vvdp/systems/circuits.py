@@ -61,7 +61,7 @@ def network_function(name: str, folder: Path) -> NetworkFunction:
     else:
         points = [point for point in _entry_points() if point.name == name]
         if not points:
-            message = f"{name!r} is not a circuit; expected {', '.join(circuit_names())}, or module:function"
+            message = f"{name!r} is not a circuit; expected {' or '.join((*circuit_names(), 'module:function'))}"
             raise ParameterError(message)
         found = _load(points[0])
     if not inspect.isfunction(found):

@@ -48,8 +48,8 @@ from vvdp.network.network import ROOM_TEMPERATURE, Network
 from vvdp.network.nodes import UNRATED, Chamber, Connection, Load, Rotor
 from vvdp.network.paths import Places
 from vvdp.programs.quantities import written_quantity
-from vvdp.systems.bench_tables import Limits
 from vvdp.systems.drawn_programs import ProgramDrawer
+from vvdp.systems.limits import Limits
 from vvdp.systems.part_keys import PartType, other_type, part_keys
 from vvdp.systems.part_scopes import Entries
 from vvdp.systems.shares import Share, check_share, share, whole_quantity

@@ -1,6 +1,6 @@
 """Additions of a system: numbers, lines on the console, warnings, figures."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from vvdp.base.kinds import Kind
@@ -9,7 +9,7 @@ from vvdp.results.result import Table
 from vvdp.systems.bound import Bound
 
 if TYPE_CHECKING:
-    from vvdp.base.signal import Signal
+    from vvdp.base.tables import Sourced
     from vvdp.geometry.shape import ValveShape
     from vvdp.network.build import Circuit
     from vvdp.simulation.model import Case, Model
@@ -64,8 +64,9 @@ class LoadedSystem(Protocol):
     def extras(self) -> "Extras | None":
         """The additions of the system; None where there are none."""
 
-    def with_tables(self, tables: Mapping[str, object]) -> "LoadedSystem":
-        """The same system drawn from other tables."""
+    @property
+    def rows(self) -> "Sequence[Sourced]":
+        """Its values, and where each comes from."""
 
 
 class Extras:
@@ -98,11 +99,6 @@ class Extras:
         self.system = system
         self.tables: Mapping[str, Any] = system.tables if tables is None else tables
 
-    @property
-    def temperature(self) -> "Signal":
-        """The oil's temperature [K]."""
-        return self.system.circuit.network.temperature
-
     def simulation_numbers(self, run: "Outcome", found: Summary) -> Summary:  # noqa: ARG002
         """Further numbers of any run, beside those in `found`."""
         return {}
@@ -130,8 +126,3 @@ class Extras:
     def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:  # noqa: ARG002
         """Further figures of a report, each over the columns of a table."""
         return ()
-
-
-def shows_all(system: LoadedSystem) -> bool:
-    """Whether the numbers that a system brings along are all that a user is shown of its valves."""
-    return system.extras is not None and system.extras.IS_ALL

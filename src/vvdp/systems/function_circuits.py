@@ -21,13 +21,15 @@ DRAWN = ("nodes", "components", "parts")
 def circuit_function(table: Table, folder: Path, faults: list[Fault]) -> NetworkFunction | None:
     """The function that draws the circuit; None where the file draws it itself, or names none."""
     name = table.content.get("circuit")
-    is_drawn = not set(DRAWN).isdisjoint(table.content)
-    if is_drawn and name is None:
-        return None
     line = table.lines.get("circuit", 0)
+    if not set(DRAWN).isdisjoint(table.content):
+        if name is not None:
+            faults.append(Fault(table.place, line, "circuit", "this file draws its circuit; remove this line"))
+        return None
     if not isinstance(name, str):
         what = "missing" if name is None else f"{name!r} is not a circuit"
-        message = f"{what}; expected {', '.join(circuit_names())}, module:function, or tables [nodes] and [components]"
+        expected = ", ".join((*circuit_names(), "module:function"))
+        message = f"{what}; expected {expected}, or tables [nodes] and [components]"
         faults.append(Fault(table.place, line, "circuit", message))
         return None
     try:
@@ -36,7 +38,7 @@ def circuit_function(table: Table, folder: Path, faults: list[Fault]) -> Network
     except ParameterError as problem:
         faults.append(Fault(table.place, line, "circuit", str(problem)))
         return None
-    return None if is_drawn else function
+    return function
 
 
 class ReadBefore(NamedTuple):
@@ -69,16 +71,6 @@ def read_tables(
         values[key], found = build_inner(slot, part, key, table, faults)
         rows += found
     return values, rows
-
-
-def own_tables(function: NetworkFunction, content: Entries) -> dict[str, dict[str, Any]]:
-    """The entries of a file that a circuit takes: its tables, with the keys that it knows."""
-    known = {name: set().union(*map(keys_of, slot.classes)) for name, slot in table_slots(function).items()}
-    return {
-        name: {key: value for key, value in content[name].items() if key in keys}
-        for name, keys in known.items()
-        if isinstance(content.get(name), Mapping)
-    }
 
 
 def keys_of(cls: type[Params]) -> set[str]:

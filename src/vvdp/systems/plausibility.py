@@ -12,9 +12,9 @@ from vvdp.hydraulics.pipe import LinePipe
 from vvdp.hydraulics.relief_valve import LoadReliefValve, ReliefValve
 from vvdp.network.network import Part
 from vvdp.network.nodes import HydraulicNode, Junction, OilVolume, Shaft
-from vvdp.systems.bench_tables import Limits
 from vvdp.systems.bound import Bound
 from vvdp.systems.extras import LoadedSystem
+from vvdp.systems.limits import Limits
 
 ABOVE_SETTING = 1.2
 """Pressure above the outside, over that at which a relief valve passes its rated flow, from which one that stays closed

@@ -21,13 +21,18 @@ OF_THE_RUN = frozenset({"real_time_factor"})
 
 def reported_programs(system: LoadedSystem, sample_period: float) -> "ReportedPrograms | None":
     """Reports of the programs of a system; None if there are none. `sample_period` of the run [s]."""
+    reports = program_reports(system, sample_period)
+    return ReportedPrograms(system, reports) if reports else None
+
+
+def program_reports(system: LoadedSystem, sample_period: float) -> dict[str, ProgramReport]:
+    """The reports of the programs of a system, by name. `sample_period` of the run [s]."""
     network = system.circuit.network
-    reports = {
+    return {
         name: program.type.report(network, name, sample_period)
         for name, program in network.programs.items()
         if program.type.report is not None
     }
-    return ReportedPrograms(system, reports) if reports else None
 
 
 class ReportedPrograms(Extras):

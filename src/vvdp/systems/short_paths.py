@@ -17,9 +17,9 @@ from vvdp.base.params import field_names
 from vvdp.base.tables import Sourced, Table, copy_tables, fault_at, nearest, refuse_unknown
 from vvdp.components.library import UsualOil
 from vvdp.hydraulics.heat import HeatBalance
-from vvdp.systems.bench_tables import Limits
 from vvdp.systems.drawing import TABLES, Temperature
 from vvdp.systems.drawn_parts import FAULTS
+from vvdp.systems.limits import Limits
 from vvdp.systems.part_files import GROUPS, VALUES, targets_of
 from vvdp.systems.part_scopes import Entries, as_table
 

@@ -33,7 +33,6 @@ from vvdp.geometry.shape_tables import NAME as SHAPE
 from vvdp.geometry.shape_tables import read_shape
 from vvdp.network.build import Circuit
 from vvdp.network.build import build as build_circuit
-from vvdp.network.likeness import lacks
 from vvdp.network.network import Network
 from vvdp.network.sense import check_sense
 from vvdp.simulation.model import Case, Model
@@ -41,8 +40,6 @@ from vvdp.simulation.run import Method, Stepping
 from vvdp.systems.assumed import assumed_rows, with_idle_speeds
 from vvdp.systems.circuits import (
     NetworkFunction,
-    draw,
-    network_function,
     table_slots,
 )
 from vvdp.systems.drawing import TABLES, Drawing, Temperature, draw_network
@@ -56,7 +53,6 @@ from vvdp.systems.function_circuits import (
     circuit_function,
     keys_of,
     network_of,
-    own_tables,
     read_tables,
 )
 from vvdp.systems.options import duration_of, lasting, option_keys, without_other_position
@@ -68,8 +64,6 @@ from vvdp.systems.spool_travel import rotary_valves
 from vvdp.valve.rotary import RotaryValve
 
 HEADINGS = ("title", "circuit")
-OF_ANY_CIRCUIT = ("run", FAULTS, SHAPE)
-
 
 SAMPLES_PER_SWING = 20
 """Samples that a swing of the oil's temperature needs at least."""
@@ -111,21 +105,20 @@ def _check_temperature(temperature: Signal, sample_period: float) -> None:
 class System:
     """A system ready to run: its circuit with values, and where each value comes from.
 
-    `function` drew the network from its `own_tables`; None where the file draws it itself. `redrawn` where these are
-    not the tables of the file. Modules that the file names are looked for in `folder`. `lengths` is what the file says
-    of the valve as a solid, `faults` what fails in the circuit. `module` is the one that the file names, as it was run.
+    `function` drew the network from the `tables`; None where the file draws it itself. Modules that the file names are
+    looked for in `folder`. `lengths` is what the file says of the valve as a solid, `faults` what fails in the circuit.
+    `module` is the one that the file names, as it was run.
     """
 
     name: str
     title: str
     circuit: Circuit
     stepping: Stepping
-    own_tables: Mapping[str, Any]
+    tables: Mapping[str, Any]
     rows: tuple[Sourced, ...]
     content: Mapping[str, Any]
     folder: Path = Path()
     function: NetworkFunction | None = None
-    redrawn: bool = False
     lengths: Mapping[str, object] | None = None
     faults: tuple[NamedFault, ...] = ()
     module: OwnModule | None = None
@@ -141,37 +134,16 @@ class System:
         return self.circuit.case
 
     @property
-    def tables(self) -> Mapping[str, Any]:
-        """Values of the tables of its file, as the circuit that it names takes them."""
-        return (self.counterpart or self).own_tables
-
-    @property
     def average_from(self) -> float:
         """When its means begin [s]."""
         return self.stepping.means_from(self.stepping.until)
 
     @cached_property
     def extras(self) -> Extras | None:
-        """The additions of the system; None where there are none."""
-        drawn = self.counterpart or self
-        extras = drawn.circuit.network.extras
-        found: Extras | None = extras and extras(self, drawn.tables)
+        """The additions of its function or its programs; None where there are none."""
+        extras = self.circuit.network.extras
+        found: Extras | None = extras and extras(self, self.tables)
         return found or reported_programs(self, self.stepping.sample_period)
-
-    @property
-    def counterpart(self) -> "System | None":
-        """The circuit that a drawn file names, as its function draws it from the tables of the file; None where it
-        names none, and where that is not what the file draws, apart from more that no node of it joins."""
-        return self._named_circuit[0]
-
-    @property
-    def lacking(self) -> str:
-        """The first thing that the drawing lacks to contain the circuit that its file names; empty if there is none."""
-        return self._named_circuit[1]
-
-    @cached_property
-    def _named_circuit(self) -> tuple["System | None", str]:
-        return named_circuit(self) if self.function is None and "circuit" in self.content else (None, "")
 
     @cached_property
     def shape(self) -> ValveShape | None:
@@ -209,43 +181,11 @@ class System:
 
         Raises ConfigError with all its faults.
         """
-        return built_system(table, self.name, self.folder, None if self.redrawn else self)
-
-    def with_tables(self, tables: Mapping[str, object]) -> "System":
-        """The same system drawn by its function, or that of the circuit which its file names, from other tables."""
-        if self.function is None and self.counterpart is not None:
-            return self.counterpart.with_tables(tables)
-        function = self.function
-        assert function is not None
-        given = {name: table for name, table in tables.items() if name in table_slots(function)}
-        network = faulty_network(
-            draw(function, given), given, self.faults, lambda others: draw(function, change_tables(given, others))
-        )
-        assert network is not None
-        return replace(self, circuit=build_circuit(network), own_tables=tables, redrawn=True)
+        return built_system(table, self.name, self.folder, self)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """A system travels to other processes as its text: its functions are written again where it arrives."""
-        return _build_network, (self.table, self.name, self.folder.absolute(), self.tables if self.redrawn else None)
-
-
-def named_circuit(drawn: System) -> tuple[System | None, str]:
-    """The circuit that a drawn file names, if the file draws all of it; else the first thing that is missing."""
-    try:
-        own = own_tables(network_function(drawn.content["circuit"], drawn.folder), drawn.content)
-        kept = {name: table for name, table in drawn.content.items() if name in (*HEADINGS, *OF_ANY_CIRCUIT)}
-        found = built_system(Table(drawn.name, own | kept, {}), drawn.name, drawn.folder)
-    except ConfigError as problem:
-        return None, f"{problem.faults[0].key}: {problem.faults[0].message}"
-    except ParameterError as problem:
-        return None, str(problem)
-    missing = next(lacks(drawn.circuit.network, found.circuit.network), "")
-    return (None if missing else found), missing
-
-
-def _build_network(table: Table, name: str, folder: Path, tables: Mapping[str, object] | None) -> System:
-    found = built_system(table, name, folder)
-    return found if tables is None else found.with_tables(tables)
+        return built_system, (self.table, self.name, self.folder.absolute())
 
 
 @cache
@@ -363,7 +303,7 @@ def built_system(table: Table, name: str, folder: Path = Path(), before: System 
         title=str(table.content.get("title", name)),
         circuit=built[0],
         stepping=built[1],
-        own_tables=values,
+        tables=values,
         rows=full.rows(rows),
         content=written.content,
         folder=folder,
@@ -428,7 +368,7 @@ def _draw(
 ) -> Drawing:
     """The drawing of a file, by its function or by itself."""
     if function is not None:
-        known = None if before is None else ReadBefore(before.content, before.own_tables, before.rows)
+        known = None if before is None else ReadBefore(before.content, before.tables, before.rows)
         values, rows = read_tables(function, content, table, faults, known)
         return Drawing(None if faults else network_of(function, values, table, faults), rows, values)
     if set(DRAWN).isdisjoint(content):

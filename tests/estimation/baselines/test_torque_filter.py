@@ -56,8 +56,8 @@ SEEDS = 200
 
 @pytest.fixture(scope="module")
 def turbine_settings():
-    tables = load_system("prototype-constant-load").tables
-    return torque_filter(equal_wheel(8), tables["oil"], tables["valve"])
+    params = load_system("prototype-constant-load").case.params
+    return torque_filter(equal_wheel(8), params.oil, params.valve)
 
 
 @pytest.fixture(scope="module")

@@ -73,7 +73,7 @@ def section_2_2() -> Reproduction:
             number_statement(
                 "rated power of the motor",
                 MOTOR,
-                here.stand().bench.motor.rated_power,
+                here.stand().bench.rated_power,
                 POWER,
                 share=1e-9,
                 because="as printed",

@@ -323,7 +323,7 @@ def _period_samples() -> tuple[Statement, ...]:
 def section_4_2() -> Reproduction:
     """The speed of the spool with 40 lpm, and the stroke."""
     spool = vvdp.load("prototype-constant-load").run(until="0.6 s").number("pwm_frequency_Hz") / 3.0
-    helix = vvdp.load("prototype-constant-load").tables["valve"].helix_length
+    helix = vvdp.load("prototype-constant-load").case.params.valve.helix_length
     return Reproduction(
         statements=(
             digit_statement(
