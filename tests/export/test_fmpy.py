@@ -6,7 +6,8 @@ import fmpy
 import fmpy.validation as validation
 import numpy as np
 import pytest
-from tests.export.test_fmu import PERIOD, made, paths_of, pytestmark, run_of
+from tests.export.builds import made
+from tests.export.test_fmu import PERIOD, paths_of, pytestmark, run_of
 
 from vvdp.systems.system import load_system
 
