@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import cache
 from typing import NamedTuple
 
 from circuit_sentences import flowed
@@ -41,6 +42,7 @@ class Use(NamedTuple):
     consumers: int
 
 
+@cache
 def duty_of(use: Use) -> Duty:
     """The duty of a use: out and back; all consumers have the throttle of the first, sized for the largest flow."""
     first = _moved(use, use.force, STROKE)
@@ -86,8 +88,14 @@ def net_powers() -> Mapping[tuple[Use, str], float]:
 
 def with_drag(powers: Mapping[tuple[Use, str], float]) -> dict[tuple[Use, str], float]:
     """The same with pumps that drag as much as is usual [W]."""
-    circuits, torque = {each.name: each for each in CIRCUITS}, pump_ends()["friction_torque"]
-    return {(use, name): power + drag(circuits[name], duty_of(use), torque) for (use, name), power in powers.items()}
+    return {(use, name): power + drag_of(use, name) for (use, name), power in powers.items()}
+
+
+@cache
+def drag_of(use: Use, name: str) -> float:
+    """What the pumps of a circuit drag on a use [W]."""
+    (circuit,) = (each for each in CIRCUITS if each.name == name)
+    return drag(circuit, duty_of(use), pump_ends()["friction_torque"])
 
 
 def least(powers: Mapping[tuple[Use, str], float], use: Use) -> str:

@@ -13,7 +13,7 @@ def summary(directory):
 
 
 def test_numbers_stand_side_by_side_with_their_difference(vvdp, here, two_runs, keys_as_described):
-    answer = vvdp("compare", "runs", *map(str, two_runs), "--json")
+    answer = vvdp("compare", "runs", *map(str, two_runs), "--json", "--no-report")
     assert answer.code == 0, answer.err
     found = json.loads(answer.out)
     assert found["run"] == ["slow", "fast"]

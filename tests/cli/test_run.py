@@ -12,7 +12,9 @@ from vvdp.runs import simulate
 from vvdp.simulation.results import read_results
 from vvdp.systems.system import load_system, shipped_systems
 
-SHORT = ("--until", "0.06 s", "--no-report")
+RANGED = ("--until", "0.06 s", "--no-report")
+SHORT = (*RANGED, "--no-ranges")
+"""Ranges run each assumed parameter at both ends: left out where nothing is read of them."""
 
 
 def test_what_is_written_and_printed(vvdp, here):
@@ -30,7 +32,7 @@ def test_what_is_written_and_printed(vvdp, here):
 
 def test_resolved_system_gives_the_same_run(vvdp, here):
     first = vvdp("run", "prototype", *SHORT, "--set", "operation.duty_ratio=0.4", "--out", "first", "--json")
-    again = vvdp("run", "first/system.toml", "--no-report", "--out", "again", "--json")
+    again = vvdp("run", "first/system.toml", "--no-report", "--no-ranges", "--out", "again", "--json")
     same = [json.loads(answer.out) for answer in (first, again)]
     for content in same:
         for word in ("system", "out", "wall_time_s"):
@@ -39,7 +41,7 @@ def test_resolved_system_gives_the_same_run(vvdp, here):
 
 
 def test_json_is_one_flat_object_and_the_summary_kept(vvdp, here):
-    answer = vvdp("run", "prototype-constant-load", *SHORT, "--json", "--out", "out")
+    answer = vvdp("run", "prototype-constant-load", *RANGED, "--json", "--out", "out")
     found = json.loads(answer.out)
     ranges, warnings = found.pop("ranges"), found.pop("warnings")
     assert all(isinstance(text, str) for text in warnings)
@@ -143,7 +145,7 @@ def test_default_directories_do_not_collide(vvdp, here):
 
 
 def test_warnings_of_a_run(vvdp, here):
-    brief = vvdp("run", "prototype", "--until", "0.01 s", "--no-report", "--out", "a")
+    brief = vvdp("run", "prototype", "--until", "0.01 s", "--no-report", "--no-ranges", "--out", "a")
     assert wording.run.no_whole_period in brief.out
     weak = vvdp("run", "prototype", *SHORT, "--out", "c", "--set", "motor.rated_power=1 kW")
     assert wording.run.exceeds_motor.format(power="1000 W") in weak.out
@@ -160,7 +162,7 @@ def test_a_pump_that_delivers_nothing_has_no_closed_form(vvdp, here):
 
 
 def test_report_of_a_run_and_again(vvdp, here):
-    answer = vvdp("run", "prototype", "--until", "0.06 s", "--out", "out")
+    answer = vvdp("run", "prototype", "--until", "0.06 s", "--no-ranges", "--out", "out")
     assert answer.code == 0, answer.err
     line = next(line for line in answer.out.splitlines() if line.startswith("report: "))
     path = here / line.removeprefix("report: ")
@@ -173,7 +175,7 @@ def test_report_of_a_run_and_again(vvdp, here):
 
 
 def test_counts_are_whole_numbers_in_json(vvdp, here):
-    text = vvdp("run", "prototype", "--until", "0.02 s", "--no-report", "--json").out
+    text = vvdp("run", "prototype", "--until", "0.02 s", "--no-report", "--no-ranges", "--json").out
     found = json.loads(text)
     for key in ("steps", "rejected_steps", "evaluations", "averaged_periods"):
         assert isinstance(found[key], int), key
@@ -209,7 +211,7 @@ def test_ranges_of_a_run_never_wait_for_the_loop_for_lanes(vvdp, here, monkeypat
 
 def test_ranges_that_are_interrupted_leave_the_run(vvdp, here, monkeypatch):
     monkeypatch.setattr("vvdp.runs.ranges.run_ranges", lambda run, say: None)
-    answer = vvdp("run", "prototype-constant-load", *SHORT, "--out", "out")
+    answer = vvdp("run", "prototype-constant-load", *RANGED, "--out", "out")
     assert answer.code == 0
     assert wording.run.ranges_interrupted in answer.err
     assert "ranges" not in read_results(here / "out").meta

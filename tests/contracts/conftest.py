@@ -1,7 +1,9 @@
+import ast
 import importlib
 import inspect
 import pkgutil
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 
@@ -11,6 +13,12 @@ import vvdp
 
 SOURCE = Path(vvdp.__file__).parent
 ROOT = Path(__file__).parents[2]
+
+
+@cache
+def tree_of(path: Path) -> ast.Module:
+    """What stands in a file of Python, read once for all contracts."""
+    return ast.parse(path.read_text("utf-8"))
 
 
 def modules_of(package: str) -> list[ModuleType]:

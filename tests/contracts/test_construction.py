@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from tests.contracts.conftest import tree_of
 
 import vvdp
 
@@ -58,7 +59,7 @@ def names_of(module: str) -> Names:
     """What one of our modules knows; nothing of it is run."""
     path = ROOT.joinpath(*module.split(".")[1:])
     path = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
-    return names_in(ast.parse(path.read_text("utf-8"))) if path.is_file() else {}
+    return names_in(tree_of(path)) if path.is_file() else {}
 
 
 def meaning(name: str, names: Names) -> Record | Names | None:
@@ -113,7 +114,7 @@ def crowded(tree: ast.AST) -> Iterator[Crowd]:
 
 
 def crowds_of(path: Path) -> list[Crowd]:
-    return list(crowded(ast.parse(path.read_text("utf-8"))))
+    return list(crowded(tree_of(path)))
 
 
 def packages() -> list[str]:

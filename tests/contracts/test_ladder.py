@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.contracts.conftest import tree_of
 
 RUNGS = [
     {"base"},
@@ -52,7 +53,7 @@ FIRST_RUNGS = {package for packages in RUNGS[:5] for package in packages}
 
 def imports(path: Path, *, top_level_only: bool) -> set[str]:
     """Dotted names that a file imports."""
-    tree = ast.parse(path.read_text("utf-8"))
+    tree = tree_of(path)
     nodes = tree.body if top_level_only else list(ast.walk(tree))
     found = set()
     for node in nodes:

@@ -6,9 +6,10 @@ through `base.rules` and `base.display`, which know the unit of each kind.
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import pytest
+from tests.contracts.conftest import tree_of
 
 CALLS = {"refuse", "refuse_rows", "refuse_together", "Fault", "fault", "fault_at", "unusable", "FieldError"}
 """Functions that are handed a message, besides what is raised."""
@@ -41,9 +42,9 @@ def text_of(node: ast.expr) -> str:
     return ""
 
 
-def messages(source: str) -> Iterator[tuple[int, str]]:
+def messages(tree: ast.Module) -> Iterator[tuple[int, str]]:
     """Line and text of each message of a module."""
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(tree):
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) in ("message", "rule", "fault"):
             yield node.lineno, text_of(node.value)
         calls = [node.exc] if isinstance(node, ast.Raise) else [node] if isinstance(node, ast.Call) else []
@@ -54,9 +55,9 @@ def messages(source: str) -> Iterator[tuple[int, str]]:
                 yield from ((each.lineno, text_of(each)) for each in call.args if text_of(each))
 
 
-def faults(name: str, source: str) -> list[str]:
+def faults(name: str, found_in: Iterable[tuple[int, str]]) -> list[str]:
     found = []
-    for line, text in messages(source):
+    for line, text in found_in:
         if not name.startswith(FOR_CODE):
             found += [f"{name}:{line}: names a class: {text}"] if CLASS.search(text) else []
             found += [f"{name}:{line}: an SI number: {text}"] if SI.search(text) else []
@@ -67,9 +68,9 @@ def faults(name: str, source: str) -> list[str]:
 def test_messages_speak_the_users_names_and_units(source):
     found, count = [], 0
     for path in sorted(source.rglob("*.py")):
-        text = path.read_text("utf-8")
-        found += faults(path.relative_to(source).as_posix(), text)
-        count += sum(1 for _ in messages(text))
+        own = list(messages(tree_of(path)))
+        found += faults(path.relative_to(source).as_posix(), own)
+        count += len(own)
     assert not found, "\n".join(found)
     assert count > 500
 
@@ -88,7 +89,7 @@ def test_messages_speak_the_users_names_and_units(source):
     ],
 )
 def test_a_bad_message_is_found(line):
-    assert faults("hydraulics/orifice.py", line)
+    assert faults("hydraulics/orifice.py", messages(ast.parse(line)))
 
 
 @pytest.mark.parametrize(
@@ -100,4 +101,4 @@ def test_a_bad_message_is_found(line):
     ],
 )
 def test_a_good_message_is_left_alone(line):
-    assert not faults("hydraulics/orifice.py", line)
+    assert not faults("hydraulics/orifice.py", messages(ast.parse(line)))

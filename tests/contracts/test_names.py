@@ -5,6 +5,7 @@ import ast
 from collections.abc import Iterator
 
 import pytest
+from tests.contracts.conftest import tree_of
 
 WORDS = """
 asked become been begun bent bitten borne bought bred broken brought built caught chosen clung dealt done
@@ -62,8 +63,7 @@ def bare_participles(tree: ast.AST, where: str) -> list[str]:
 def trees(source) -> dict[str, ast.Module]:
     """The text of every module, by its dotted name below vvdp."""
     return {
-        ".".join(path.relative_to(source).with_suffix("").parts): ast.parse(path.read_text("utf-8"))
-        for path in sorted(source.rglob("*.py"))
+        ".".join(path.relative_to(source).with_suffix("").parts): tree_of(path) for path in sorted(source.rglob("*.py"))
     }
 
 

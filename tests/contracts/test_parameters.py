@@ -4,6 +4,7 @@ import ast
 from collections.abc import Iterator
 
 import pytest
+from tests.contracts.conftest import tree_of
 
 POINTS_AND_SPANS = {
     "block.growth": "along x, y and z",
@@ -43,9 +44,9 @@ def holds_like_floats(annotation: ast.expr) -> bool:
     return any(each.count("float") > 1 and "..." not in each for each in entries)
 
 
-def nameless(text: str) -> Iterator[str]:
+def nameless(tree: ast.AST) -> Iterator[str]:
     """Parameters of functions that are tuples of like floats."""
-    for function in (n for n in ast.walk(ast.parse(text)) if isinstance(n, ast.FunctionDef)):
+    for function in (n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef)):
         a = function.args
         for each in (*a.posonlyargs, *a.args, *a.kwonlyargs):
             if each.annotation is not None and holds_like_floats(each.annotation):
@@ -53,7 +54,7 @@ def nameless(text: str) -> Iterator[str]:
 
 
 def test_numbers_have_names(source):
-    found = {name for path in source.rglob("*.py") for name in nameless(path.read_text("utf-8"))}
+    found = {name for path in source.rglob("*.py") for name in nameless(tree_of(path))}
     assert found == {*POINTS_AND_SPANS}
 
 
@@ -69,4 +70,4 @@ def test_numbers_have_names(source):
     ],
 )
 def test_a_nameless_tuple_would_be_seen(annotation, is_found):
-    assert list(nameless(f"def f(x: {annotation}): pass")) == (["f.x"] if is_found else [])
+    assert list(nameless(ast.parse(f"def f(x: {annotation}): pass"))) == (["f.x"] if is_found else [])

@@ -10,6 +10,8 @@ import tokenize
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
+from tests.contracts.conftest import tree_of
+
 RULES = {
     r"\bshuts?\b|\bshutting\b": "closed, closes (ISO 5598)",
     r"\banew\b": "again, from the start",
@@ -75,9 +77,9 @@ def prose_of_module(text: str) -> Iterator[tuple[int, str]]:
                 yield token.start[0] + n, SILENT.sub(" ", line)
 
 
-def names_of_module(text: str) -> Iterator[tuple[int, str]]:
+def names_of_module(tree: ast.AST) -> Iterator[tuple[int, str]]:
     """Line and words of each name that a module gives to a function, class, argument or variable."""
-    for node in ast.walk(ast.parse(text)):
+    for node in ast.walk(tree):
         match node:
             case ast.FunctionDef(name=name) | ast.ClassDef(name=name) | ast.arg(arg=name):
                 yield node.lineno, re.sub(r"(?<=[a-z])(?=[A-Z])|_", " ", name)
@@ -86,9 +88,11 @@ def names_of_module(text: str) -> Iterator[tuple[int, str]]:
 
 
 def hits(name: object, prose: Iterable[tuple[int, str]], rules: Mapping[str, str] = RULES) -> list[str]:
+    any_rule = re.compile("|".join(rules), re.IGNORECASE)
     return [
         f"{name}:{number}: {found[0]!r}; use {instead}"
         for number, line in prose
+        if any_rule.search(line)
         for pattern, instead in rules.items()
         for found in re.finditer(pattern, line, re.IGNORECASE)
     ]
@@ -129,7 +133,7 @@ def test_code_keeps_the_vocabulary(source):
 def test_names_keep_the_vocabulary(source):
     found, rules = [], {rule: use for rule, use in RULES.items() if not re.search(rule, NAMES_AS_STORED)}
     for path in sorted(source.rglob("*.py")):
-        found += hits(path.relative_to(source), names_of_module(path.read_text("utf-8")), rules)
+        found += hits(path.relative_to(source), names_of_module(tree_of(path)), rules)
     assert not found, "\n".join(found)
 
 

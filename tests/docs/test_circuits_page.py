@@ -241,10 +241,9 @@ def test_the_map_says_what_its_numbers_say():
     page = circuits_compared.PAGE.read_text("utf-8")
     assert circuits_map.with_said(page) == page != circuits_map.with_said(page.replace("| 4070 |", "| 400 |"))
     assert all(powers["vvdp-slow"] < powers["throttle"] for powers, _ in rows.values())
-    circuits = {each.name: each for each in CIRCUITS}
+    assert circuits_compared.pump_ends()["friction_torque"] == 5.0
     for use, (powers, said) in rows.items():
-        duty = circuits_map.duty_of(use)
-        dragged = {name: power + circuits_compared.drag(circuits[name], duty, 5.0) for name, power in powers.items()}
+        dragged = {name: power + circuits_map.drag_of(use, name) for name, power in powers.items()}
         for found, (least, ratio) in zip((powers, dragged), (said[:2], said[2:]), strict=True):
             assert found[least] <= 1.01 * min(found.values()), use
             assert float(ratio) == pytest.approx(found[circuits_map.SWITCHED] / found[least], rel=0.02), use

@@ -6,11 +6,11 @@ import re
 import shutil
 import xml.etree.ElementTree as ET
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.export.builds import built, made, model_of
 from tests.export.fmi_host import ERROR, OK, Host
 from tests.generator.c_way import compilers
 
@@ -31,11 +31,6 @@ pytestmark = [
     pytest.mark.skipif(not compilers() and not importlib.util.find_spec("ziglang"), reason="no C compiler"),
 ]
 PERIOD = 1e-3
-
-
-@cache
-def made(name, fmi):
-    return fmu(fmu_model(load_system(name)), fmi)
 
 
 @pytest.fixture
@@ -291,7 +286,7 @@ ABILITIES = {
 def test_all_that_is_declared_has_a_test(fmi):
     text = "".join(each.read_text("utf-8") for each in Path(__file__).parent.glob("test_*.py"))
     known = {name.lower().rstrip("s") for name in ABILITIES}
-    guest = fmu(fmu_model(load_system("accumulator-charging"), guest=Guest()), fmi)
+    guest = made("accumulator-charging", fmi, guest=Guest())
     for one in (made("prototype", fmi), guest):
         root = ET.fromstring(one.entries["modelDescription.xml"])
         declared = {
@@ -348,29 +343,30 @@ def test_no_parameter_without_effect_is_shown():
 
 
 def test_the_guide_shows_what_the_command_prints():
-    model = fmu_model(load_system("prototype"), ["load.area=area"])
-    free = len(model.settables) - len(model.inputs)
+    """One signal is chosen as the input; all other values that can be set are free parameters."""
+    model = model_of("prototype")
+    free = len(model.settables) - 1
     guide = (Path(__file__).parents[2] / "docs" / "command-line.md").read_text("utf-8")
-    line = f"{len(model.inputs)} inputs, {len(model.outputs)} outputs, {free} free parameters, {len(model.fixed)} fixed"
+    line = f"1 inputs, {len(model.outputs)} outputs, {free} free parameters, {len(model.fixed)} fixed"
     assert f"FMI 2: {line} values\n" in guide
 
 
 def test_inputs_and_outputs_are_chosen_and_renamed():
-    system = load_system("prototype")
+    system, small = load_system("prototype"), load_system("buck-converter")
     model = fmu_model(system, ["load.area=area"], ["spool.angle=angle", "load_flow"])
     assert model.inputs == ["area"]
     assert [each.name for each in model.outputs] == ["angle", "load_flow"]
     assert "operation.pump_speed" in [each.name for each in model.settables if each.role == TUNABLE]
-    for wrong, words in (
-        ((["load.areas"], []), "did you mean 'load.area'"),
-        ((["valve.spool_mass"], []), "no value over time"),
-        (([], ["spool.angl"]), "did you mean 'spool.angle'"),
-        (([], ["spool.angle=a", "spool.speed=a"]), "two variables have this name"),
-        ((["load.area=<a>"], []), "a name consists of"),
-        ((["load.area", "load.area"], []), "given twice"),
+    for asked, wrong, words in (
+        (system, (["load.areas"], []), "did you mean 'load.area'"),
+        (system, (["valve.spool_mass"], []), "no value over time"),
+        (small, ([], ["tube.flo"]), "did you mean 'tube.flow'"),
+        (small, ([], ["node=a", "tube.flow=a"]), "two variables have this name"),
+        (system, (["load.area=<a>"], []), "a name consists of"),
+        (system, (["load.area", "load.area"], []), "given twice"),
     ):
         with pytest.raises(ConfigError, match=re.escape(words)):
-            fmu_model(system, *wrong)
+            fmu_model(asked, *wrong)
     moving = load_system("prototype", ['load.area={ sine = "3 mm^2", amplitude = "1 mm^2", frequency = "2 Hz" }'])
     with pytest.raises(ConfigError, match="set it to a number first"):
         fmu_model(moving, ["load.area"])
@@ -383,7 +379,7 @@ def test_the_same_system_gives_the_same_file():
     other = fmu_model(load_system("accumulator-charging", ['oil.density="870 kg/m^3"']))
     tokens = {
         each.entries["modelDescription.xml"].partition(b'instantiationToken="')[2][:34]
-        for each in (again, fmu(other, 3))
+        for each in (again, built(other, 3))
     }
     assert len(tokens) == 2
 
@@ -398,7 +394,7 @@ def test_without_a_compiler_there_are_the_sources(monkeypatch):
     assert b"-ffp-contract=off" in bare.entries["sources/buildDescription.xml"]
 
 
-@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("fmi", [pytest.param(2, marks=pytest.mark.thorough), 3])
 def test_the_sources_have_no_warning(fmi, monkeypatch):
     """With the warnings that other exported text passes, as errors."""
     model = made("accumulator-charging", fmi).model

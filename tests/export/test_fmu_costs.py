@@ -10,8 +10,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from tests.export.builds import made
 from tests.export.fmi_host import OK, Host
-from tests.export.test_fmu import made, pytestmark
+from tests.export.test_fmu import pytestmark
 
 from vvdp.export.fmu import fmu
 from vvdp.export.fmu_model import fmu_model
@@ -32,7 +33,7 @@ def told(words):
 def test_it_is_as_small_as_the_page_says(monkeypatch):
     """An unpacked binary of at most 110 kB is asked for."""
     monkeypatch.setenv("CC", "gcc")
-    one = fmu(fmu_model(load_system("prototype")), 3)
+    one = made("prototype", 3)
     packed = {name: len(zlib.compress(content, 9)) for name, content in one.entries.items()}
     text, binary = packed["sources/prototype_machine_core.c"], packed["binaries/x86_64-linux/prototype.so"]
     extras = 7_000  # icon, reference result and diagram, see `test_fmu_extras`

@@ -10,16 +10,15 @@ import numpy as np
 import pytest
 from lxml import etree
 from PIL import Image
+from tests.export.builds import built, model_of
 from tests.export.fmi_host import OK, Host
 from tests.export.test_fmu import pytestmark
 
-from vvdp.export.fmu import fmu
 from vvdp.export.fmu_extras import REFERENCE_SAMPLES, Extras, reference_text, terminals
-from vvdp.export.fmu_model import fmu_model
 from vvdp.report.circuit import graph_of
 from vvdp.report.diagram import diagram
 from vvdp.report.raster import icon_png
-from vvdp.systems.system import load_system, shipped_systems
+from vvdp.systems.system import shipped_systems
 
 __all__ = ["pytestmark"]
 TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
@@ -27,9 +26,9 @@ TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
 
 @cache
 def whole(name, fmi):
-    system = load_system(name)
-    model, drawn = fmu_model(system), diagram(graph_of(system.circuit.network, system.title))
-    return fmu(model, fmi, extras=Extras(drawn, icon_png(drawn), reference_text(model)))
+    model = model_of(name)
+    drawn = diagram(graph_of(model.system.circuit.network, model.system.title))
+    return built(model, fmi, extras=Extras(drawn, icon_png(drawn), reference_text(model)))
 
 
 @pytest.mark.parametrize("name", ["prototype", "transmission-speed-control"])
@@ -45,7 +44,7 @@ def test_terminals_follow_the_schema_and_have_known_variables(name):
 
 
 def test_a_terminal_is_a_node_or_a_part():
-    found = terminals(fmu_model(load_system("prototype")))
+    found = terminals(model_of("prototype"))
     assert found["load"] == {"area": "load.area", "flow": "load_flow"}
     assert found["inlet"] == {"pressure": "inlet"}
     assert found["pump_shaft"] == {"angle": "pump_shaft", "speed": "pump_shaft_speed", "torque": "output.pump_shaft"}
@@ -56,7 +55,7 @@ def test_a_terminal_is_a_node_or_a_part():
 @pytest.mark.parametrize("name", [*shipped_systems(), *shipped_systems("practice")])
 def test_no_two_numbers_are_one_member(name):
     """More than 0.6 of the outputs are members; others are shown twice, or belong to no part."""
-    model = fmu_model(load_system(name))
+    model = model_of(name)
     shown = [each for members in terminals(model).values() for each in members.values()]
     assert len(set(shown)) == len(shown)
     assert len(shown) > 0.6 * len(model.outputs)

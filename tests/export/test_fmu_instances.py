@@ -5,8 +5,9 @@ import subprocess
 
 import pytest
 from tests.conftest import required_program
+from tests.export.builds import made
 from tests.export.fmi_host import token_of
-from tests.export.test_fmu import made, pytestmark
+from tests.export.test_fmu import pytestmark
 from tests.generator.c_way import compilers
 
 __all__ = ["pytestmark"]

@@ -1,21 +1,21 @@
 """FMUs for model exchange, integrated by CVode of FMPy: as near to a run of vvdp as the tolerance allows."""
 
 from dataclasses import replace
-from functools import cache
 
 import fmpy
 import fmpy.fmi3
 import fmpy.validation as validation
 import numpy as np
 import pytest
+from tests.export import builds
 from tests.export.fmi_host import OK, Host
 from tests.export.test_fmu import PERIOD, paths_of, pytestmark, run_of
 from tests.generator.c_way import compilers
 
 from vvdp.base.errors import ConfigError
-from vvdp.export.fmu import fmu, require_kind
+from vvdp.export.fmu import require_kind
 from vvdp.export.fmu_binary import compile_binary
-from vvdp.export.fmu_model import Guest, fmu_model
+from vvdp.export.fmu_model import Guest
 from vvdp.export.fmu_sources import source_files
 from vvdp.programs.foreign.platforms import this_platform
 from vvdp.simulation.run import simulate
@@ -24,18 +24,17 @@ from vvdp.systems.system import load_system, shipped_systems
 __all__ = ["pytestmark"]
 
 
-@cache
-def made(name, fmi, settings=(), has_books=False):
-    return fmu(fmu_model(load_system(name, settings), guest=Guest(has_books=has_books)), fmi)
+def made(name, fmi):
+    return builds.made(name, fmi, guest=Guest())
 
 
 @pytest.fixture
 def path(tmp_path):
     """A function that writes the FMU of a system."""
 
-    def write(name, fmi, settings=()):
+    def write(name, fmi):
         file = tmp_path / f"{name}-{fmi}.fmu"
-        file.write_bytes(made(name, fmi, settings).content)
+        file.write_bytes(made(name, fmi).content)
         return str(file)
 
     return write
@@ -84,10 +83,9 @@ def test_cvode_comes_to_the_run(fmi, path):
 
 
 def test_an_ideal_relief_valve_lets_no_higher_pressure_pass(path):
-    settings = ('relief_valve.override_pressure="0 bar"',)
-    run = run_of("prototype", 0.2, settings)
+    run = run_of("prototype", 0.2, ['relief_valve.override_pressure="0 bar"'])
     highest = run.states[:, paths_of(load_system("prototype")).index("inlet")].max()
-    found = carried(path("prototype", 3, settings), 0.2, 1e-7)
+    found = carried(path("prototype", 3), 0.2, 1e-7, start_values={"relief_valve.override_pressure": 0.0})
     assert found["inlet"].max() == pytest.approx(highest, rel=1e-2)
 
 
@@ -166,7 +164,7 @@ def test_what_is_no_guest_cannot_be_carried():
 
 
 def test_books_are_carried_where_they_are_asked_for():
-    without, whole = (made("accumulator-charging", 3, (), has_books).model for has_books in (False, True))
+    without, whole = (builds.model_of("accumulator-charging", guest=Guest(has_books)) for has_books in (False, True))
     more = {each.key for each in whole.carried} - {each.key for each in without.carried}
     assert more and all(each.startswith("books.") for each in more)
     assert len(whole.carried) == whole.machine.begun.state.size

@@ -23,6 +23,7 @@ def fails(text):
         return False
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("first", range(0, 500, AT_ONCE))
 def test_programs_agree(first):
     assert failing(range(first, first + AT_ONCE)) == {}

@@ -893,13 +893,13 @@ def test_ctrl_c_is_heeded_in_the_midst_of_a_portion(estimated, monkeypatch):
     def pressed(run, filtered):
         write(run, filtered)
         count.append(filtered.rows["time"].size)
-        if sum(count) > 500_000:
+        if sum(count) > 100_000:
             signal.raise_signal(signal.SIGINT)
 
     monkeypatch.setattr(passes.FilteringPass, "write", pressed)
     kept = estimated(stamped(50.0 * np.arange(2000)), sensor__edges="edge")
     assert kept.summary["finished"] is False and "Interrupted" in titles(kept)
-    assert kept.size("time") < 1_000_000
+    assert 100_000 < kept.size("time") < 500_000
     assert kept.summary["duration_s"] == pytest.approx(kept.column("time")[-1], abs=51.0)
 
 

@@ -15,7 +15,7 @@ from vvdp.web.link import TRIPLE, link
 from vvdp.web.module import EXACT, QUICK, WAYS, web_modules
 from vvdp.web.page import run_model
 
-SHORT = ("accumulator-charging", "buck-converter", "cylinder-stops", "prototype-constant-load")
+SHORT = ("accumulator-charging", "prototype-constant-load")
 
 MEMORY_ONLY = [{"module": "env", "name": "memory", "kind": "memory"}]
 
@@ -63,7 +63,7 @@ def test_changed_values_reach_the_module_to_the_last_bit(tmp_path):
     assert differing(node.rows(), left_by(run))
 
 
-@pytest.mark.parametrize("name", ["accumulator-charging", "prototype-constant-load"])
+@pytest.mark.parametrize("name", [pytest.param(SHORT[0], marks=pytest.mark.thorough), SHORT[1]])
 def test_the_quick_level_is_within_1e_12_of_a_step(name, tmp_path):
     """Relative to the state and to the scale of its kind."""
     system = load_system(name, (), "0.5 s")

@@ -112,21 +112,24 @@ def fmu_model(
     A parameter is free if what follows it is known: it is changed, the case is built again, and what changes in its
     vectors is a product or a sum, to the last bit. Raises ConfigError where a key is unknown, or no constant signal.
     """
-    values = changeable_values(system, _outside_vectors)
-    chosen = _names_of("--input", inputs)
+    chosen, renamed = _names_of("--input", inputs), _names_of("--output", outputs)
     for key in chosen:
-        _require_signal(system, values, key)
+        _require_signal(system, key)
+    values = changeable_values(system, _outside_vectors)
+    for each in values:
+        if each.why_not and each.row.setting in chosen:
+            why = f"cannot change while the system runs: {each.why_not}"
+            raise ConfigError([Fault("--input", 0, each.row.setting, why)])
     settables = [_settable(each, chosen) for each in values if not each.why_not]
     fixed = [(each.row.setting, each.why_not) for each in values if each.why_not]
     known = {each.row.setting for each in values}
     fixed += [(row.setting, _why_fixed(row)) for row in system.rows if row.setting not in known]
     shown = _outputs(system, {each.name for each in settables})
-    if outputs:
-        names = _names_of("--output", outputs)
-        for key in names:
-            if key not in shown:
-                raise ConfigError([Fault("--output", 0, key, f"unknown{nearest(key, tuple(shown))}")])
-        shown = {key: Output(name, *_place(shown[key])) for key, name in names.items()}
+    for key in renamed:
+        if key not in shown:
+            raise ConfigError([Fault("--output", 0, key, f"unknown{nearest(key, tuple(shown))}")])
+    if renamed:
+        shown = {key: Output(name, *_place(shown[key])) for key, name in renamed.items()}
     machine = c_machine(system, EVENTS if guest is None else ENTRIES)
     states = () if guest is None else tuple(_states(machine, shown.values(), guest))
     found = FmuModel(
@@ -206,16 +209,13 @@ def _names_of(option: str, words: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def _require_signal(system: System, values: Sequence[Changeable], key: str) -> None:
+def _require_signal(system: System, key: str) -> None:
     rows = {row.setting: row for row in system.rows if isinstance(row.value, Signal)}
     if key not in rows:
         raise ConfigError([Fault("--input", 0, key, f"no value over time{nearest(key, tuple(rows))}")])
     if not np.isfinite(rows[key].nominal):
         why = f"is prescribed as a course; set it to a number first: --set {key}=..."
         raise ConfigError([Fault("--input", 0, key, why)])
-    why = next((each.why_not for each in values if each.row.setting == key), "")
-    if why:
-        raise ConfigError([Fault("--input", 0, key, f"cannot change while the system runs: {why}")])
 
 
 def _settable(value: Changeable, chosen: dict[str, str]) -> Settable:

@@ -18,6 +18,7 @@ from vvdp.offline.passed_edges import Passed
 from vvdp.sensing.wheel import TURN
 from vvdp.simulation.link import quiet
 from vvdp.simulation.replay import Replay
+from vvdp.simulation.values import flat
 
 FASTEST_CHANGE = 1e4
 """Largest q T^3/R that is tried [1]: the speed is another with each edge."""
@@ -90,9 +91,9 @@ class Likelihood:
     def surprises(self, noise: Noise, angles: Array | None = None) -> tuple[Array, Array]:
         """Innovations [rad] and their variances, of the edges that have them."""
         rows = self._rows if angles is None else self._rows_of(angles)
-        shown = self._replay(passage_start(), rows, noise).shown
-        told = shown[:, 1] > 0.0
-        return shown[told, 0], shown[told, 1]
+        shown = self._replay.shown(flat(passage_start()), rows, noise)
+        known = shown[shown[:, 1] > 0.0]
+        return known[:, 0], known[:, 1]
 
     def logarithm(self, noise: Noise) -> float:
         """ln L = -1/2 sum(ln(2 pi S) + nu^2/S)."""

@@ -51,22 +51,29 @@ class Replay:
         shown = _trial_output(step, memory, reading, settings)
         self.columns = tuple(path for path, _, _ in leaves(shown))
         self.width = flat(reading).size
-        self._example, self._reading, self._settings = memory, reading, settings
+        self._example, self._settings, self._shapes = memory, settings, Packed()
+        for value in (memory, reading):
+            self._shapes.add_shapes(value)
         assembly = _assembly(step, memory, reading, settings, shown)
         self._run, self.digest = assembly.load(default_cache(), say)["replay"], assembly.digest
 
     def __call__(self, memory: Any, rows: Array, settings: Any | None = None) -> Replayed:
         """The step taken over `rows`, shape (samples, numbers of a reading), starting from `memory`."""
+        reached = flat(memory)
+        shown = self.shown(reached, rows, settings)
+        return Replayed(as_value(self._example, reached), shown)
+
+    def shown(self, memory: Array, rows: Array, settings: Any | None = None) -> Array:
+        """The output alone, shape (samples, numbers shown), from a flat `memory`, which is then that after the rows."""
         rows = np.ascontiguousarray(rows, float)
         if rows.ndim != 2 or rows.shape[1] != self.width:
             raise RunError(f"rows of shape {rows.shape}; expected (samples, {self.width})")
-        reached, shown = flat(memory), np.empty((rows.shape[0], len(self.columns)))
+        found = np.empty((rows.shape[0], len(self.columns)))
         packed = Packed()
         packed.add(self._settings if settings is None else settings)
-        packed.add_shapes(memory)
-        packed.add_shapes(self._reading)
-        self._run(reached, packed.vector(), rows, shown)
-        return Replayed(as_value(self._example, reached), shown)
+        packed.fixed += self._shapes.fixed
+        self._run(memory, packed.vector(), rows, found)
+        return found
 
 
 class Compiled:
