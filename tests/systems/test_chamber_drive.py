@@ -143,6 +143,43 @@ def test_the_law_of_the_page(tmp_path):
     assert any("not passive" in words for words in system.extras.warnings(found))
 
 
+PLAIN_LAW = '''
+"""A proportional law with inputs and a gain of its own."""
+from typing import NamedTuple
+from vvdp.base.kinds import Fraction, Number, Position, SignedFraction
+from vvdp.base.params import Params
+from vvdp.network.program import ProgramType
+
+class Seen(NamedTuple):
+    reference: Position
+    position: Position
+    released: Fraction
+
+class Gain(Params):
+    gain_per_metre: Number
+
+class Opening(NamedTuple):
+    command: SignedFraction
+
+def step(t, memory, seen, settings):
+    opening = settings.gain_per_metre * (seen.reference - seen.position)
+    return memory, Opening(min(max(opening, -1.0), 1.0) if seen.released > 0.5 else -1.0)
+
+LAW = ProgramType(step, Seen, Opening(-1.0), Gain)
+'''
+
+
+def test_a_law_with_other_inputs_and_values_takes_its_place(tmp_path):
+    """The keys of the shipped law that it does not know go with that law; its own gain is read."""
+    (tmp_path / "plain_law.py").write_text(PLAIN_LAW)
+    text = shipped_systems()["axial-chamber"]
+    own = text.replace("[run]", '[programs.drive.law]\ntype = "plain_law:LAW"\ngain_per_metre = "100"\n\n[run]')
+    (tmp_path / "drive.toml").write_text(own)
+    law = load_system(str(tmp_path / "drive.toml")).circuit.network.programs["drive_law"]
+    assert {*law.reads} == {"reference", "position", "released"}
+    assert law.settings.gain_per_metre == 100.0
+
+
 @pytest.mark.thorough
 def test_the_law_of_the_page_in_the_whole_machine(tmp_path):
     """One word of the file; the numbers of the page, beside those of the shipped law."""

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from tests.words import wording
 
+from vvdp.base.tables import parsed_table
 from vvdp.evaluation.bench_report import BenchReport
 from vvdp.numerics.kalman import chance_band
 from vvdp.programs.estimate_report import (
+    EstimateReport,
     ShaftWatch,
     estimate_doubts,
     estimate_errors,
@@ -14,7 +16,7 @@ from vvdp.programs.estimate_report import (
     estimate_quantities,
     mean_speed,
 )
-from vvdp.systems.system import load_system
+from vvdp.systems.system import built_system, load_system
 
 PITCH = 2.0 * np.pi / 3.0
 AT_INSTANT = ShaftWatch("estimate", "encoder", "spool", 0.0)
@@ -118,3 +120,39 @@ def test_names_say_what_the_speed_is():
 
 def test_a_bench_without_an_encoder_has_none_of_it():
     assert "spool_speed_coverage" not in BenchReport(load_system("prototype-constant-load")).QUANTITIES
+
+
+WHEELS = """
+[nodes]
+wheel = { type = "driven-shaft", speed = "1500 rpm" }
+tank = { type = "tank" }
+line = { type = "volume", volume = "1 l", start = "20 bar" }
+
+[components]
+drain = { type = "orifice", a = "line", b = "tank", area = "6 mm^2" }
+
+[parts.watch]
+type = "spool-encoder"
+angle = { from = "wheel.angle" }
+speed = { from = "wheel.speed" }
+
+[run]
+until = "0.1 s"
+sample_period = "1 ms"
+"""
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ("", []),
+        ('[programs.watch.encoder]\nsectors = "6"\n', ["(8 sectors, watch_encoder has 6)"]),
+        ('[programs.watch.filter]\nindex_shift = "0.2"\n', ["(other edges)"]),
+    ],
+)
+def test_a_filter_that_takes_the_wheel_for_another_is_doubted(changes, told):
+    network = built_system(
+        parsed_table(WHEELS.replace("[run]", f"{changes}\n[run]"), "own.toml"), "own"
+    ).circuit.network
+    doubts = [*EstimateReport(network, "watch_filter", 1e-3).warnings({})]
+    assert len(doubts) == len(told) and all(words in doubt for words, doubt in zip(told, doubts, strict=True))

@@ -26,6 +26,12 @@ def _kind(hint: Any) -> Kind | None:
     return next((each for each in getattr(quantity, "__metadata__", ()) if isinstance(each, Kind)), None)
 
 
+def argument_kinds(function: Callable[..., Any]) -> dict[str, Kind | None]:
+    """The kind of every annotated argument of a function, by name; None where it has none."""
+    hints = get_type_hints(function, include_extras=True)
+    return {name: _kind(hint) for name, hint in hints.items() if name != "return"}
+
+
 def field_types(cls: type) -> dict[str, Any]:
     """The plain type of every annotated field of a class."""
     return _field_types(cls)

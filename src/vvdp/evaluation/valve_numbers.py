@@ -9,12 +9,13 @@ from vvdp.base.kinds import FRACTION, FREQUENCY, MEAN_POWER, Kind
 from vvdp.base.signal import signal_value
 from vvdp.components.rotary_valve import ROTARY_VALVE
 from vvdp.evaluation.bench_parts import shows_all
-from vvdp.evaluation.bench_validity import ValveReading, efficiency, transition_loss, valve_bounds
+from vvdp.evaluation.bench_validity import ValveReading, duty_bound, efficiency, transition_loss, valve_bounds
 from vvdp.fluid.oil import density
 from vvdp.network.network import Network, Part
 from vvdp.network.nodes import DrivenShaft, HydraulicNode
 from vvdp.systems.bound import Bound
 from vvdp.systems.extras import LoadedSystem, Summary
+from vvdp.systems.spool_travel import travel_of
 from vvdp.valve.losses import full_open_loss
 from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import pwm_frequency
@@ -111,7 +112,10 @@ def valve_reading(system: LoadedSystem, valve: PlacedValve, found: Mapping[str, 
 def placed_valve_bounds(system: LoadedSystem, found: Mapping[str, float | bool]) -> Iterator[Bound]:
     """The bounds of the laws of each rotary valve at what a run has `found`."""
     for valve in () if shows_all(system) else placed_valves(system.circuit.network):
-        yield from valve_bounds(valve_reading(system, valve, found), valve.name.replace("_", " "))
+        words, length = valve.name.replace("_", " "), valve.values.helix_length
+        if travel := travel_of(valve.part.inputs["axial_position"]):
+            yield duty_bound(f"duty ratio of {words}", (travel.low / length, travel.high / length), valve.values)
+        yield from valve_bounds(valve_reading(system, valve, found), words)
 
 
 def valve_quantities(system: LoadedSystem) -> Iterator[tuple[str, tuple[Kind, str]]]:

@@ -5,11 +5,12 @@ import re
 from collections.abc import Callable, Container, Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
+from inspect import signature
 from typing import Any
 
 from vvdp.base.errors import NetworkError
 from vvdp.base.kinds import PRESSURE_LEVEL, SPEED, Kind
-from vvdp.base.params import Params
+from vvdp.base.params import Params, argument_kinds
 from vvdp.base.signal import Signal, signal_value
 from vvdp.fluid.mixture import aerated_state, fluid_state, is_plain, plain_state, state_at
 from vvdp.fluid.oil import Oil
@@ -101,8 +102,10 @@ class Text:
             check_unit(where, kind, source, found.kind)
             return found.text
         if isinstance(source, Connection):
+            kinds, owner = argument_kinds(source.function), where.partition(".")[0]
             inner = ", ".join(
-                self.places.path(x) if isinstance(x, Params) else self.source(x, where) for x in source.sources
+                self.places.path(x) if isinstance(x, Params) else self.source(x, f"{owner}.{name}", kinds.get(name))
+                for name, x in zip(signature(source.function).parameters, source.sources, strict=False)
             )
             return f"{self.use(source.function)}({inner})"
         assert isinstance(source, Signal)

@@ -9,7 +9,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.display import percent, with_unit
 from vvdp.base.kinds import ANGLE, COUNT, DURATION, EFFICIENCY, NUMBER, SPEED, Kind
 from vvdp.estimation.event_settings import EventFilter
-from vvdp.network.network import Network
+from vvdp.network.network import Network, ProgramPart
 from vvdp.numerics.kalman import chance_band
 from vvdp.programs.report import ProgramReport, origin
 from vvdp.valve.rotary import RotaryValve
@@ -181,12 +181,27 @@ def estimate_doubts(found: Mapping[str, float | bool], watch: ShaftWatch) -> Ite
             )
 
 
+def wheel_doubt(network: Network, program: ProgramPart) -> str:
+    """A warning that an event filter takes the wheel of its encoder for another one; empty if it does not."""
+    encoder, _ = origin(network, program.reads.get("edges"))
+    assumed = getattr(program.settings, "wheel", None)
+    wheel = getattr(getattr(encoder and encoder.settings, "encoder", None), "wheel", None)
+    if encoder is None or wheel is None or assumed is None or np.array_equal(wheel.edges, assumed.edges):
+        return ""
+    first, second = len(assumed.edges), len(wheel.edges)
+    shown = f"{first} sectors, {encoder.name} has {second}" if first != second else "other edges"
+    return (
+        f"{program.name} takes the code wheel of {encoder.name} for another one ({shown}), so that angle and speed are "
+        "wrong; give both the same sectors and index_shift"
+    )
+
+
 class EstimateReport(ProgramReport):
     """Report of an event filter that knows the angle of a shaft: errors, stated standard deviation, coverage."""
 
     def __init__(self, network: Network, name: str, sample_period: float) -> None:
         super().__init__(network, name, sample_period)
-        self.watch = watch_of(network, name)
+        self.watch, self.doubt = watch_of(network, name), wheel_doubt(network, self.program)
         if self.watch:
             self.GROUP = f"Estimate of the {self.watch.shaft.replace('_', ' ')}"
             self.QUANTITIES = estimate_quantities(self.watch)
@@ -200,6 +215,8 @@ class EstimateReport(ProgramReport):
         return estimate_numbers(run.times, estimate._asdict(), sampled._asdict(), self.watch)
 
     def warnings(self, found: Mapping[str, float | bool]) -> Iterator[str]:
-        """An estimate that is surer than it may be, or far less sure."""
+        """Another wheel than that of the encoder; a stated standard deviation that is too small, or far too large."""
+        if self.doubt:
+            yield self.doubt
         if self.watch:
             yield from estimate_doubts(found, self.watch)

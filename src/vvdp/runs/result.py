@@ -37,6 +37,7 @@ from vvdp.runs.tables import (
     node_listing,
     overview,
     series_table,
+    valve_listing,
 )
 from vvdp.systems.assumed import assumed_words
 
@@ -120,9 +121,11 @@ def loss_listings(run: RecordedRun) -> dict[str, Listing]:
 
 
 def key_listings(run: RecordedRun) -> dict[str, Listing]:
-    """The overview that the system brings along; none where it brings none."""
+    """The overview that the system brings along, and, if that is not all of it, the numbers of its rotary valves."""
     extras = additions(run.system)
-    return {} if extras is None or not extras.OVERVIEW else {"overview": overview(run, extras)}
+    own = {} if extras is None or not extras.OVERVIEW else {"overview": overview(run, extras)}
+    valves = () if own and extras is not None and extras.IS_ALL else valve_listing(run)
+    return own | dict(zip(("valves",), valves, strict=False))
 
 
 def _findings(run: RecordedRun, report: BenchReport | None) -> tuple[Finding, ...]:

@@ -50,6 +50,7 @@ from vvdp.network.paths import Places
 from vvdp.programs.quantities import written_quantity
 from vvdp.systems.drawn_programs import ProgramDrawer
 from vvdp.systems.limits import Limits
+from vvdp.systems.part_files import shipped_parts
 from vvdp.systems.part_keys import PartType, other_type, part_keys
 from vvdp.systems.part_scopes import Entries
 from vvdp.systems.shares import Share, check_share, share, whole_quantity
@@ -310,7 +311,10 @@ class Drawer(ProgramDrawer):
     def _type(self, path: str, part: Mapping[str, object], types: Mapping[str, object]) -> Any:
         word = part.get("type")
         if not isinstance(word, str) or word not in types:
-            unknown = f"type {word!r} is unknown{nearest(str(word), list(types))}"
+            meant = nearest(str(word), list(types))
+            if word in shipped_parts():
+                meant = f"; it is a part, which stands in a table [parts.{path.partition('.')[2]}]"
+            unknown = f"type {word!r} is unknown{meant}"
             self._fault(path, self._type_hint(path, types) if word is None else unknown)
             return None
         return types[word]

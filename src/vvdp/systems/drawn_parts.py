@@ -1,18 +1,21 @@
 """A circuit while its parts are drawn out: entries by name, the parts, and where each entry stands in a file."""
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from contextlib import suppress
+from pathlib import Path
 from typing import Any, TypeAlias
 
 from vvdp.base.errors import Fault, ParameterError
 from vvdp.base.tables import nearest
-from vvdp.components.library import COMPONENTS
-from vvdp.programs.library import PROGRAMS
-from vvdp.systems.part_files import DRAWN, GROUPS, NODES, PARTS
+from vvdp.components.library import COMPONENTS as COMPONENT_TYPES
+from vvdp.programs.library import PROGRAMS as PROGRAM_TYPES
+from vvdp.systems.own_programs import own_program
+from vvdp.systems.part_files import COMPONENTS, DRAWN, GROUPS, NODES, PARTS, PROGRAMS
 from vvdp.systems.part_keys import PartType, part_keys
 from vvdp.systems.part_scopes import Entries, Place, Scope, as_table, inner_name
 
 FAULTS = "faults"
-TYPES: Mapping[str, Mapping[str, PartType]] = {"components": COMPONENTS, "programs": PROGRAMS}
+TYPES: Mapping[str, Mapping[str, PartType]] = {COMPONENTS: COMPONENT_TYPES, PROGRAMS: PROGRAM_TYPES}
 Keys: TypeAlias = tuple[str, ...]
 SIGNAL_WORDS = frozenset(("value", "step", "ramp", "sine", "table", "from"))
 """Words of which an entry with a value has one."""
@@ -21,8 +24,8 @@ SIGNAL_WORDS = frozenset(("value", "step", "ramp", "sine", "table", "from"))
 class DrawnCircuit:
     """Nodes, components and programs by their names in the network, and the parts that they belong to."""
 
-    def __init__(self, faults: list[Fault]) -> None:
-        self.faults = faults
+    def __init__(self, faults: list[Fault], folder: Path) -> None:
+        self.faults, self.folder = faults, folder
         self.tables: dict[str, dict[str, Any]] = {group: {} for group in GROUPS}
         self.parts: dict[str, dict[str, Any]] = {}
         self.places: dict[str, Place] = {}
@@ -69,11 +72,33 @@ class DrawnCircuit:
         elif name not in table:
             self.tell(place, f"no such name among the {group}{nearest(name, table) if table else ''}")
         else:
-            for key in other_keys(group, table[name], entry):
+            for key in self._other_keys(group, table[name], entry):
                 del table[name][key]
+            self.drop_alternatives([f"{group}.{name}.{key}" for key in entry])
             for keys, value in _leaves(entry, table[name]):
                 below = ".".join(keys)
                 self.set(f"{group}.{name}.{below}", value, place.below(below))
+
+    def _other_keys(self, group: str, part: Entries, entry: Entries) -> list[str]:
+        """The keys of a component or program that the other type which `entry` gives it does not take."""
+        word = str(entry.get("type"))
+        found = TYPES.get(group, {}).get(word)
+        if found is None and group == PROGRAMS and ":" in word:
+            with suppress(ParameterError):  # reported where the program is drawn
+                found = own_program(word, {group: {"own": entry}}, self.folder)
+        return [] if found is None else [key for key in part if key not in part_keys(found).known]
+
+    def drop_alternatives(self, given: Collection[str]) -> None:
+        """Take out what parts say of an input where its alternative is `given`: a duty ratio for an axial position."""
+        for path in given:
+            group, _, rest = path.partition(".")
+            name, _, key = rest.partition(".")
+            entry = self.tables[group].get(name, {})
+            found = TYPES.get(group, {}).get(str(entry.get("type")))
+            for word, other in getattr(found, "alternatives", {}).items():
+                left = {word: other.name, other.name: word}.get(key)
+                if left is not None and f"{group}.{name}.{left}" not in given:
+                    entry.pop(left, None)
 
     def has(self, path: str) -> bool:
         """Whether an entry stands at a path."""
@@ -176,9 +201,3 @@ def _entry_paths(path: str, parts: Mapping[str, Mapping[str, object]]) -> tuple[
     part, _, value = rest.rpartition(".")
     values = as_table(as_table(parts.get(inner_name(part, parts))).get("values")) if group == PARTS else {}
     return tuple(values.get(value, ())) or (group + dot + inner_name(rest, parts),)
-
-
-def other_keys(group: str, part: Mapping[str, object], entry: Mapping[str, object]) -> list[str]:
-    """The keys of a component or program that the other type which `entry` gives it does not take: they go with it."""
-    found = TYPES.get(group, {}).get(str(entry.get("type")))
-    return [] if found is None else [key for key in part if key not in part_keys(found).known]

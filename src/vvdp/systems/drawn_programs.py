@@ -161,8 +161,8 @@ class Kinds:
             if name in above:
                 loop = " -> ".join([name, *reversed(above[above.index(name) :])])
                 raise NetworkError(
-                    f"{above[0]}: the unit of each of these programs follows from another's: {loop}; begin what one of "
-                    "them reads with something else"
+                    f"{above[0]}: the unit of each of these programs follows from another's: {loop}; let one of "
+                    "them read a quantity of the circuit, or take a program whose values have units, such as `pi`"
                 )
             if isinstance(part.kind, ProgramType):
                 return part.kind

@@ -63,7 +63,7 @@ def expand(table: Table, folder: Path) -> Expanded:
     if PARTS not in content:
         return Expanded(table, {})
     top = PartFile(file, table, folder / file)
-    circuit = DrawnCircuit(faults)
+    circuit = DrawnCircuit(faults, folder)
     Expansion(circuit).draw(Scope(top, above=(top.identity,)))
     _refuse_inner_joints(circuit)
     _refuse(faults)

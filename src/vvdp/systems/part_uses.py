@@ -8,6 +8,7 @@ from vvdp.base.tables import closest_word, fault_at, inner_table, nearest, refus
 from vvdp.components.library import COMPONENTS
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Role
+from vvdp.systems.drawing import NODES as NODE_TYPES
 from vvdp.systems.drawn_parts import DrawnCircuit
 from vvdp.systems.part_files import NODES, PARTS, TABLES_OF_A_PART, VALUES, WORDS, PartFile
 from vvdp.systems.part_scopes import Entries, Place, Scope, as_table
@@ -107,7 +108,7 @@ class PartUse:
         if port not in inner.ports or node in self.scope.ports:
             return
         kind = str(as_table(self.circuit.tables[NODES].get(inner.ports[port])).get("type"))
-        if HELD.get(kind, OIL) != carried:
+        if kind in NODE_TYPES and HELD.get(kind, OIL) != carried:
             what = carried if carried == OIL else f"a {carried}"
             words = f"port {port!r} carries {what}; {node!r} is a {kind.replace('-', ' ')}"
             self.circuit.tell(self.place.below(port), words)
@@ -122,6 +123,7 @@ def set_values(use: PartUse, inner: Scope) -> None:
         default = {key: entry for key, entry in own.items() if key != "sets"}
         for path in values[value] if default else ():
             use.circuit.set(path, inner.rename(default, use.circuit.parts), inner.place(f"{VALUES}.{value}"))
+    use.circuit.drop_alternatives({path for value, paths in values.items() if value in use.entry for path in paths})
     for value, paths in values.items():
         place = use.place.below(value)
         for path in paths:

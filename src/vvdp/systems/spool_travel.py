@@ -138,7 +138,11 @@ def _paths(source: Source | None) -> list[str]:
 
 def prescribed_travel(network: Network) -> Travel | None:
     """Between which positions a prescribed spool stands over the run [m]; None where it is not prescribed."""
-    source = spool_source(network)
+    return travel_of(spool_source(network))
+
+
+def travel_of(source: Source | None) -> Travel | None:
+    """Between which positions a source lies over the run [m]; None where it is not prescribed."""
     if source is None or _paths(source):
         return None
     ends = [_value(source, lambda each, end=end: each.extremes[end], {}) for end in (0, 1)]

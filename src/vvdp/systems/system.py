@@ -58,6 +58,7 @@ from vvdp.systems.function_circuits import (
 from vvdp.systems.options import duration_of, lasting, option_keys, without_other_position
 from vvdp.systems.own_modules import OwnModule, folder_of_saved, own_module
 from vvdp.systems.own_programs import absolute_fmus, own_code
+from vvdp.systems.part_scopes import as_table
 from vvdp.systems.program_reports import reported_programs
 from vvdp.systems.short_paths import full_settings, with_full_paths
 from vvdp.systems.spool_travel import rotary_valves
@@ -423,6 +424,8 @@ def _locate_fault(message: str, table: Table) -> Fault:
         for path in (f"{group}.{word}.{key}", f"{group}.{word}"):
             if path in table.lines:
                 return Fault(table.place, table.lines[path], path, message.removeprefix(f"{word}: "))
+        if word in as_table(table.content.get(group)):  # of a part: its file and use are found by the path
+            return Fault(table.place, 0, f"{group}.{word}.{key}".rstrip("."), message.removeprefix(f"{word}: "))
     return Fault(table.place, 0, "", message)
 
 
