@@ -1,5 +1,6 @@
 """Controllers of the chamber drive side by side: scores worked by hand, and which controller has to be better where."""
 
+from dataclasses import replace
 from itertools import accumulate
 
 import numpy as np
@@ -8,21 +9,17 @@ from tests.words import wording
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.select import maximum
-from vvdp.base.signal import constant
-from vvdp.comparison import loop_trials
 from vvdp.comparison.controllers import controllers
 from vvdp.comparison.loop_result import controller_result
-from vvdp.comparison.loop_scenarios import GAINS, known_bench, loop_scenarios
+from vvdp.comparison.loop_scenarios import loop_scenarios
 from vvdp.comparison.loop_scores import LoopScore, loop_score, loop_summary
 from vvdp.comparison.loop_trials import compare_controllers
 from vvdp.control.backstepping import velocity_share
 from vvdp.control.chamber import desired_pressure
-from vvdp.control.reference import ReferenceFilter
 from vvdp.fluid.mixture import compression_energy_per_volume
-from vvdp.machines.axial_control import known_drive
-from vvdp.machines.axial_tally import AxialTruth, TallySettings, tally_of, tally_start, tally_step
-from vvdp.machines.chamber_bench import controlled_circuit, rows_under_control, seeded_case
-from vvdp.programs.axial_loop import LEARN, RUN
+from vvdp.machines.drive_loop import LAW, drawn_loop, errors_under_control, law_of, seeded_case, tally_of, with_tally
+from vvdp.machines.drive_tally import LoopTruth, TallySettings, tally_start, tally_step
+from vvdp.programs.chamber_report import ChamberLawReport
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.run import simulate
 from vvdp.studies.engine import ThisProcess
@@ -51,29 +48,29 @@ def value(contest, where, who, key="tracking_error_rms_m"):
 # What is added up
 
 
+def law():
+    """The law of the drive as it is shipped, but for its friction."""
+    return law_of(drawn_loop({}))
+
+
 def settings(**changes):
-    bench = known_bench()
-    values = {
-        "drive": known_drive(bench.parts, bench.pilot),
-        "gains": GAINS,
-        "reference": ReferenceFilter(filter_rate=250.0),
-        "wanted": constant(-6e-3),
-        "sample_period": 1e-3,
-        "stop_position": -6e-3,
-        "settling_time": 0.0015,
-    }
+    values = {"drive": law().drive, "gains": law().gains, "sample_period": 1e-3, "settling_time": 0.0015}
     return TallySettings(**(values | changes))
 
 
-def truth(time, position, drive=0.0, stage=RUN, believed=None):
-    return AxialTruth(
-        time=time,
+def truth(position, command=0.0, released=1.0, believed=None):
+    """A spool whose reference rests at -6 mm."""
+    return LoopTruth(
         position=position,
         velocity=0.0,
         pressure=1e6,
-        drive=drive,
-        stage=stage,
+        reference=-6e-3,
+        reference_velocity=0.0,
+        reference_acceleration=0.0,
+        reference_jerk=0.0,
+        command=command,
         believed=position if believed is None else believed,
+        released=released,
     )
 
 
@@ -82,14 +79,19 @@ def test_a_tally_by_hand():
     which these are 30 and -40 um off, the estimate from them 10 and -20 um; the valve goes 0.2, 0.1, 0.4."""
     asked = settings()
     memory = tally_start(asked)
-    for row in (
-        truth(0.0, -6.2e-3, drive=-1.0, stage=LEARN),
-        truth(1e-3, -5e-3, drive=0.3),
-        truth(2e-3, -5e-3, drive=0.2),
-        truth(3e-3, -5.97e-3, drive=0.1, believed=-5.96e-3),
-        truth(4e-3, -6.04e-3, drive=0.4, believed=-6.06e-3),
+    errors = []
+    for sample, row in enumerate(
+        (
+            truth(-6.2e-3, command=-1.0, released=0.0),
+            truth(-5e-3, command=0.3),
+            truth(-5e-3, command=0.2),
+            truth(-5.97e-3, command=0.1, believed=-5.96e-3),
+            truth(-6.04e-3, command=0.4, believed=-6.06e-3),
+        )
     ):
-        memory, _ = tally_step(row.time, memory, row, asked)
+        memory, shown = tally_step(1e-3 * sample, memory, row, asked)
+        errors.append(shown.error)
+    assert errors == pytest.approx([0.0, 1e-3, 1e-3, 30e-6, -40e-6])
     assert (memory.begin, memory.samples) == (1e-3, 2.0)
     score = loop_score(memory, True)
     assert score.tracking_mean_square == pytest.approx(0.5 * (30e-6**2 + 40e-6**2))
@@ -102,26 +104,29 @@ def test_a_tally_by_hand():
 
 def test_a_tally_is_what_the_record_says():
     """The sums made while a run goes on against its record, taken afterwards, which has one sample of 1681 less."""
-    circuit = circuit_of("passivity", "air-low")
-    case, stepping = seeded_case(circuit, 3), loop_trials.loop_stepping(scenario("air-low"))
+    system = system_of("passivity", "air-low")
+    stepping, circuit = system.stepping, with_tally(system)
+    case = seeded_case(circuit, 3)
     batch = simulate_batch(circuit.model, [case], stepping, lanes=False)
     score = loop_score(tally_of(case, batch.final_memories[0]), batch.reasons[0] is None)
-    rows = rows_under_control(simulate(circuit.model, case, stepping), 1e-3)
-    late = rows.times >= rows.times[0] + 1.0
-    position, shown = rows.true.position[late], rows.shown
-    assert score.tracking_mean_square == pytest.approx(
-        np.mean((position - rows.reference.position[late]) ** 2), rel=2e-3
-    )
-    assert score.estimate_mean_square == pytest.approx(np.mean((shown.position[late] - position) ** 2), rel=2e-3)
-    assert score.change_mean_square == pytest.approx(np.mean(np.diff(shown.drive)[late[1:]] ** 2), rel=2e-3)
-    assert score.storage_rises == pytest.approx(rises(rows, scenario("air-low").plant), abs=2.0)
+    run = simulate(circuit.model, case, stepping)
+    rows = ChamberLawReport(circuit.network, LAW, 1e-3).run_rows(run)
+    times, errors = errors_under_control(run, circuit, 1e-3)
+    assert errors == pytest.approx(rows.true.position - rows.reference.position, abs=1e-15)
+    late = times >= times[0] + 1.0
+    at_sample = np.searchsorted(run.times, times + 0.5e-3)
+    believed = run.command.drive_observer.position[at_sample]
+    assert score.tracking_mean_square == pytest.approx(np.mean(errors[late] ** 2), rel=2e-3)
+    assert score.estimate_mean_square == pytest.approx(np.mean((believed - rows.true.position)[late] ** 2), rel=2e-3)
+    assert score.change_mean_square == pytest.approx(np.mean(np.diff(rows.shown.drive)[late[1:]] ** 2), rel=2e-3)
+    assert score.storage_rises == pytest.approx(rises(rows, circuit.network.oil.air_fraction), abs=2.0)
     assert score.storage_rises > 100.0  # it limit-cycles
 
 
-def rises(rows, plant):
+def rises(rows, air):
     """Samples in which V W_V grew by more than 1e-3 of its largest, beyond the larger -(P - P_d) A e_v of both ends."""
-    drive = known_drive(plant.parts, plant.pilot)
-    desired = desired_pressure(rows.reference, rows.true, GAINS, drive)
+    drive = replace(law().drive, oil=replace(law().drive.oil, air_fraction=air))
+    desired = desired_pressure(rows.reference, rows.true, law().gains, drive)
     energy = compression_energy_per_volume(rows.true.pressure, desired.pressure, drive.oil)
     stored = (drive.oil_volume + drive.area * rows.true.position) * energy
     given = (desired.pressure - rows.true.pressure) * drive.area * desired.velocity_error
@@ -130,9 +135,8 @@ def rises(rows, plant):
     return np.count_nonzero(excess[late] > 1e-3 * np.array(list(accumulate(stored, max)))[1:][late])
 
 
-def circuit_of(who, where):
-    control = controller(who).control(scenario(where))
-    return controlled_circuit(scenario(where).plant, control, scenario(where).known.loop(control))
+def system_of(who, where):
+    return drawn_loop(scenario(where).values | controller(who).values)
 
 
 # What runs come to
@@ -157,7 +161,7 @@ def test_figures_of_runs_by_hand():
 
 def test_far_off_is_failed():
     memory = tally_start(settings(settling_time=0.0))
-    memory, _ = tally_step(0.0, memory, truth(0.0, -6e-3 + 2.6e-3), settings(settling_time=0.0))
+    memory, _ = tally_step(0.0, memory, truth(-6e-3 + 2.6e-3), settings(settling_time=0.0))
     assert loop_score(memory, True).failed == 1.0
 
 
@@ -190,11 +194,9 @@ def test_a_run_is_drawn(found):
 
 def test_the_best_weight_takes_the_velocity_out():
     """k of the published backstepping gains: 4e-10 (0.5 50 + 45)/174e-6^2 = 0.925, and lambda_2 = V/beta/(1 - k)."""
-    bench = known_bench()
-    drive = known_drive(bench.parts, bench.pilot)
-    published, best = (controller(name).law.gains for name in ("backstepping", "best-backstepping"))
-    assert velocity_share(published, published.flow_gain, drive) == pytest.approx(0.925, abs=1e-3)
-    assert best.pressure_weight == pytest.approx(5.2604e-13 / (1.0 - 0.92483), rel=1e-3)
+    published, best = (law_of(system_of(name, "nominal")) for name in ("backstepping", "best-backstepping"))
+    assert velocity_share(published.gains, published.gains.flow_gain, published.drive) == pytest.approx(0.925, abs=1e-3)
+    assert best.gains.pressure_weight == pytest.approx(5.2604e-13 / (1.0 - 0.92483), rel=1e-3)
 
 
 # How it is run
@@ -233,7 +235,7 @@ def test_all_of_it():
     """What the specification says of samples, air, friction and a lost sensor, in figures over three seeds."""
     found = compare_controllers(loop_scenarios(), controllers(), 3)
     assert found.finished and found.runs == 3 * len(loop_scenarios())
-    observed = [each.name for each in controllers() if each.feedback is None]
+    observed = [each.name for each in controllers() if each.name != "raw"]
     for who in observed:
         assert value(found, "noise-free", who) < 8e-6, who
         assert value(found, "lost-sensor", who) < 1.1 * value(found, "nominal", who), who

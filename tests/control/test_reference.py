@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.signal import cont2discrete
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.signal import signal_value
+from vvdp.base.signal import signal_value, table
 from vvdp.control.reference import Pauses, Reference, ReferenceFilter, reference_at_rest, reference_step, trapezoid
 
 FILTER = ReferenceFilter(filter_rate=150.0)
@@ -78,7 +78,7 @@ def test_published_trapezoid():
         ways = 0.8, 0.8 + 0.8 * (s - 1.0), 1.6, 1.6 - 0.8 * (s - 4.0)
         return ways[int(s >= 1.0) + int(s > 2.0) + int(s >= 4.0)]
 
-    signal = trapezoid(0.8, 1.6, Pauses(1.0, 2.0), 1.0, periods=3)
+    signal = table(*zip(*trapezoid(0.8, 1.6, Pauses(1.0, 2.0), 1.0, periods=3), strict=True))
     for t in np.linspace(0.0, 14.999, 1234):
         assert signal_value(t, signal) == pytest.approx(corrected(t), abs=1e-12)
     assert signal_value(40.0, signal) == pytest.approx(0.8)

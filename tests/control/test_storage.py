@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.signal import signal_value
+from vvdp.base.signal import signal_value, table
 from vvdp.control.backstepping import backstepping_law, best_pressure_weight
 from vvdp.control.chamber import ChamberReading, chamber_volume, volume_compliance
 from vvdp.control.orifice import valve_command, valve_flow
@@ -129,10 +129,11 @@ def sampled(law, drive, gains, period=1e-3):
 
     The command is held over the sample.
     """
-    signal, settings = (
+    points, settings = (
         trapezoid(START, 5.25e-3, Pauses(0.15, 0.15), 0.05, periods=1),
         ReferenceFilter(filter_rate=250.0),
     )
+    signal = table(*zip(*points, strict=True))
     reference, y, errors, excesses = reference_at_rest(START), np.array([START, 0.0, BALANCED]), [], []
     for k in range(round(0.4 / period)):
         wanted = law(reference, ChamberReading(*y), gains, drive).flow

@@ -7,8 +7,8 @@ import pytest
 
 from vvdp.base.errors import ParameterError
 from vvdp.estimation.estimator import Estimate
-from vvdp.programs.axial_loop import HOME, RUN, AxialSequence, Stage, is_known, known_phase, next_stage
 from vvdp.programs.axial_sensor import AXIAL_SENSOR, AxialSensorTable, sensor_step
+from vvdp.programs.axial_stages import HOME, RUN, AxialSequence, Stage, is_known, known_phase, next_stage
 from vvdp.programs.chamber_laws import (
     BacksteppingTable,
     ChamberTask,

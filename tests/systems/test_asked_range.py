@@ -40,6 +40,36 @@ type = "product"
 first = "thrice.value"
 second = "line.pressure"
 
+[programs.kept]
+type = "limit"
+reads = "thrice.value"
+highest = "4 mm"
+
+[programs.capped]
+type = "limit"
+reads = "measured.value"
+lowest = "-2 mm*bar"
+highest = "5 mm*bar"
+
+[programs.half]
+type = "limit"
+reads = "measured.value"
+highest = "5 mm*bar"
+
+[programs.shifted]
+type = "limit"
+reads = "turned.value"
+lowest = "12 mm"
+
+[programs.controlled]
+type = "pi"
+reads = "line.pressure"
+reference = "30 bar"
+gain = "1 mm/bar"
+reset_time = "1 s"
+lowest = "1 mm"
+highest = "7 mm"
+
 [run]
 until = "0.1 s"
 """
@@ -51,15 +81,19 @@ until = "0.1 s"
         ("turned.value", -6e-3, 10e-3),
         ("smoothed.value", -6e-3, 10e-3),
         ("thrice.value", -30e-3, 18e-3),
+        ("kept.value", -30e-3, 4e-3),
+        ("capped.value", -200.0, 500.0),
+        ("shifted.value", 12e-3, 12e-3),
+        ("controlled.value", 1e-3, 7e-3),
     ],
 )
-def test_the_ends_of_a_product_are_those_of_a_pair_of_ends(reference, low, high):
+def test_the_ends_of_a_product_are_those_of_a_pair_of_ends_within_limits(reference, low, high):
     """-2 to 1 times -5 to 3 mm: the pairs give 10, -6, -5 and 3 mm; times -3 they are -30, 18, 15 and -9 mm."""
     network = built_system(parsed_table(TEXT, "asked.toml"), "asked").circuit.network
     assert range_asked(network, reference) == pytest.approx((low, high))
 
 
-@pytest.mark.parametrize("reference", ["looked.value", "measured.value", "line.pressure"])
+@pytest.mark.parametrize("reference", ["looked.value", "measured.value", "half.value", "line.pressure"])
 def test_nothing_is_known_of_what_is_measured_or_looked_up(reference):
     network = built_system(parsed_table(TEXT, "asked.toml"), "asked").circuit.network
     assert range_asked(network, reference) is None

@@ -8,7 +8,7 @@ from tests.words import wording
 from vvdp.base.errors import ConfigError
 from vvdp.evaluation.control_stages import reach_bounds
 from vvdp.evaluation.summary import summary
-from vvdp.programs.axial_loop import HOME, LEARN, RUN, STOP
+from vvdp.programs.axial_stages import HOME, LEARN, RUN, STOP
 from vvdp.systems.system import shipped_systems
 
 pytestmark = pytest.mark.heavy

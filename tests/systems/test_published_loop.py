@@ -368,7 +368,7 @@ def storages(text: str) -> tuple[np.ndarray, np.ndarray]:
     report, law = report_of(system), law_of(system)
     found = report.run_rows(run)
     late = np.flatnonzero(found.times >= found.times[0] + 0.1)
-    believed, shape = run.memory["drive_observer"].chamber.filter, polluted_shape(system)
+    believed, shape = run.memory["drive_observer"].filter, polluted_shape(system)
     after = rows_at_samples(run, report.program, report.period)[1]
     estimated = []
     for k in late:

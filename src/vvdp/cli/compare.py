@@ -139,14 +139,14 @@ def runs(
     """
     from vvdp.base.files import result_directory
     from vvdp.base.manifest import as_damaged
-    from vvdp.comparison.runs import compare_runs
+    from vvdp.comparison.runs import RUNS, compare_runs
 
     with as_damaged(directories[0]):
         result = compare_runs(directories, trust)
     directory = out if out is not None else default_directory("compare-runs")
     with result_directory(directory, force=force) as folder:
         reported = write_with_report(folder, result, "", no_report=no_report)
-    shown = replace(result, charts={}, tables={"runs": result.tables["runs"]}) if json else result  # series are long
+    shown = replace(result, charts={}, tables={RUNS: result.tables[RUNS]}) if json else result  # series are long
     show_result(shown, directory, json=json, reported=reported)
 
 

@@ -47,7 +47,7 @@ def _work(items: "tuple[Item, ...]", directory: Path, force: bool, json: bool, n
     from vvdp.base.files import result_directory
     from vvdp.cli.printing import MOST_ROWS, print_result, write_with_report
     from vvdp.cli.screen import print_json, say, tell
-    from vvdp.reproduction.expectation import expected_verdicts, verdict_changes, verdicts_of
+    from vvdp.reproduction.expectation import VERDICTS, expected_verdicts, verdict_changes, verdicts_of
     from vvdp.reproduction.kept import stopped_items, take_over
     from vvdp.reproduction.result import json_rows, verdict_result
     from vvdp.reproduction.runner import all_statements, reproduce
@@ -74,8 +74,8 @@ def _work(items: "tuple[Item, ...]", directory: Path, force: bool, json: bool, n
         told = {"changed": changes, "finished": not missing, "missing": missing, "out": str(directory)}
         print_json({"items": json_rows(outcomes), **counts, **told})
     else:
-        short = result.tables["verdicts"].rows <= MOST_ROWS
-        print_result(result, ("verdicts",) if short else ("chapters",))
+        short = result.tables[VERDICTS].rows <= MOST_ROWS
+        print_result(result, (VERDICTS,) if short else ("chapters",))
         tell(f"results: {directory}" + (f"\nreport: {directory / 'report.html'}" if reported else ""))
     if missing:
         raise typer.Exit(INTERRUPTED)

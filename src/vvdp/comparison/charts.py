@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from vvdp.comparison.results import Comparison, Traced
-from vvdp.comparison.score_tables import ErrorFigure, Figures, error_chart, scenario_rows
+from vvdp.comparison.score_tables import SCORES, ErrorFigure, Figures, error_chart, scenario_rows
 from vvdp.results.chart import Chart, Colour, Dots, Line, Lines
 from vvdp.results.result import Table
 
@@ -53,7 +53,7 @@ def _delays(found: Comparison, table: Table) -> Chart:
         "estimator does not settle in most runs, or lags by more than 0.2 s in one."
     )
     height = 0.7 + 0.16 * len(found.contenders)
-    return Chart(name="delay", caption=caption, table="comparison", panels=panels, columns=2, height=height)
+    return Chart(name="delay", caption=caption, table=SCORES, panels=panels, columns=2, height=height)
 
 
 def _traces(found: Comparison, traced: Traced) -> Chart:

@@ -20,6 +20,7 @@ from vvdp.base.kinds import (
 )
 from vvdp.comparison.circuit_trials import CircuitComparison, CircuitRun
 from vvdp.comparison.equal_error import EQUAL, is_reached
+from vvdp.comparison.score_tables import SCORES
 from vvdp.machines.duties import Duty
 from vvdp.results.chart import Bars, Chart, Colour, Line, Lines
 from vvdp.results.result import Column, Finding, Grade, Number, Result, Section, Table
@@ -110,7 +111,7 @@ def circuit_result(found: CircuitComparison) -> Result:
         conditions={name: _condition(duty) for name, duty in found.duties.items()},
         numbers=_numbers(found),
         tables={
-            "comparison": scores,
+            SCORES: scores,
             "circuits": _circuit_table(found),
             "front": _front_table(found),
             "shares": _share_table(scores),
@@ -120,7 +121,7 @@ def circuit_result(found: CircuitComparison) -> Result:
         findings=tuple(_findings(found)),
         sections=(
             Section(title="Where the power goes", words=(MANNER,), shows=("conditions", *charts)),
-            Section(title="Cycle by cycle", words=(DEFINITIONS,), shows=("comparison",), starts_page=True),
+            Section(title="Cycle by cycle", words=(DEFINITIONS,), shows=(SCORES,), starts_page=True),
             Section(title="Error versus power", words=(FRONT,), shows=("front",)),
             Section(title="The circuits", shows=("circuits",)),
         ),
@@ -131,7 +132,7 @@ def circuit_result(found: CircuitComparison) -> Result:
 
 def errors_in_mm(result: Result) -> dict[str, list[float]]:
     """The rms error of each run [mm], to be compared at a glance."""
-    return {"error_rms_mm": [1e3 * float(each) for each in result.tables["comparison"]["tracking_error_rms_m"]]}
+    return {"error_rms_mm": [1e3 * float(each) for each in result.tables[SCORES]["tracking_error_rms_m"]]}
 
 
 def _numbers(found: CircuitComparison) -> dict[str, Number]:
@@ -144,7 +145,7 @@ def _numbers(found: CircuitComparison) -> dict[str, Number]:
 
 def screen_tables(found: CircuitComparison, result: Result) -> dict[str, Table]:
     """Results of each circuit on each duty, in a table of its own, without losses that none has."""
-    scores, tables = result.tables["comparison"], {}
+    scores, tables = result.tables[SCORES], {}
     for name, duty in found.duties.items():
         here = scores["cycle"] == name
         if not np.any(here):
@@ -260,7 +261,7 @@ def _power_charts(name: str, duty: Duty, scores: Table, rows: tuple[int, ...]) -
         f"Where the power goes on {name} ({duty.load}), means over a round. Behind a bar stands where what it holds "
         "came from: the drives of the pumps, and the load while it overruns."
     )
-    yield Chart(name=f"powers-{name}", caption=caption, table="comparison", panels=(watts,), height=height)
+    yield Chart(name=f"powers-{name}", caption=caption, table=SCORES, panels=(watts,), height=height)
     caption = f"The same on {name} ({duty.load}) as shares of all that came in."
     yield Chart(name=f"shares-{name}", caption=caption, table="shares", panels=(shares,), height=height)
 

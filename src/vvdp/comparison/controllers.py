@@ -1,43 +1,47 @@
-"""The controllers that are compared: a law of the chamber drive, its gains, and what it receives."""
+"""The controllers that are compared: a law of the chamber drive with its gains, and what it receives.
 
-from dataclasses import dataclass, replace
+Values stand here as in a system file.
+"""
 
-from vvdp.comparison.loop_scenarios import GAINS, HIGH, LOW, LoopScenario, known_bench
-from vvdp.control.backstepping import BacksteppingGains, best_pressure_weight
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from vvdp.comparison.loop_scenarios import HIGH, LOW
+from vvdp.control.backstepping import best_pressure_weight
 from vvdp.control.chamber import ChamberDrive, volume_compliance
-from vvdp.control.passivity import PassivityGains
-from vvdp.machines.axial_control import AxialControl, ChosenLaw, chosen_law, known_drive
-from vvdp.machines.chamber_feedback import RawFeedback
+from vvdp.machines.drive_loop import drawn_loop, law_of
 
-PUBLISHED = PassivityGains(error_rate=50.0, position_gain=55.0, velocity_gain=4.0, flow_gain=4e-10)
-PUBLISHED_BACKSTEPPING = BacksteppingGains(
-    error_rate=50.0, position_gain=550.0, velocity_gain=45.0, pressure_weight=3e-12, flow_gain=4e-10
-)
-"""Gains of wang2017, table 5.1."""
-RAW = RawFeedback(velocity_rate=377.0)
+FLOW_GAIN = "4e-10 m^3/(s*Pa)"
+PUBLISHED = {"type": "printed-passivity", "flow_gain": FLOW_GAIN, "pressure_rate": "0 1/s"}
+BACKSTEPPING = {
+    "type": "backstepping",
+    "error_rate": "50 1/s",
+    "position_gain": "550 N/m",
+    "velocity_gain": "45 N*s/m",
+    "pressure_weight": "3e-12 m^3/Pa",
+    "flow_gain": FLOW_GAIN,
+}
+"""Gains of wang2017, table 5.1. The shipped drive has them too, but for its `pressure_rate`: half of what samples of
+1 ms allow."""
+SLOPE = {"type": "derivative", "reads": "drive.sensor.position", "time_constant": f"{1.0 / 377.0!r} s"}
 """The slope of the raw signal behind a filter of 60 Hz."""
 
 
 @dataclass(frozen=True)
 class Controller:
-    """A law with its gains, shown what the observer estimates unless a `feedback` says otherwise."""
+    """A law: what a file gives of its program other than the shipped drive has it, and `programs` that it reads."""
 
     name: str
     title: str
-    law: ChosenLaw
-    feedback: RawFeedback | None = None
+    law: Mapping[str, str] = field(default_factory=dict)
+    programs: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
-    def control(self, scenario: LoopScenario) -> AxialControl:
-        """The control of a scenario with this law."""
-        return replace(scenario.control, law=self.law, feedback=self.feedback)
-
-
-def best_backstepping() -> BacksteppingGains:
-    """The published gains with the lambda_2 that takes the measured velocity out of the flow, in mid travel."""
-    gains = PUBLISHED_BACKSTEPPING
-    bench = known_bench()
-    drive = known_drive(bench.parts, bench.pilot)
-    return replace(gains, pressure_weight=best_pressure_weight(middle_compliance(drive), gains, gains.flow_gain, drive))
+    @property
+    def values(self) -> dict[str, Any]:
+        """Values of the circuit by their paths."""
+        added = {f"programs.{name}": table for name, table in self.programs.items()}
+        return {"programs.drive.law": self.law, **added} if self.law else added
 
 
 def middle_compliance(drive: ChamberDrive) -> float:
@@ -47,15 +51,25 @@ def middle_compliance(drive: ChamberDrive) -> float:
     return volume_compliance(middle, pressure, drive)
 
 
+def best_backstepping() -> dict[str, str]:
+    """The published law with the lambda_2 that takes the measured velocity out of the flow, in mid travel."""
+    law = law_of(drawn_loop({"programs.drive.law": BACKSTEPPING}))
+    best = best_pressure_weight(middle_compliance(law.drive), law.gains, law.gains.flow_gain, law.drive)
+    return {**BACKSTEPPING, "pressure_weight": f"{float(best)!r} m^3/Pa"}
+
+
 def controllers() -> tuple[Controller, ...]:
     """All controllers."""
-    passive, backstepping = chosen_law(passivity=GAINS), chosen_law(backstepping=PUBLISHED_BACKSTEPPING)
-    best = chosen_law(backstepping=best_backstepping())
     return (
-        Controller("passivity", "passivity, exact feedforward, gain scheduled with V/beta", passive),
-        Controller("printed", "the same with the feedforward as printed", chosen_law(printed_passivity=GAINS)),
-        Controller("published", "passivity, feedforward and gains as printed", chosen_law(printed_passivity=PUBLISHED)),
-        Controller("backstepping", "backstepping, gains as printed", backstepping),
-        Controller("best-backstepping", "the same with the best lambda_2", best),
-        Controller("raw", "passivity law, unfiltered position, velocity filter 60 Hz", passive, RAW),
+        Controller("passivity", "passivity, exact feedforward, gain scheduled with V/beta"),
+        Controller("printed", "the same with the feedforward as printed", {"type": "printed-passivity"}),
+        Controller("published", "passivity, feedforward and gains as printed", PUBLISHED),
+        Controller("backstepping", "backstepping, gains as printed", BACKSTEPPING),
+        Controller("best-backstepping", "the same with the best lambda_2", best_backstepping()),
+        Controller(
+            "raw",
+            "passivity law, unfiltered position, velocity filter 60 Hz",
+            {"position": "drive.sensor.position", "velocity": "slope.rate"},
+            {"slope": SLOPE},
+        ),
     )

@@ -9,6 +9,7 @@ from vvdp.comparison.contest import Contest
 from vvdp.comparison.loop_scenarios import CLEAN, USUAL
 from vvdp.comparison.loop_trials import TracedLoop
 from vvdp.comparison.score_tables import (
+    SCORES,
     ErrorFigure,
     Figures,
     error_chart,
@@ -75,12 +76,12 @@ def controller_result(found: Contest) -> Result:
         manner=MANNER,
         conditions=run_conditions(found),
         numbers=run_numbers(found),
-        tables={"comparison": scores, "controllers": controllers, **errors, "least": least, **traces},
+        tables={SCORES: scores, "controllers": controllers, **errors, "least": least, **traces},
         charts=charts,
         findings=tuple(run_findings(found, "controllers with the same noise")),
         sections=(
             Section(title="Error of tracking", words=(MANNER,), shows=("conditions", *errors, "least", *charts)),
-            Section(title="Scenario by scenario", words=(DEFINITIONS,), shows=("comparison",), starts_page=True),
+            Section(title="Scenario by scenario", words=(DEFINITIONS,), shows=(SCORES,), starts_page=True),
             Section(title="Noise and failures", shows=("controllers",)),
         ),
         seconds=found.seconds,
@@ -90,7 +91,7 @@ def controller_result(found: Contest) -> Result:
 
 def screen_tables(found: Contest, result: Result) -> dict[str, Table]:
     """The scores of each scenario that was run, in a table of its own, as a screen has room for."""
-    return scenario_tables(found, result.tables["comparison"], dict.fromkeys(found.scenarios, ("controller", *SHOWN)))
+    return scenario_tables(found, result.tables[SCORES], dict.fromkeys(found.scenarios, ("controller", *SHOWN)))
 
 
 def _controller_table(found: Contest) -> Table:

@@ -7,7 +7,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.comparison.figures import Measured, mean, quantile, root_mean
-from vvdp.machines.axial_tally import Tally
+from vvdp.machines.drive_tally import Tally
 
 LOST = 2.5e-3
 """An error against the reference [m] beyond which the drive is out of control: half of what it is moved by."""

@@ -12,10 +12,9 @@ from vvdp.base.arrays import Array
 from vvdp.base.version import VERSION
 from vvdp.comparison.contest import Contest, Ran, Trial, contest_of, refuse_nothing, run_trials
 from vvdp.comparison.controllers import Controller
-from vvdp.comparison.loop_scenarios import UNTIL, LoopScenario
+from vvdp.comparison.loop_scenarios import LoopScenario
 from vvdp.comparison.loop_scores import LoopScore, loop_score, loop_summary
-from vvdp.machines.axial_tally import tally_of
-from vvdp.machines.chamber_bench import controlled_circuit, rows_under_control, seeded_case
+from vvdp.machines.drive_loop import drawn_loop, errors_under_control, seeded_case, tally_of, with_tally
 from vvdp.network.build import Circuit
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.crew import Crew
@@ -52,9 +51,11 @@ class _Plan:
 
 @dataclass(frozen=True)
 class _Loops:
-    """The closed loops of all pairs of scenario and controller, compiled; `program` is what they depend on."""
+    """The closed loops of all pairs of scenario and controller, compiled, and how the runs of a scenario are stepped;
+    `program` is what they depend on."""
 
     circuits: Mapping[tuple[str, str], Circuit]
+    steppings: Mapping[str, Stepping]
     program: tuple[str, ...]
 
 
@@ -90,23 +91,18 @@ def compare_controllers(
     return Contest(**found, seconds=time.perf_counter() - began)
 
 
-def loop_stepping(scenario: LoopScenario) -> Stepping:
-    """How a run of a scenario is stepped: as the shipped drive, recorded at its samples."""
-    return replace(scenario.known.stepping, until=UNTIL, average_from=None, record_interval=scenario.period)
-
-
 @lru_cache(maxsize=1)
 def _loops(plan: _Plan) -> _Loops:
     """A plan compiled, once in each process: a text for each controller, whatever the scenario."""
-    circuits, digests = {}, []
+    circuits, steppings, digests = {}, {}, []
     for name, controller in plan.controllers.items():
         for scenario in plan.scenarios.values():
-            control = controller.control(scenario)
-            circuit = controlled_circuit(scenario.plant, control, scenario.known.loop(control))
-            circuits[scenario.name, name] = circuit
-            ready = prepare(circuit.model, circuit.case, loop_stepping(scenario), say=_with_name(plan, name))
+            system = drawn_loop(scenario.values | controller.values)
+            circuits[scenario.name, name] = circuit = with_tally(system)
+            steppings[scenario.name] = system.stepping
+            ready = prepare(circuit.model, circuit.case, system.stepping, say=_with_name(plan, name))
             digests.append(ready.linked.digest)
-    return _Loops(circuits, (VERSION, *digests))
+    return _Loops(circuits, steppings, (VERSION, *digests))
 
 
 def _with_name(plan: _Plan, name: str) -> Callable[[str], None]:
@@ -125,7 +121,7 @@ def _runs_done(plan: _Plan, program: tuple[str, ...], batch: Sequence[Trial], co
     scores: dict[Trial, dict[str, LoopScore]] = {trial: {} for trial in batch}
     for name in plan.controllers:
         for alike in _alike(plan, batch):
-            for trial, score in zip(alike, _scores(plan, loops, name, alike, cores), strict=True):
+            for trial, score in zip(alike, _scores(loops, name, alike, cores), strict=True):
                 scores[trial][name] = score
     first = Trial(plan.traced, 0)
     traced = _trace(plan, loops) if first in batch else None
@@ -140,12 +136,12 @@ def _alike(plan: _Plan, batch: Sequence[Trial]) -> list[list[Trial]]:
     return list(periods.values())
 
 
-def _scores(plan: _Plan, loops: _Loops, name: str, trials: Sequence[Trial], cores: int) -> list[LoopScore]:
+def _scores(loops: _Loops, name: str, trials: Sequence[Trial], cores: int) -> list[LoopScore]:
     """The scores of a controller in trials of one sample period."""
     cases = [seeded_case(loops.circuits[trial.scenario, name], trial.seed) for trial in trials]
     scenario = trials[0].scenario
-    stepping = loop_stepping(plan.scenarios[scenario])
-    run = simulate_batch(loops.circuits[scenario, name].model, cases, stepping, Crew(cores))
+    model, stepping = loops.circuits[scenario, name].model, loops.steppings[scenario]
+    run = simulate_batch(model, cases, stepping, Crew(cores))
     return [
         loop_score(tally_of(case, memories), reason is None)
         for case, memories, reason in zip(cases, run.final_memories, run.reasons, strict=True)
@@ -154,12 +150,10 @@ def _scores(plan: _Plan, loops: _Loops, name: str, trials: Sequence[Trial], core
 
 def _trace(plan: _Plan, loops: _Loops) -> TracedLoop:
     """The run of seed 0 that is drawn, of every controller."""
-    scenario = plan.scenarios[plan.traced]
     errors: dict[str, Array] = {}
     times = np.zeros(0)
     for name in plan.controllers:
-        circuit = loops.circuits[plan.traced, name]
-        run = simulate(circuit.model, seeded_case(circuit, 0), loop_stepping(scenario))
-        found = rows_under_control(run, scenario.period)
-        times, errors[name] = found.times, found.true.position - found.reference.position
+        circuit, stepping = loops.circuits[plan.traced, name], loops.steppings[plan.traced]
+        run = simulate(circuit.model, seeded_case(circuit, 0), stepping)
+        times, errors[name] = errors_under_control(run, circuit, stepping.sample_period)
     return TracedLoop(plan.traced, times, errors)

@@ -21,6 +21,7 @@ from vvdp.base.kinds import (
 from vvdp.comparison.charts import SMALLEST, comparison_charts
 from vvdp.comparison.results import Comparison, Traced
 from vvdp.comparison.score_tables import (
+    SCORES,
     ErrorFigure,
     Figures,
     error_tables,
@@ -110,7 +111,7 @@ def comparison_result(found: Comparison) -> Result:
             **run_numbers(found),
         },
         tables={
-            "comparison": scores,
+            SCORES: scores,
             "estimators": _estimator_table(found),
             **speeds,
             "least": least_table(found, ERROR, causal, note),
@@ -120,7 +121,7 @@ def comparison_result(found: Comparison) -> Result:
         findings=tuple(run_findings(found, "estimators on the same readings")),
         sections=(
             Section(title="Error of the speed", words=(MANNER,), shows=("conditions", *speeds, "least", *charts)),
-            Section(title="Scenario by scenario", words=(DEFINITIONS,), shows=("comparison",), starts_page=True),
+            Section(title="Scenario by scenario", words=(DEFINITIONS,), shows=(SCORES,), starts_page=True),
             Section(title="Cost and robustness", shows=("estimators",)),
         ),
         seconds=found.seconds,
@@ -167,4 +168,4 @@ def screen_tables(found: Comparison, result: Result) -> dict[str, Table]:
     chosen = {
         name: (*keys, "settling_median_s", "delay_s") if name in found.steps else keys for name in found.scenarios
     }
-    return scenario_tables(found, result.tables["comparison"], chosen)
+    return scenario_tables(found, result.tables[SCORES], chosen)

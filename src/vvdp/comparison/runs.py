@@ -17,6 +17,8 @@ from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Se
 from vvdp.runs.run import RecordedRun, open_run
 from vvdp.runs.tables import series_table
 
+RUNS = "runs"
+"""Name of the table of all runs."""
 MOST_PANELS = 6
 """Panels of one figure."""
 SAME_VALUE, SAME_NUMBER = 1e-12, 1e-6
@@ -59,7 +61,7 @@ def compare_runs(directories: Sequence[Path], trust: str = "") -> Result:
                 note="Pressures are gauge. Differences are to the first run.",
             ),
         },
-        tables={"runs": _run_table(runs)} | dict(zip(_series_names(runs), series.values(), strict=True)),
+        tables={RUNS: _run_table(runs)} | dict(zip(_series_names(runs), series.values(), strict=True)),
         charts={chart.name: chart for chart in charts},
         findings=(*_warnings(runs), Finding(text=words)),
         sections=(

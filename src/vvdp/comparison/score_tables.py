@@ -11,6 +11,8 @@ from vvdp.comparison.figures import error_key
 from vvdp.results.chart import Chart, Dots
 from vvdp.results.result import Column, Finding, Grade, Number, Table
 
+SCORES = "comparison"
+"""Name of the table of all scores."""
 MOST_COLUMNS = 6
 """Scenarios beside each other in a table of a page."""
 COLUMNS = 4
@@ -118,7 +120,7 @@ def error_chart(found: Contest, table: Table, figures: Figures, error: ErrorFigu
     )
     height = 0.55 + -(-len(panels) // COLUMNS) * (0.42 + 0.145 * len(found.contenders))
     return Chart(
-        name=words[0], caption=words[1], table="comparison", panels=panels, columns=COLUMNS, share=True, height=height
+        name=words[0], caption=words[1], table=SCORES, panels=panels, columns=COLUMNS, share=True, height=height
     )
 
 

@@ -1,6 +1,6 @@
 """Reference of a position: a raw command, smoothed so that its derivatives up to the jerk are known exactly.
 
-The raw command is a `Signal`; steps, sines and tables are those of `base.signal`, `trapezoid` is made here.
+The raw command is a `Signal`, such as those of `base.signal`, or a straight line from point to point (`trapezoid`).
 
 Source  ours, docs/models/passivity-control.md, where a function names no other.
 """
@@ -12,7 +12,6 @@ from vvdp.base.kinds import RATE, Kind, Position, Time, Velocity
 from vvdp.base.params import Params
 from vvdp.base.powers import expm1
 from vvdp.base.rules import require_positive
-from vvdp.base.signal import Signal, table
 
 SIGNED_ACCELERATION = Kind("acceleration in either direction", "m/s^2", -1e6, 1e6, "9.81 m/s^2")
 JERK = Kind("jerk", "m/s^3", -1e12, 1e12, "10 m/s^3")
@@ -87,6 +86,10 @@ def reference_step(reference: Reference, wanted: float, interval: float, setting
     )
 
 
+Point = tuple[float, float]
+"""A time [s] and the value at it."""
+
+
 class Pauses(NamedTuple):
     """How long a trapezoid stays at its lower and at its upper end."""
 
@@ -94,8 +97,8 @@ class Pauses(NamedTuple):
     high: Time
 
 
-def trapezoid(low: float, high: float, pauses: Pauses, ramp: float, periods: int) -> Signal:
-    """A signal that pauses at `low`, rises to `high` in a straight line, pauses there, and falls back, again and again.
+def trapezoid(low: float, high: float, pauses: Pauses, ramp: float, periods: int) -> tuple[Point, ...]:
+    """Corners of a course that pauses at `low`, rises to `high` in a straight line, pauses there, and falls back.
 
     ramp     time of the rise and of the fall [s]
     periods  how often; it stays at `low` afterwards
@@ -103,4 +106,4 @@ def trapezoid(low: float, high: float, pauses: Pauses, ramp: float, periods: int
     Source  wang2017, eq. 4.16, corrected (docs/errata.md)
     """
     times = accumulate([0.0, *((pauses.low, ramp, pauses.high, ramp) * periods)])
-    return table(tuple(times), (low, *((low, high, high, low) * periods)))
+    return tuple(zip(times, (low, *((low, high, high, low) * periods)), strict=True))

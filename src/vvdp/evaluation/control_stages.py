@@ -10,15 +10,12 @@ from typing import Any
 
 from vvdp.base.kinds import DURATION, POSITION
 from vvdp.base.signal import Signal
-from vvdp.network.network import Network
+from vvdp.network.network import Network, ProgramPart
 from vvdp.network.nodes import Source
 from vvdp.programs.arithmetic import product_step, table_step
-from vvdp.programs.axial_loop import HOME, LEARN, AxialSequence, Stage
+from vvdp.programs.axial_stages import HOME, LEARN, AxialSequence, Stage
 from vvdp.programs.chamber_laws import ChamberLaw
-from vvdp.programs.chamber_loop import ChamberLoop
 from vvdp.programs.chamber_report import static_reach_of
-from vvdp.programs.machine.checks import machine_loop_of
-from vvdp.programs.machine.loop import MachineCommand
 from vvdp.programs.report import origin
 from vvdp.simulation.outcome import Outcome
 from vvdp.systems.bound import Bound
@@ -75,16 +72,15 @@ def reach_bounds(system: LoadedSystem) -> Iterator[Bound]:
     network = system.circuit.network
     travel = stop_travel(network)
     for name, program in network.programs.items():
-        loop: Any = getattr(program.settings, "loop", program.settings)
-        wanted = loop.wanted if isinstance(loop, ChamberLoop) else program.reads.get("reference")
+        settings, wanted = program.settings, program.reads.get("reference")
         if wanted is None or (ends := range_asked(network, wanted)) is None:
             continue
         asked = ends[1]
         limits = {}
-        if isinstance(loop, ChamberLoop | ChamberLaw):
+        if isinstance(settings, ChamberLaw):
             words = "the pilot supply does not hold the spool there against the spring"
-            limits[words] = static_reach_of(loop.drive)
-        if travel is not None and program.type.report is not None and "reference" in program.reads:
+            limits[words] = static_reach_of(settings.drive)
+        if travel is not None and program.type.report is not None:
             limits["the drive ends there"] = travel.high
         for words, most in limits.items():
             yield Bound(
@@ -99,16 +95,22 @@ def reach_bounds(system: LoadedSystem) -> Iterator[Bound]:
 
 def range_asked(network: Network, source: Source) -> tuple[float, float] | None:
     """The lowest and highest value of a reference; None unless it consists of signals and products of them, which may
-    pass through filters. A factor may have either sign, so each end of a product is that of a pair of ends.
+    pass through filters and limits, or a program limits it itself (`command_range` of its settings). A factor may have
+    either sign, so each end of a product is that of a pair of ends.
     """
     if isinstance(source, Signal):
         return source.extremes
     program, field = origin(network, source)
     if program is None or program.type.step is table_step:
         return None
-    if isinstance(program.type.command, MachineCommand) and field == "spool_position":
-        spool = machine_loop_of(program.settings).spool
-        return spool.rest_position, spool.highest_position
+    limited = getattr(program.settings, "command_range", {}).get(field, (-math.inf, math.inf))
+    low, high = _followed_range(network, program) or (-math.inf, math.inf)
+    found = min(max(low, limited[0]), limited[1]), max(min(high, limited[1]), limited[0])
+    return found if all(map(math.isfinite, found)) else None
+
+
+def _followed_range(network: Network, program: ProgramPart) -> tuple[float, float] | None:
+    """The range of a command that passes on what a program reads, or the product of it; None of any other."""
     followed = [program.reads["reads"]] if "reads" in program.reads else [*program.reads.values()]
     if len(followed) > 1 and program.type.step is not product_step:
         return None

@@ -7,7 +7,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import ANGLE, DURATION, ENERGY, POSITION, PRESSURE_LEVEL, SIGNED_FRACTION, Kind
-from vvdp.programs.axial_loop import RUN, SETTLED
+from vvdp.programs.axial_stages import RUN, SETTLED
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
 

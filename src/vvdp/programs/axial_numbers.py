@@ -22,7 +22,7 @@ from vvdp.control.orifice import valve_flow
 from vvdp.control.passivity import PassivityGains, exact_feedforward, passivity_law, pressure_error_gain
 from vvdp.control.storage import StorageBalance, pressure_balance, storage_excess
 from vvdp.control.tuning import held_sampling_limits, sampling_limits, sampling_warning
-from vvdp.programs.axial_loop import SETTLED
+from vvdp.programs.axial_stages import SETTLED
 from vvdp.programs.report import Quantities
 
 EXPLAINED = 3.0

@@ -22,7 +22,7 @@ from vvdp.base.kinds import (
     Velocity,
 )
 from vvdp.base.params import Params
-from vvdp.estimation.axial_filter import AxialEstimate, AxialMemory, Phase
+from vvdp.estimation.axial_filter import AxialMemory
 from vvdp.estimation.chamber_observer import (
     ChamberObserver,
     SpringDrive,
@@ -31,7 +31,7 @@ from vvdp.estimation.chamber_observer import (
 )
 from vvdp.estimation.observability import observability_margin
 from vvdp.network.program import ProgramType
-from vvdp.programs.axial_loop import (
+from vvdp.programs.axial_stages import (
     HOME,
     RUN,
     AxialObserverTable,
@@ -51,42 +51,19 @@ AT_STOP = 0.2e-3
 """So near the stop a spool that the spring presses there is taken to rest at it [m]."""
 
 
-class ChamberSight(NamedTuple):
-    """What is seen of a chamber drive at a sample: sensor, phase of the periodic sensor error, absolute pressure."""
-
-    signal: AxialReading
-    phase: Phase
-    pressure: Pressure
-
-
-class ChamberBelief(NamedTuple):
-    """What the observer carries from sample to sample."""
+class SpoolBelief(NamedTuple):
+    """What the observer carries from sample to sample; `slip` is that of the angle at the last one."""
 
     filter: AxialMemory
     stage: Stage
+    slip: AngularVariance
 
 
-class ChamberLook(NamedTuple):
-    """What is known after a sample; `margin` is the observability margin at the spool's speed."""
-
-    belief: ChamberBelief
-    estimate: AxialEstimate
-    margin: Ratio
-
-
-def look(belief: ChamberBelief, sight: ChamberSight, observer: ChamberObserver, sequence: AxialSequence) -> ChamberLook:
-    """Stage and estimate after a sample; at the stop the position is known."""
-    near = belief.stage.held > 0.0 or belief.stage.number == HOME
+def rests(belief: SpoolBelief, stage: Stage, pressure: float, observer: ChamberObserver) -> bool:
+    """Whether a spool at its stop, or about there, is pressed to it; `pressure` of its chamber, absolute [Pa]."""
+    near = stage.held > 0.0 or stage.number == HOME
     near = near or belief.filter.mean[0] < observer.stop_position + AT_STOP
-    held = 1.0 if near and is_pressed(sight.pressure, observer) else 0.0
-    stage = next_stage(belief.stage, sight.signal.time, held, is_known(sight.phase), observer.sample_period, sequence)
-    margin = 1.0
-    if is_known(sight.phase):
-        frequency = np.sqrt(observer.drive.stiffness / observer.drive.moving_mass)
-        margin = observability_margin(frequency, sight.phase.speed, int(observer.pollution.basis.harmonics))
-    seen = sight_of(sight.signal, sight.phase, stage, 0.0, sight.pressure, margin)
-    after, estimate = chamber_observer_step(belief.filter, seen, observer)
-    return ChamberLook(ChamberBelief(after, stage), estimate, margin)
+    return near and is_pressed(pressure, observer)
 
 
 def is_pressed(pressure: float, observer: ChamberObserver) -> bool:
@@ -94,11 +71,6 @@ def is_pressed(pressure: float, observer: ChamberObserver) -> bool:
     drive = observer.drive
     holding = drive.preload + drive.stiffness * observer.stop_position
     return drive.area * (pressure - drive.reference_pressure) < holding
-
-
-def first_belief(observer: ChamberObserver) -> ChamberBelief:
-    """Before the first sample: homing, the spool about at its stop."""
-    return ChamberBelief(chamber_observer_start(observer, observer.stop_position), Stage(HOME, 0.0, 0.0))
 
 
 class ChamberObserverTable(SpringDrive, AxialObserverTable, AxialSequence):
@@ -132,23 +104,17 @@ def chamber_observer_settings(table: ChamberObserverTable) -> ChamberObserverSet
     """The settings of the observer as its step takes them. Raises ParameterError."""
     drive = SpringDrive(**{each.name: getattr(table, each.name) for each in fields(SpringDrive)})
     sequence = AxialSequence(**{each.name: getattr(table, each.name) for each in fields(AxialSequence)})
-    return ChamberObserverSettings(
-        observer=observer_of(table, drive, table.stop_position, table.helix_length), sequence=sequence
-    )
-
-
-def observer_of(table: AxialObserverTable, drive: SpringDrive, stop: float, helix_length: float) -> ChamberObserver:
-    """The observer of a table for a drive whose stop lies at a position [m]; `helix_length` [m]."""
-    return ChamberObserver(
+    observer = ChamberObserver(
         drive=drive,
-        pollution=pollution_model(table, helix_length),
+        pollution=pollution_model(table, table.helix_length),
         sample_period=table.sample_period,
         position_drift=table.position_drift,
         velocity_drift=table.velocity_drift,
         position_deviation=1e-4,
         velocity_deviation=1e-3,
-        stop_position=stop,
+        stop_position=table.stop_position,
     )
+    return ChamberObserverSettings(observer=observer, sequence=sequence)
 
 
 class WatchedSpool(NamedTuple):
@@ -165,13 +131,6 @@ class WatchedSpool(NamedTuple):
     speed_deviation: Speed = 0.0
     slip: AngularVariance = 0.0
     energised: Fraction = 1.0
-
-
-class WatchedBelief(NamedTuple):
-    """What the program carries from sample to sample."""
-
-    chamber: ChamberBelief
-    slip: AngularVariance
 
 
 class SeenSpool(NamedTuple):
@@ -191,31 +150,39 @@ class SeenSpool(NamedTuple):
     frozen: Fraction
 
 
-def chamber_observer_program_start(settings: ChamberObserverSettings) -> WatchedBelief:
-    """Before the first sample."""
-    return WatchedBelief(first_belief(settings.observer), 0.0)
+def chamber_observer_program_start(settings: ChamberObserverSettings) -> SpoolBelief:
+    """Before the first sample: homing, the spool about at its stop."""
+    observer = settings.observer
+    return SpoolBelief(chamber_observer_start(observer, observer.stop_position), Stage(HOME, 0.0, 0.0), 0.0)
 
 
 def chamber_observer_program_step(
-    t: float, memory: WatchedBelief, reading: WatchedSpool, settings: ChamberObserverSettings
-) -> tuple[WatchedBelief, SeenSpool]:
+    t: float, memory: SpoolBelief, reading: WatchedSpool, settings: ChamberObserverSettings
+) -> tuple[SpoolBelief, SeenSpool]:
     """Position of a spool that a chamber moves against a spring, by the periodic Kalman filter, and its stages."""
+    observer, period = settings.observer, settings.observer.sample_period
     phase = known_phase(reading, reading.slip, memory.slip)
-    sight = ChamberSight(AxialReading(reading.time, reading.measured, reading.light), phase, reading.pressure)
-    before = memory.chamber
-    chamber = ChamberBelief(before.filter, energised_stage(before.stage, reading.energised, reading.time))
-    found = look(chamber, sight, settings.observer, settings.sequence)
-    estimate, stage = found.estimate, found.belief.stage.number
-    return WatchedBelief(found.belief, reading.slip), SeenSpool(
+    known = is_known(phase)
+    before = energised_stage(memory.stage, reading.energised, reading.time)
+    held = 1.0 if rests(memory, before, reading.pressure, observer) else 0.0
+    stage = next_stage(before, reading.time, held, known, period, settings.sequence)
+    margin = 1.0
+    if known:
+        frequency = np.sqrt(observer.drive.stiffness / observer.drive.moving_mass)
+        margin = observability_margin(frequency, phase.speed, int(observer.pollution.basis.harmonics))
+    signal = AxialReading(reading.time, reading.measured, reading.light)
+    seen = sight_of(signal, phase, stage, 0.0, reading.pressure, margin)
+    after, estimate = chamber_observer_step(memory.filter, seen, observer)
+    return SpoolBelief(after, stage, reading.slip), SeenSpool(
         position=estimate.position,
         velocity=estimate.velocity,
         position_deviation=estimate.position_deviation,
         velocity_deviation=estimate.velocity_deviation,
         pollution=estimate.pollution,
-        margin=found.margin,
-        stage=stage,
-        released=1.0 if stage == RUN else 0.0,
-        known=1.0 if is_known(phase) else 0.0,
+        margin=margin,
+        stage=stage.number,
+        released=1.0 if stage.number == RUN else 0.0,
+        known=1.0 if known else 0.0,
         frozen=estimate.frozen,
     )
 

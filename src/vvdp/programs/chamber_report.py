@@ -14,7 +14,6 @@ from vvdp.control.passivity import PassivityGains
 from vvdp.control.reference import Reference
 from vvdp.network.network import Network
 from vvdp.programs.axial_charts import ChamberPaths, chamber_charts
-from vvdp.programs.axial_loop import SETTLED
 from vvdp.programs.axial_numbers import (
     CHAMBER,
     Controlled,
@@ -23,6 +22,7 @@ from vvdp.programs.axial_numbers import (
     control_warnings,
     storage_numbers,
 )
+from vvdp.programs.axial_stages import SETTLED
 from vvdp.programs.report import read_rows, state_rows
 from vvdp.programs.spool_report import SpoolReport, observer_rows, rows_at_samples, true_path
 from vvdp.results.chart import Chart

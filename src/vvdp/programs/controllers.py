@@ -3,8 +3,10 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from vvdp.base.kinds import Kind, Ratio, Time
-from vvdp.base.params import Params
+from vvdp.base.params import Params, default_values
 from vvdp.base.rules import refuse, require_less, require_positive
 from vvdp.control.pid import PidGains, PidMemory, Sample, pid_start, pid_step
 from vvdp.network.program import ProgramType
@@ -12,7 +14,18 @@ from vvdp.programs.generic import GenericProgram, Written
 from vvdp.programs.quantities import LARGEST, Gain, Input, Output, Plain, of_gain
 
 
-class Pi(Params):
+class Limited(Params):
+    """Parameters `lowest` and `highest` of a command `value`."""
+
+    @property
+    def command_range(self) -> dict[str, tuple[float, float]]:
+        """The limits; infinite unless they are given."""
+        usual = default_values(type(self))
+        low, high = (getattr(self, key) for key in ("lowest", "highest"))
+        return {"value": (-np.inf if low == usual["lowest"] else low, np.inf if high == usual["highest"] else high)}
+
+
+class Pi(Limited):
     """K, T_i, the limits of the command and what it starts from; a `tracking_time` of 0 clamps the integral."""
 
     gain: Gain

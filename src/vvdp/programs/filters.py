@@ -9,7 +9,7 @@ from vvdp.base.rules import require_less, require_positive
 from vvdp.base.select import clip
 from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step
 from vvdp.network.program import ProgramType
-from vvdp.programs.controllers import Value
+from vvdp.programs.controllers import Limited, Value
 from vvdp.programs.generic import GenericProgram
 from vvdp.programs.quantities import LARGEST, Input, Output, OutputRate, SecondRate, ThirdRate
 
@@ -98,7 +98,7 @@ def rate_limit_step(t: float, memory: LastValue, reading: Read, settings: RateLi
     return LastValue(value, t, 1.0), Value(value)
 
 
-class Limits(Params):
+class Limits(Limited):
     """Between which values the command stays."""
 
     lowest: Output = -LARGEST

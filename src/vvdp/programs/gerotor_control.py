@@ -30,7 +30,7 @@ from vvdp.estimation.axial_filter import AxialEstimate, AxialMemory, AxialSeen
 from vvdp.estimation.gerotor_observer import GerotorObserver, gerotor_observer_start, gerotor_observer_step
 from vvdp.hydraulics.gerotor_drive import GerotorBelief, gerotor_command, gerotor_flow
 from vvdp.network.program import ProgramType
-from vvdp.programs.axial_loop import (
+from vvdp.programs.axial_stages import (
     HOME,
     LEARN,
     RUN,

@@ -10,8 +10,8 @@ from vvdp.base.arrays import Array
 from vvdp.network.network import Network, ProgramPart
 from vvdp.network.nodes import Source
 from vvdp.programs.axial_charts import DrivePaths, command_charts
-from vvdp.programs.axial_loop import RUN
 from vvdp.programs.axial_numbers import MOTION, Moved, motion_numbers
+from vvdp.programs.axial_stages import RUN
 from vvdp.programs.chamber_observer import SeenSpool
 from vvdp.programs.report import ProgramReport, Quantities, origin, read_rows, state_rows
 from vvdp.results.chart import Chart

@@ -18,6 +18,9 @@ from vvdp.reproduction.items import CHAPTERS
 from vvdp.results.result import Column, Table
 from vvdp.results.verdict import Evidence, Statement, Verdict, verdict_table
 
+VERDICTS = "verdicts"
+"""Name of the table of all statements."""
+
 FILE = "expected.csv"
 HEAD = ("item", "what", "verdict", "evidence", "width")
 INDEPENDENT = (Evidence.SIMULATED, Evidence.COMPUTED)

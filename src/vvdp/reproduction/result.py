@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from vvdp.base.kinds import COUNT
-from vvdp.reproduction.expectation import kind_of, stated_table
+from vvdp.reproduction.expectation import VERDICTS, kind_of, stated_table
 from vvdp.reproduction.runner import VERB, Outcome, all_statements
 from vvdp.results.result import Column, Finding, Grade, Number, Result, Table
 from vvdp.results.verdict import Evidence, Statement, Verdict
@@ -48,7 +48,7 @@ def verdict_result(
         title="The dissertation, item by item",
         system="wang2017",
         references=("wang2017",),
-        tables={"chapters": chapter_table(outcomes), "verdicts": stated_table(statements)},
+        tables={"chapters": chapter_table(outcomes), VERDICTS: stated_table(statements)},
         numbers={"item_count": Number(float(len(outcomes)), COUNT, "items"), **numbers, **evidence_counts(statements)},
         findings=(
             *stop_finding(missing),

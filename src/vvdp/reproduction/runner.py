@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 from vvdp.base.files import list_all, write_whole
 from vvdp.report.chosen import write_figure
-from vvdp.reproduction.expectation import stated_table
+from vvdp.reproduction.expectation import VERDICTS, stated_table
 from vvdp.reproduction.item import Item, Reproduction
 from vvdp.reproduction.kept import write_statements
 from vvdp.results.result import Result
@@ -70,7 +70,7 @@ def write_item(folder: Path, outcome: Outcome) -> None:
         title=item.title,
         system=item.name,
         references=("wang2017",),
-        tables={"verdicts": stated_table(outcome.statements), **found.tables},
+        tables={VERDICTS: stated_table(outcome.statements), **found.tables},
         charts={chart.name: chart for chart in found.charts},
     )
     write_result(folder, result, "", ("vvdp", VERB, item.name))

@@ -19,6 +19,8 @@ from vvdp.valve.branch import turbulent_drops
 from vvdp.valve.operating_point import nozzle_reynolds_number
 from vvdp.valve.validity import TURBULENT
 
+DROPS = "pressure-drop"
+"""Name of the table of all drops."""
 OPENINGS = (1.0, 0.5, 0.25)
 MANNER = (
     "Differential pressure over flow, based on ISO 4411, for the whole valve from the inlet rail to an outlet "
@@ -80,7 +82,7 @@ def pressure_drop(
             "open fraction": ", ".join(plain(x, 3) for x in openings),
         },
         left_out=LEFT_OUT,
-        tables={"pressure-drop": table},
+        tables={DROPS: table},
         charts={"drop-over-flow": _chart(table)},
         numbers=numbers_of(numbers, QUANTITIES),
         findings=tuple(_findings(numbers, table)),
@@ -160,7 +162,7 @@ def _chart(table: Table) -> Chart:
     return Chart(
         name="drop-over-flow",
         caption="Left: the open valve and its sections in series. Right: the whole valve at fixed open fractions.",
-        table="pressure-drop",
+        table=DROPS,
         panels=(
             Lines(lines=tuple(sections), label="pressure drop", low=0.0, left=0.0),
             Lines(lines=tuple(whole), label="pressure drop", legend="open fraction", low=0.0, left=0.0),

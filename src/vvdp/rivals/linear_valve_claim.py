@@ -37,19 +37,16 @@ def linear_valve_claim(stand: Stand, *, cores: int | None = None, say: Callable[
     loss = float(rotary.summary.get("loss_total_W", np.nan))
     frequency = float(rotary.summary.get("pwm_frequency_Hz", np.nan))
     curves = {valve.name: (sweeps[valve.name][0], sweeps[valve.name][1]) for valve in known}
-    tables = {
-        "linear_valves": _valve_table(stand, curves, loss, frequency),
-        "linear_switching": _sweep_table(stand, sweeps),
-    }
+    valves, switching = _valve_table(stand, curves, loss, frequency), _sweep_table(stand, sweeps)
     numbers = {
         "rotary_valve_loss_W": Number(loss, MEAN_POWER, "loss with the rotary valve, duty ratio 0.5"),
         "rotary_valve_pwm_frequency_Hz": Number(frequency, FREQUENCY, "PWM frequency of the rotary valve"),
     }
     return Claim(
-        tables=tables,
-        charts=(_chart(tables["linear_switching"], loss, frequency),),
+        tables={"linear_valves": valves, "linear_switching": switching},
+        charts=(_chart(switching, loss, frequency),),
         numbers=numbers,
-        findings=(Finding(text=_words(stand, tables["linear_valves"], loss, frequency)),),
+        findings=(Finding(text=_words(stand, valves, loss, frequency)),),
     )
 
 

@@ -14,8 +14,8 @@ Number = float | tuple[float, ...]
 """A value or a list of values [SI, pressures absolute]."""
 
 
-def with_numbers(system: System, numbers: Mapping[str, Number | Mapping[str, Any]]) -> System:
-    """The system with other numbers, or tables as in a file, at its paths such as `components.pump.displacement`.
+def with_numbers(system: System, numbers: Mapping[str, Number | str | Mapping[str, Any]]) -> System:
+    """The system with other numbers, or texts and tables as in a file, at paths such as `components.pump.displacement`.
 
     Raises ConfigError with all faults.
     """

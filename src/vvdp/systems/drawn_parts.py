@@ -7,7 +7,7 @@ from vvdp.base.errors import Fault, ParameterError
 from vvdp.base.tables import nearest
 from vvdp.components.library import COMPONENTS
 from vvdp.programs.library import PROGRAMS
-from vvdp.systems.part_files import DRAWN, GROUPS, PARTS
+from vvdp.systems.part_files import DRAWN, GROUPS, NODES, PARTS
 from vvdp.systems.part_keys import PartType, part_keys
 from vvdp.systems.part_scopes import Entries, Place, Scope, as_table, inner_name
 
@@ -122,7 +122,7 @@ def is_record(drawn: Any, tables: Mapping[str, Mapping[str, object]]) -> bool:
     """Whether `drawn` is what a drawn circuit keeps of a part, and its nodes and entries are in `tables`."""
     match drawn:
         case {"source": str(), "ports": Mapping() as ports, "names": list(names), "values": Mapping() as values}:
-            joined = all(isinstance(node, str) and node in tables["nodes"] for node in ports.values())
+            joined = all(isinstance(node, str) and node in tables[NODES] for node in ports.values())
             return joined and all(isinstance(each, str) for each in names) and _are_paths(values.values(), tables)
     return False
 

@@ -15,6 +15,7 @@ from vvdp.base.tables import Table, copy_tables, fault_at, inner_table, nearest
 from vvdp.network.network import NAME
 from vvdp.systems.drawn_parts import DrawnCircuit, is_record
 from vvdp.systems.part_files import (
+    COMPONENTS,
     DRAWN,
     GROUPS,
     PARTS,
@@ -76,7 +77,7 @@ def _refuse(faults: list[Fault]) -> None:
 
 def _refuse_inner_joints(circuit: DrawnCircuit) -> None:
     """A fault where a component outside of a part is joined to a node inside of it."""
-    for name, entry in circuit.tables["components"].items():
+    for name, entry in circuit.tables[COMPONENTS].items():
         outside = {part: use for part, use in circuit.parts.items() if name not in use["names"]}
         for port in joined_ports(entry):
             part = next((part for part, use in outside.items() if entry.get(port) in use["names"]), "")

@@ -9,7 +9,7 @@ from typing import Any
 from vvdp.base.errors import ConfigError, ParameterError
 from vvdp.base.tables import Table, nearest, parsed_table, read_table, suggestion
 
-GROUPS = ("nodes", "components", "programs")
+NODES, COMPONENTS, PROGRAMS = GROUPS = "nodes", "components", "programs"
 """Tables whose names share one space: no two entries have the same one."""
 PARTS, VALUES, DRAWN = "parts", "values", "drawn"
 PORT = "port"

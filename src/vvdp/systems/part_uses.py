@@ -9,7 +9,7 @@ from vvdp.components.library import COMPONENTS
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Role
 from vvdp.systems.drawn_parts import DrawnCircuit
-from vvdp.systems.part_files import PARTS, TABLES_OF_A_PART, VALUES, WORDS, PartFile
+from vvdp.systems.part_files import NODES, PARTS, TABLES_OF_A_PART, VALUES, WORDS, PartFile
 from vvdp.systems.part_scopes import Entries, Place, Scope, as_table
 
 OIL, SHAFT, ROD = "oil", "shaft", "rod"
@@ -106,7 +106,7 @@ class PartUse:
         node = self.entry.get(port)
         if port not in inner.ports or node in self.scope.ports:
             return
-        kind = str(as_table(self.circuit.tables["nodes"].get(inner.ports[port])).get("type"))
+        kind = str(as_table(self.circuit.tables[NODES].get(inner.ports[port])).get("type"))
         if HELD.get(kind, OIL) != carried:
             what = carried if carried == OIL else f"a {carried}"
             words = f"port {port!r} carries {what}; {node!r} is a {kind.replace('-', ' ')}"

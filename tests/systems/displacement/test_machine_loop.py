@@ -7,8 +7,8 @@ import pytest
 
 from vvdp.base.errors import ConfigError
 from vvdp.control.flow_map import flow_for_duty
-from vvdp.programs.axial_loop import LEARN as LEARNS
-from vvdp.programs.axial_loop import RUN as FOLLOWS
+from vvdp.programs.axial_stages import LEARN as LEARNS
+from vvdp.programs.axial_stages import RUN as FOLLOWS
 from vvdp.programs.machine.loop import MachineCommand, MachinePlace, machine_start, machine_step
 from vvdp.programs.machine.phases import CONTROL, EMERGENCY, HOLD, HOME, LEARN, PRECHARGE, REST, RETURN, SPIN
 from vvdp.systems.system import load_system

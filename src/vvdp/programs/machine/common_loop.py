@@ -34,6 +34,11 @@ class CommonLoop(Params):
     machine: MachineLoop
     law: PositionLaw
 
+    @property
+    def command_range(self) -> dict[str, tuple[float, float]]:
+        """That of the machine."""
+        return self.machine.command_range
+
 
 def common_law(machine: MachineLoop, table: LoopTable) -> PositionLaw:
     """The law of a rival with the cylinder, the throttle and the pump that the machine's control takes for granted."""

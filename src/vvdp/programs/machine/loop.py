@@ -46,8 +46,8 @@ from vvdp.control.pressure_modes import PressureMode
 from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step
 from vvdp.estimation.load_observer import LoadMemory, LoadObserver, load_observer_start, load_observer_step
 from vvdp.estimation.period_average import AverageMemory, average_start, average_step, pwm_window
-from vvdp.programs.axial_loop import HOME as AT_HOME
-from vvdp.programs.axial_loop import RUN as FOLLOWS
+from vvdp.programs.axial_stages import HOME as AT_HOME
+from vvdp.programs.axial_stages import RUN as FOLLOWS
 from vvdp.programs.machine.cycle import Points, cycle_position
 from vvdp.programs.machine.phases import (
     CONTROL,
@@ -116,6 +116,11 @@ class MachineLoop(Params):
     load_force: Force
     first_direction: SignedFraction
     supervised: Supervised
+
+    @property
+    def command_range(self) -> dict[str, tuple[float, float]]:
+        """Between which positions the spool is asked to be [m]."""
+        return {"spool_position": (self.spool.rest_position, self.spool.highest_position)}
 
 
 class MachineMemory(NamedTuple):

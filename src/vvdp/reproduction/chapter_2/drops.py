@@ -27,7 +27,7 @@ from vvdp.results.verdict import (
     number_statement,
     open_statement,
 )
-from vvdp.rigs.pressure_drop import pressure_drop
+from vvdp.rigs.pressure_drop import DROPS, pressure_drop
 from vvdp.valve.branch import centre_resistance
 
 WHOLE, LAWS = 6.61e5, "half of the last digit of each coefficient and of the sum"
@@ -52,7 +52,7 @@ def _curve_chart(number: str, caption: str, *lines: Line) -> Chart:
 
 def _law_tables() -> Mapping[str, Table]:
     """Drops of the open valve and its sections over the flow, by the laws, as the rig has them."""
-    return {"drops": pressure_drop(here.stand(), openings=(1.0,)).tables["pressure-drop"]}
+    return {"drops": pressure_drop(here.stand(), openings=(1.0,)).tables[DROPS]}
 
 
 def _law(section: str, label: str, colour: str) -> Line:

@@ -1,4 +1,4 @@
-"""What a controlled chamber drive comes to, added up sample by sample while it runs: no record is needed.
+"""Results of a controlled chamber drive, added up sample by sample while it runs: no record is needed.
 
 Source  ours, docs/models/axial-control.md, where a function names no other.
 """
@@ -7,34 +7,25 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from vvdp.base.arrays import Array
-from vvdp.base.conservation import NOTHING
 from vvdp.base.kinds import (
     NUMBER,
     Count,
     Energy,
     ExchangedPower,
+    Fraction,
     Length,
     Position,
-    PositionSignal,
     Pressure,
     SignedFraction,
     Time,
     Velocity,
 )
 from vvdp.base.params import Params
-from vvdp.base.signal import signal_value
 from vvdp.control.chamber import ChamberDrive, ChamberReading, PositionGains, desired_pressure
-from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step
+from vvdp.control.reference import Jerk, Reference, SignedAcceleration
 from vvdp.control.storage import StorageBalance, pressure_storage, storage_excess
-from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
-from vvdp.programs.axial_loop import PROGRAM, RUN, SETTLED
-from vvdp.simulation.layout import as_memory
-from vvdp.simulation.model import Case
-
-TALLY = "tally"
-"""Name of the program that adds up."""
+from vvdp.programs.axial_stages import SETTLED
 
 RISEN = 1e-3
 """Share of the largest storage by which it may rise between two samples before that counts: a law that acts at samples
@@ -43,28 +34,35 @@ is passive but for what the drive does between them."""
 Sum = Annotated[float, NUMBER]
 
 
-class AxialTruth(NamedTuple):
-    """How the drive truly stands at a sample, and what its control has just made of it."""
+class LoopTruth(NamedTuple):
+    """True state of the drive at a sample, the reference of its law with its derivatives, the command of the valve, and
+    the position that the observer believes. `released` is 1 while the drive is controlled."""
 
-    time: Time
     position: Position
     velocity: Velocity
     pressure: Pressure
-    drive: SignedFraction
-    stage: Count
+    reference: Position
+    reference_velocity: Velocity
+    reference_acceleration: SignedAcceleration
+    reference_jerk: Jerk
+    command: SignedFraction
     believed: Position
+    released: Fraction
+
+
+class LoopError(NamedTuple):
+    """Position minus reference at the last sample; 0 until the drive is controlled."""
+
+    error: Position
 
 
 class TallySettings(Params):
-    """The `drive` as it truly is, what its control follows, every `sample_period`, and the gains that its storage is
-    calculated with. Samples count from `settling_time` after the start of control on."""
+    """The `drive` as it truly is, and the gains of the law, for its storage. Samples count from `settling_time` after
+    the start of control on."""
 
     drive: ChamberDrive
     gains: PositionGains
-    reference: ReferenceFilter
-    wanted: PositionSignal
     sample_period: Time
-    stop_position: Position
     settling_time: Time = SETTLED
 
 
@@ -76,7 +74,6 @@ class Tally(NamedTuple):
     """
 
     begin: Time
-    reference: Reference
     drive: SignedFraction
     storage: Energy
     supply: ExchangedPower
@@ -93,20 +90,17 @@ class Tally(NamedTuple):
 def tally_start(settings: TallySettings) -> Tally:
     """Nothing added up yet."""
     sums = dict.fromkeys(Tally._fields, 0.0)
-    return Tally(**{**sums, "begin": np.inf, "reference": reference_at_rest(settings.stop_position)})  # type: ignore[arg-type]
+    return Tally(**{**sums, "begin": np.inf})
 
 
-def tally_step(t: float, memory: Tally, truth: AxialTruth, settings: TallySettings) -> tuple[Tally, object]:
+def tally_step(t: float, memory: Tally, truth: LoopTruth, settings: TallySettings) -> tuple[Tally, LoopError]:
     """Add a sample. A rise of W_P beyond what the spool gave counts where it exceeds `RISEN` of the largest W_P so far.
 
     Source  wang2017, eq. 5.27, for what counts as a rise
     """
-    is_run = truth.stage == RUN
-    reference, begin = reference_at_rest(settings.stop_position), np.inf
-    if is_run:
-        wanted = signal_value(t, settings.wanted)
-        reference = reference_step(memory.reference, wanted, settings.sample_period, settings.reference)
-        begin = min(memory.begin, t)
+    is_run = truth.released > 0.5
+    begin = min(memory.begin, t) if is_run else np.inf
+    reference = Reference(truth.reference, truth.reference_velocity, truth.reference_acceleration, truth.reference_jerk)
     true = ChamberReading(truth.position, truth.velocity, truth.pressure)
     desired = desired_pressure(reference, true, settings.gains, settings.drive)
     storage = pressure_storage(desired, true, settings.drive)
@@ -116,12 +110,11 @@ def tally_step(t: float, memory: Tally, truth: AxialTruth, settings: TallySettin
         StorageBalance(memory.storage, memory.supply), StorageBalance(storage, given), settings.sample_period
     )
     share = 1.0 if t >= begin + settings.settling_time else 0.0
-    tracking, estimation = truth.position - reference.position, truth.believed - truth.position
-    change = truth.drive - memory.drive
+    tracking, estimation = truth.position - truth.reference, truth.believed - truth.position
+    change = truth.command - memory.drive
     return Tally(
         begin=begin,
-        reference=reference,
-        drive=truth.drive,
+        drive=truth.command,
         storage=storage,
         supply=given,
         largest=largest,
@@ -129,28 +122,10 @@ def tally_step(t: float, memory: Tally, truth: AxialTruth, settings: TallySettin
         tracking=memory.tracking + share * tracking * tracking,
         peak=max(memory.peak, share * abs(tracking)),
         estimation=memory.estimation + share * estimation * estimation,
-        command=memory.command + share * truth.drive * truth.drive,
+        command=memory.command + share * truth.command * truth.command,
         change=memory.change + share * change * change,
         rises=memory.rises + (share if excess > RISEN * largest else 0.0),
-    ), NOTHING
+    ), LoopError(tracking if is_run else 0.0)
 
 
-def tally_of(case: Case, memories: Array) -> Tally:
-    """What was added up in a run of a case, from the numbers of its memories at the end, shape (n,)."""
-    found: Tally = as_memory(case, memories)[TALLY]
-    return found
-
-
-def add_tally(net: Network, settings: TallySettings) -> None:
-    """Add the program that adds up what the control of the network's chamber drive comes to; after that control."""
-    kind = ProgramType(tally_step, AxialTruth, NOTHING, TallySettings, tally_start)
-    reads = {
-        "time": "t",
-        "position": "slide.position",
-        "velocity": "slide.velocity",
-        "pressure": "pilot_chamber.pressure",
-        "drive": f"{PROGRAM}.drive",
-        "stage": f"{PROGRAM}.stage",
-        "believed": f"{PROGRAM}.position",
-    }
-    net.program(TALLY, kind, settings, reads=reads, period=settings.sample_period)
+TALLY = ProgramType(tally_step, LoopTruth, LoopError(0.0), TallySettings, tally_start)

@@ -1,4 +1,4 @@
-"""The control of an axial drive, sample by sample: its stages, what is shown of it, and the values of its tables.
+"""Stages of the control of an axial drive, and inputs of its observer, sample by sample.
 
 Source  ours, docs/models/axial-control.md, where a function names no other.
 """
@@ -8,30 +8,18 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from vvdp.base.kinds import (
-    Angle,
     Count,
-    Energy,
-    Flow,
     Fraction,
     Length,
-    Position,
-    Pressure,
-    Ratio,
-    SignedFraction,
-    Speed,
     Time,
     Velocity,
 )
 from vvdp.base.params import Params
 from vvdp.base.rules import require_positive
 from vvdp.base.select import maximum
-from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step
-from vvdp.estimation.axial_filter import KNOWN_ANGLE, NO_DUTY, AxialEstimate, AxialSeen, Phase, PollutionModel
+from vvdp.estimation.axial_filter import KNOWN_ANGLE, NO_DUTY, AxialSeen, Phase, PollutionModel
 from vvdp.estimation.noise_basis import fourier_basis
 from vvdp.sensing.axial_sensor import AxialReading
-
-PROGRAM = "axial"
-"""Name of the program that controls an axial drive."""
 
 HOME, LEARN, RUN, STOP = 0.0, 1.0, 2.0, 3.0
 """Stages: to the stop; there, with the periodic sensor error being learned; controlled; de-energised for good."""
@@ -43,29 +31,13 @@ SLOWEST = 20.0
 """Spool speed from which on its angle may be known [rad/s]; assumed."""
 
 
-class AxialPlace(NamedTuple):
-    """What stands before the sensors of an axial drive: the spool's angle, speed and position, and the pressure in its
-    chamber, where there is one."""
-
-    time: Time
-    angle: Angle
-    speed: Speed
-    position: Position
-    pressure: Pressure
-
-
-class Turned(Protocol):
-    """What shows how a spool has turned and how fast it does."""
+class Watched(Protocol):
+    """Estimate of the angle and speed of a spool, with standard deviations; 0: known."""
 
     @property
     def angle(self) -> float: ...
     @property
     def speed(self) -> float: ...
-
-
-class Watched(Turned, Protocol):
-    """The same as an estimate, with deviations; 0: known."""
-
     @property
     def angle_deviation(self) -> float: ...
     @property
@@ -109,79 +81,6 @@ class Stage(NamedTuple):
     held: Fraction
 
 
-class AxialCommand(NamedTuple):
-    """The `drive`'s command, and what is believed and wanted, to be shown.
-
-    `measured` is what the optical sensor shows, `pollution` what that is believed to be off by. Deviations are those of
-    the observer; `margin` is the observability margin at the spool's speed; `known` is 1 while the spool's angle is
-    known. Of a chamber drive `desired_pressure` is
-    the pressure that would move it as wanted, absolute, and `storage` W of the closed loop; else both are 0.
-    """
-
-    drive: SignedFraction
-    stage: Count
-    reference: Position
-    measured: Position
-    position: Position
-    velocity: Velocity
-    position_deviation: Length
-    velocity_deviation: Velocity
-    pollution: Position
-    margin: Ratio
-    flow: Flow
-    desired_pressure: Pressure
-    storage: Energy
-    spool_angle: Angle
-    spool_speed: Speed
-    known: Fraction
-    frozen: Fraction
-
-
-class Target(NamedTuple):
-    """Where the spool is wanted, and its stop."""
-
-    wanted: Position
-    stop: Position
-
-
-class Observed(NamedTuple):
-    """Phase of the periodic sensor error, what the optical sensor shows, and the observability margin."""
-
-    phase: Phase
-    measured: Position
-    margin: Ratio
-
-
-class Demand(NamedTuple):
-    """Flow that a law asks for, the absolute pressure of the chamber that goes with it, and what the loop stores."""
-
-    flow: Flow
-    pressure: Pressure
-    storage: Energy
-
-
-UNKNOWN = AxialCommand(
-    drive=0.0,
-    stage=HOME,
-    reference=0.0,
-    measured=0.0,
-    position=0.0,
-    velocity=0.0,
-    position_deviation=0.0,
-    velocity_deviation=0.0,
-    pollution=0.0,
-    margin=0.0,
-    flow=0.0,
-    desired_pressure=101325.0,
-    storage=0.0,
-    spool_angle=0.0,
-    spool_speed=0.0,
-    known=0.0,
-    frozen=0.0,
-)
-"""The command before the first sample."""
-
-
 def pollution_model(table: AxialObserverTable, helix_length: float) -> PollutionModel:
     """The periodic sensor error as the observer of a table models it; no duty ratio is measured. `helix_length` [m]."""
     return PollutionModel(
@@ -203,24 +102,14 @@ def known_phase(estimate: Watched, slip: float, before: float) -> Phase:
     before  the same at the last sample [rad^2]
     """
     deviation = np.sqrt(maximum(estimate.angle_deviation * estimate.angle_deviation - slip, 0.0))
-    phase = seen_phase(estimate.angle, estimate.speed, deviation, estimate.speed_deviation)
-    return Phase(phase.angle, phase.speed, phase.angle_deviation, maximum(slip - before, 0.0))
-
-
-def seen_phase(angle: float, speed: float, angle_deviation: float, speed_deviation: float) -> Phase:
-    """The phase of a spool at an angle [rad] and speed [rad/s], with their deviations; 0: known, as with a motor."""
-    turns = speed > SLOWEST and angle_deviation < KNOWN_ANGLE
-    return Phase(angle, speed, angle_deviation if turns or speed_deviation == 0.0 else np.nan)
+    turns = estimate.speed > SLOWEST and deviation < KNOWN_ANGLE
+    seen = deviation if turns or estimate.speed_deviation == 0.0 else np.nan
+    return Phase(estimate.angle, estimate.speed, seen, maximum(slip - before, 0.0))
 
 
 def is_known(phase: Phase) -> bool:
     """Whether the spool's angle is known."""
     return phase.angle_deviation == phase.angle_deviation
-
-
-def turned_phase(place: Turned) -> Phase:
-    """The phase of a spool whose angle is known, as that of one that a motor turns."""
-    return Phase(place.angle, place.speed, 0.0)
 
 
 def sight_of(
@@ -243,18 +132,6 @@ def sight_of(
         margin=margin,
         duty=NO_DUTY,
     )
-
-
-def next_reference(
-    reference: Reference, stage: Stage, target: Target, period: float, settings: ReferenceFilter
-) -> Reference:
-    """The reference at a sample, at rest at the stop until the drive is controlled.
-
-    period  of the samples [s]
-    """
-    if stage.number == RUN:
-        return reference_step(reference, target.wanted, period, settings)
-    return reference_at_rest(target.stop)
 
 
 def next_stage(stage: Stage, time: float, held: float, known: bool, period: float, sequence: AxialSequence) -> Stage:
@@ -290,34 +167,3 @@ def energised_stage(stage: Stage, energised: float, time: float) -> Stage:
     time       of the sample [s]
     """
     return stage if energised > 0.0 or stage.number == STOP else Stage(STOP, time, stage.held)
-
-
-def show(
-    drive_command: float,
-    stage: Stage,
-    reference: Reference,
-    observed: Observed,
-    estimate: AxialEstimate,
-    demand: Demand,
-) -> AxialCommand:
-    """The command of a drive, with what is believed and wanted."""
-    known = 1.0 if is_known(observed.phase) else 0.0
-    return AxialCommand(
-        drive=drive_command,
-        stage=stage.number,
-        reference=reference.position,
-        measured=observed.measured,
-        position=estimate.position,
-        velocity=estimate.velocity,
-        position_deviation=estimate.position_deviation,
-        velocity_deviation=estimate.velocity_deviation,
-        pollution=estimate.pollution,
-        margin=observed.margin,
-        flow=demand.flow,
-        desired_pressure=demand.pressure,
-        storage=demand.storage,
-        spool_angle=observed.phase.angle,
-        spool_speed=observed.phase.speed,
-        known=known,
-        frozen=estimate.frozen,
-    )
