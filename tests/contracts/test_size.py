@@ -119,7 +119,6 @@ ALLOWED = {
     "estimation.index.index_after_edge": ONE_SAMPLE,
     "estimation.pressure_edges.pressure_edges_step": ONE_SAMPLE,
     "network.classes.Classes": TEXT_WRITER,
-    "network.component.Component": FACADE,
     "network.functions.Functions": TEXT_WRITER,
     "network.network.Network": FACADE,
     "network.network.Network.program": ONE_CALL,

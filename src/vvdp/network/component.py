@@ -44,6 +44,8 @@ PORTS = {FluidState: Role.PORT, ShaftState: Role.SHAFT, ShaftSpeed: Role.SHAFT_S
 OTHERS = {Medium: Role.MEDIUM, Oil: Role.OIL}
 PORT_ROLES = frozenset(PORTS.values())
 MECHANICAL = PORT_ROLES - {Role.PORT}
+EFFECTS = frozenset(("loss", "losses", "supplied", "rates", "flow"))
+"""Fields of a law's result that are no outputs, beside those of its ports and modes."""
 
 
 @dataclass(frozen=True)
@@ -128,45 +130,13 @@ class Component:
 
     def arguments_of(self, function: Callable[..., Any]) -> tuple[Argument, ...]:
         """The arguments of one of its functions, in order. Raises NetworkError where one cannot be determined."""
-        if function not in self._known_arguments:
-            self._known_arguments[function] = self._arguments_of(function)
-        return self._known_arguments[function]
+        known = self._known_arguments
+        return known.get(function) or known.setdefault(function, _arguments(function, self))
 
     @cached_property
     def _known_arguments(self) -> dict[Callable[..., Any], tuple[Argument, ...]]:
         """The arguments of its functions that were asked for."""
         return {}
-
-    def _arguments_of(self, function: Callable[..., Any]) -> tuple[Argument, ...]:
-        hints = get_type_hints(function, include_extras=True)
-        return tuple(
-            self._argument(function.__name__, name, hints.get(name), parameter.default)
-            for name, parameter in inspect.signature(function).parameters.items()
-        )
-
-    def _argument(self, function: str, name: str, hint: Any, default: Any) -> Argument:
-        kind = next((k for k in getattr(hint, "__metadata__", ()) if isinstance(k, Kind)), None)
-        plain = get_args(hint)[0] if get_origin(hint) is Annotated else hint
-        start = None if default is inspect.Parameter.empty else float(default)
-        return Argument(name, self._role(function, name, plain, kind), plain, kind, start)
-
-    def _role(self, function: str, name: str, plain: Any, kind: Kind | None) -> Role:
-        if name == "t":
-            return Role.TIME
-        if kind is not None:
-            return Role.SURPLUS if kind is SURPLUS else Role.MODE if kind is MODE else Role.INPUT
-        if role := PORTS.get(plain) or OTHERS.get(plain):
-            return role
-        if isinstance(plain, type) and issubclass(plain, Params):
-            return Role.PARAMS
-        if plain is not None and plain is self.state:
-            return Role.STATE
-        if self.held is not None and plain is get_type_hints(self.held).get("return"):
-            return Role.HELD
-        expected = (
-            "FluidState, ShaftState, ShaftSpeed, RodState, Medium, Oil, Params, its state, or a float with a kind"
-        )
-        raise NetworkError(f"{function}: what {name!r} is does not follow from {plain!r}; annotate it as {expected}")
 
     @cached_property
     def ports(self) -> Mapping[str, Role]:
@@ -233,11 +203,39 @@ class Component:
     @cached_property
     def outputs(self) -> Mapping[str, Kind]:
         """Names and kinds of what it shows besides its effect on the nodes."""
-        known = {*self.ports, *self.modes, "loss", "losses", "supplied", "rates", "flow"}
-        shown = {name: kind for name, kind in field_kinds(self.result).items() if name not in known}
-        if without := [name for name, kind in shown.items() if kind is None]:
-            raise NetworkError(f"{self.name}: output {without[0]!r} has no kind; annotate it, for example with Flow")
-        return {name: kind for name, kind in shown.items() if kind}
+        effects = {*self.ports, *self.modes, *EFFECTS}
+        return {name: kind for name, kind in field_kinds(self.result).items() if kind and name not in effects}
+
+
+def _arguments(function: Callable[..., Any], component: Component) -> tuple[Argument, ...]:
+    hints = get_type_hints(function, include_extras=True)
+    found = []
+    for name, parameter in inspect.signature(function).parameters.items():
+        hint, default = hints.get(name), parameter.default
+        kind = next((k for k in getattr(hint, "__metadata__", ()) if isinstance(k, Kind)), None)
+        plain = get_args(hint)[0] if get_origin(hint) is Annotated else hint
+        role = Role.TIME if name == "t" else _role(plain, kind, component)
+        if role is None:
+            raise NetworkError(
+                f"{function.__name__}: what {name!r} is does not follow from {plain!r}; annotate it as FluidState, "
+                "ShaftState, ShaftSpeed, RodState, Medium, Oil, Params, its state, or a float with a kind"
+            )
+        found.append(Argument(name, role, plain, kind, None if default is parameter.empty else float(default)))
+    return tuple(found)
+
+
+def _role(plain: Any, kind: Kind | None, component: Component) -> Role | None:
+    """What an argument of a component's function is by its annotation; None if that does not say."""
+    if kind is not None:
+        return Role.SURPLUS if kind is SURPLUS else Role.MODE if kind is MODE else Role.INPUT
+    if role := PORTS.get(plain) or OTHERS.get(plain):
+        return role
+    if isinstance(plain, type) and issubclass(plain, Params):
+        return Role.PARAMS
+    if plain is not None and plain is component.state:
+        return Role.STATE
+    is_held = component.held is not None and plain is get_type_hints(component.held).get("return")
+    return Role.HELD if is_held else None
 
 
 ALLOWED = {
@@ -287,7 +285,6 @@ def check_component(component: Component) -> None:
     for average in component.averages:
         if average not in component.outputs:
             raise NetworkError(f"{name}: averages {average!r}, which is none of its outputs")
-    assert component.arguments is not None and component.outputs is not None
 
 
 def _check_units(component: Component) -> None:
@@ -303,6 +300,9 @@ def _check_units(component: Component) -> None:
         if kind is None or kind.unit != unit:
             what = "has no kind" if kind is None else f"is {kind.with_article} [{kind.unit}]"
             raise NetworkError(f"{component.name}: {name!r} of its result {what}; expected one in {unit}")
+    shown = kinds.keys() - component.ports.keys() - EFFECTS
+    if without := [name for name in kinds if name in shown and kinds[name] is None]:
+        raise NetworkError(f"{component.name}: output {without[0]!r} has no kind; annotate it, for example with Flow")
     if component.state is not None:
         without = [name for name, kind in field_kinds(component.state).items() if kind is None]
         if without and not hasattr(get_type_hints(component.state)[without[0]], "_fields"):
