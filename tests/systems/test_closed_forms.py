@@ -33,11 +33,8 @@ STIFF = ("oil.liquid_bulk_modulus=1e12 Pa", "oil.air_fraction=0")
 def test_left_out_with_a_sentence(ran, changes, sentence):
     found, _ = ran(BENCH, changes, "0.1 s")
     assert not set(ANALYTIC) & set(found)
-    told = [
-        text
-        for text in additions(load_system(BENCH, changes)).warnings(found)
-        if text.startswith(wording.systems.no_analytic_results)
-    ]
+    said = additions(load_system(BENCH, changes)).warnings(found)
+    told = [text for text in said if text.startswith(wording.systems.no_analytic_results)]
     assert len(told) == 1
     assert sentence in told[0]
 
