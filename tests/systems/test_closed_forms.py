@@ -5,6 +5,7 @@ from tests.words import wording
 
 from vvdp.evaluation.bench import rotary_bench
 from vvdp.evaluation.bench_overview import ANALYTIC
+from vvdp.evaluation.bench_report import additions
 from vvdp.evaluation.bench_validity import load_swing
 from vvdp.systems.system import load_system
 
@@ -32,8 +33,8 @@ STIFF = ("oil.liquid_bulk_modulus=1e12 Pa", "oil.air_fraction=0")
 def test_left_out_with_a_sentence(ran, changes, sentence):
     found, _ = ran(BENCH, changes, "0.1 s")
     assert not set(ANALYTIC) & set(found)
-    bench = rotary_bench(load_system(BENCH, changes), "run")
-    told = [text for text in bench.warnings(found) if text.startswith(wording.systems.no_analytic_results)]
+    said = additions(load_system(BENCH, changes)).warnings(found)
+    told = [text for text in said if text.startswith(wording.systems.no_analytic_results)]
     assert len(told) == 1
     assert sentence in told[0]
 
@@ -41,8 +42,8 @@ def test_left_out_with_a_sentence(ran, changes, sentence):
 def test_nothing_is_said_where_they_hold(ran):
     found, _ = ran(BENCH, (OVERRIDE, *LEAKING), "0.1 s")
     assert set(ANALYTIC) <= set(found)
-    bench = rotary_bench(load_system(BENCH, (OVERRIDE, *LEAKING)), "run")
-    assert not any("analytic" in text for text in bench.warnings(found))
+    own = additions(load_system(BENCH, (OVERRIDE, *LEAKING)))
+    assert not any("analytic" in text for text in own.warnings(found))
 
 
 @pytest.mark.parametrize(
@@ -73,9 +74,9 @@ def test_left_out_where_the_load_line_is_too_stiff(ran):
     1.64e-4/(71 x 4.2e-13) Pa, 55 bar, of 93. With the accumulator it is 8 bar of 100."""
     found, _ = ran("prototype", ("load_line.gas_volume=0 cc",), "0.3 s")
     assert not set(ANALYTIC) & set(found)
-    bench = rotary_bench(load_system("prototype", ("load_line.gas_volume=0 cc",)), "run")
-    assert load_swing(bench.values, found) == pytest.approx(0.58, abs=0.03)
-    assert any(wording.systems.stiff_load_line in text for text in bench.warnings(found))
+    report = additions(load_system("prototype", ("load_line.gas_volume=0 cc",)))
+    assert load_swing(report.bench.values, found) == pytest.approx(0.58, abs=0.03)
+    assert any(wording.systems.stiff_load_line in text for text in report.warnings(found))
     shipped, _ = ran("prototype", (), "0.3 s")
     assert load_swing(rotary_bench(load_system("prototype"), "run").values, shipped) == pytest.approx(0.085, abs=0.01)
     assert set(ANALYTIC) <= set(shipped)

@@ -83,6 +83,12 @@ def without_rotor(system):
     return system.read_from(Table(system.name, content, {}))
 
 
+def test_a_fault_of_the_file_goes_with_it():
+    jam = [f"faults.jam.{key}={value}" for key, value in {"jams": "spool", "torque": "5 N*m", "begin": "0.5 s"}.items()]
+    rig = unit_on_rig(load_system("prototype", jam), "map")
+    assert [each.name for each in rig.faults] == ["jam"] and "jam" in rig.circuit.network.parts
+
+
 def test_it_runs_as_the_circuit_does():
     """A drawn unit against a pressure source has all that its rig has: the same equations, the same numbers."""
     drawn = without_rotor(unit(axial_position="8 mm", relief_pressure="90 bar"))

@@ -38,15 +38,17 @@ SHAFTS = ("pump_shaft", "spool_motor")
 def is_bench(system: LoadedSystem) -> bool:
     """Whether the network of a system is a test rig of a rotary valve, and its duty ratio is known.
 
-    Nodes and components are called and joined as in `rig_drawing`, and nothing else joins the nodes but the tank. The
-    load is a vessel with an orifice to the tank, or a pressure source. What is prescribed is known over time.
+    Nodes and components are called and joined as in `rig_drawing`, and nothing else joins the nodes but the tank, apart
+    from what a fault of the file adds. The load is a vessel with an orifice to the tank, or a pressure source. What is
+    prescribed is known over time.
     """
     network = system.circuit.network
     if network.extras is not None or not all(name in network.parts for name in UNIT):
         return False
     own = {name: joints(name) for name in KINDS if name in network.parts}
     inner = {node for nodes in own.values() for node in nodes.values()} - {"tank"}
-    others = (part for name, part in network.parts.items() if name not in own)
+    failing = {each.name for each in system.faults}
+    others = (part for name, part in network.parts.items() if name not in own and name not in failing)
     return (
         all(_fits(network.parts[name], KINDS[name], nodes) for name, nodes in own.items())
         and not any(inner & {*part.nodes.values()} for part in others)

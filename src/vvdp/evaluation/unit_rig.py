@@ -29,6 +29,7 @@ from vvdp.network.network import Part
 from vvdp.network.nodes import Chamber, DrivenShaft, Node, OilVolume
 from vvdp.simulation.values import names
 from vvdp.systems.changed import exact_text
+from vvdp.systems.fault_tables import FAULTS
 from vvdp.systems.part_scopes import Entries
 from vvdp.systems.short_paths import with_full_paths
 from vvdp.systems.system import System, built_system
@@ -129,6 +130,7 @@ class _Rig:
     def refuse_others(self, verb: str) -> None:
         """Raises ConfigError if more than meters is joined to inlet and spool beside what the rig has."""
         own, ends = {part.name for part, _ in self.parts.values()}, {self.nodes["inlet"], self.nodes["spool"]}
+        own |= {each.name for each in self.system.faults} if is_bench(self.system) else set()
         others = [
             part.name
             for part in self.network.parts.values()
@@ -164,7 +166,7 @@ class _Rig:
             **_load(self),
             "operation": _operation(self),
             "limits": {"cavitation_pressure": _at_start(cavitation, PRESSURE_LEVEL), **given.get("limits", {})},
-            **({SHAPE: given[SHAPE]} if SHAPE in given else {}),
+            **{name: given[name] for name in (SHAPE, *([FAULTS] if is_bench(system) else [])) if name in given},
             "run": given["run"],
         }
 

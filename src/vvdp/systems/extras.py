@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from vvdp.simulation.outcome import Outcome
     from vvdp.simulation.record import Record
     from vvdp.simulation.run import Run
+    from vvdp.systems.faults import NamedFault
 
 Summary = dict[str, float | bool]
 
@@ -63,6 +64,10 @@ class LoadedSystem(Protocol):
     @property
     def extras(self) -> "Extras | None":
         """The additions of the system; None where there are none."""
+
+    @property
+    def faults(self) -> "Sequence[NamedFault]":
+        """What fails in the circuit."""
 
     @property
     def rows(self) -> "Sequence[Sourced]":
