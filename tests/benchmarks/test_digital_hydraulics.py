@@ -138,6 +138,7 @@ def test_codes_of_the_flow_control_unit_by_counting():
     assert wanted["pulse_15_16"] == pytest.approx(pulse, rel=1e-4)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("case", REFERENCES)
 def test_hard_circuits_by_closed_form_or_another_integration(case):
     """Within a fiftieth of the bounds: another processor's rounding alone moves an integration by a quarter of that."""

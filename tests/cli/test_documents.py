@@ -122,6 +122,7 @@ def test_the_examples_of_the_guide_are_real(vvdp, here, command):
     assert [line for line in lines if line not in said] == []
 
 
+@pytest.mark.thorough
 def test_the_run_of_the_guide_shows_what_a_run_shows(vvdp, here):
     answer = vvdp("run", "prototype", "--until", "0.52 s", "--no-report", "--out", "out")
     labels = {line.strip().partition("  ")[0] for line in answer.out.splitlines()}

@@ -46,6 +46,7 @@ def test_the_crankshaft_does_what_is_said(vvdp, here, capsys):
     assert wording.estimate.index_not_found not in said["crank"] and wording.estimate.elsewhere not in said["crank"]
 
 
+@pytest.mark.thorough
 def test_the_tutorial_does_what_it_says(vvdp, here, capsys):
     ran, said = run_blocks(PAGE, vvdp, capsys)
     assert ran.count("python") >= 12 and ran.count("sh") == 2

@@ -101,7 +101,7 @@ def variants():
             yield pytest.param(name, setting, id=f"{name}, {setting}", marks=marks)
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(("name", "setting"), [*variants()])
 def test_whole_circuit_is_the_same_in_every_form(name, setting):
     """Rates and outputs, what is stored and held between samples: floats, arrays, symbols and compiled code."""
@@ -189,7 +189,7 @@ def in_lanes(lanes, values):
     return np.ascontiguousarray(values.reshape(values.shape[0], -1, lanes.width).swapaxes(0, 1))
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(("name", "setting"), [*variants()])
 def test_rates_of_many_cases_at_once_are_those_of_each(name, setting):
     system = load_system(name, SETTINGS[setting])

@@ -158,6 +158,7 @@ def test_changing_duty_ratio_on_the_pages():
     assert f"cannot turn back within {1e3 * (138.0 / 7.034) ** 2 / 2e4:.0f} ms" in filtered
 
 
+@pytest.mark.thorough
 def test_witness_on_the_page():
     held, raw = load_pressures(driven_text()), load_pressures(raw_text(driven_text()))
     assert f"between {np.min(held):.2f} and {np.max(held):.2f} bar with the observer" in PAGE

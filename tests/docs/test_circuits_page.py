@@ -190,6 +190,7 @@ def test_all_rows_have_one_error():
         assert max(errors) <= 1.05 * min(errors) and errors == pytest.approx([wanted] * len(errors), rel=0.025)
 
 
+@pytest.mark.thorough
 def test_both_columns_of_the_pump_are_those_of_their_parts():
     """Favourable: drawn minus returned. Unfavourable: more by a drag of 5 N m at 1800 or 1200 rpm for each pump. A
     measured pump has no column of its own for either."""

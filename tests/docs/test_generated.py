@@ -183,6 +183,7 @@ def plain(output):
     return output.get("text", output.get("data", {}).get("text/plain", []))
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("path", sorted((DOCS / "notebooks").glob("*.ipynb")), ids=lambda path: path.stem)
 def test_a_notebook_prints_what_it_shows(path, tmp_path, monkeypatch):
     """Its cells run one after the other; numbers may differ in their last digits on another machine."""

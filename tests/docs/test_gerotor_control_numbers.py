@@ -102,6 +102,7 @@ GAINS = ("calibration", {"largest_flow": "1.8 lpm", "backward_gain": "0.9"})
 BAND = ("calibration", {"backward_dead_band": "0.08"})
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("case", "changes"),
     [

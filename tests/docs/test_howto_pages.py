@@ -23,6 +23,7 @@ RUNS = {
 }
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", RUNS)
 def test_the_page_does_what_it_says(name, vvdp, here, is_shown, capsys, monkeypatch):  # noqa: F811
     monkeypatch.syspath_prepend(str(here))

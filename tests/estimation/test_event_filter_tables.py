@@ -93,6 +93,7 @@ def test_published_case(edge_times, filtered, name):
         assert np.mean(found[:, column] < value + half) > level - slack
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", CASES)
 def test_published_case_from_anywhere(edge_times, filtered, name):
     """A start between two edges tells a little less or more: the shares keep to 0.08."""
@@ -246,6 +247,7 @@ def test_step_with_the_published_detector(pump_steps):
     assert row.rms > 0.2
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("error", ["normal", "triangular", "none"])
 def test_step_as_built(edge_times, filtered, pump_steps, error):
     """Within 5 % before 0.16 s in 90 % of 200 runs, from the step of the pump on; no sector lost; and the speed

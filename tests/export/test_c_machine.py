@@ -73,9 +73,10 @@ def test_another_bit_is_reported(tmp_path):
     assert re.search(r": 1 of \d+ numbers differ from vvdp\nlargest difference: \S+ in number 28 of clock", done.stdout)
 
 
-def test_nothing_is_written_but_the_machine(tmp_path):
+@pytest.mark.parametrize("name", ["accumulator-charging", pytest.param("prototype", marks=pytest.mark.thorough)])
+def test_nothing_is_written_but_the_machine(name, tmp_path):
     """By `nm`: D and B are writable data, U is what must come from elsewhere."""
-    made = write_machine(tmp_path, "prototype", 3)
+    made = write_machine(tmp_path, name, 3)
     make(tmp_path, "test")
     objects = [str(tmp_path / f"{made.name}{end}.o") for end in ("", "_core")]
     done = subprocess.run([required_program("nm"), *objects], capture_output=True, text=True, check=True)

@@ -58,7 +58,7 @@ def shaken(values, draw):
     return values * (1.0 + 0.3 * draw.standard_normal(values.size))
 
 
-SHORT = ["buck-converter", "linear-valves", "displacement-chapter6", "prototype"]
+SHORT = ["buck-converter", "displacement-chapter6", "prototype"]
 
 
 @pytest.mark.parametrize("name", [*SHORT, *(pytest.param(n, marks=pytest.mark.thorough) for n in

@@ -138,7 +138,7 @@ FAULTS = [
 ]
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(("words", "place", "name", "fault"), FAULTS, ids=[row[0] for row in FAULTS])
 def test_a_planted_fault_is_found(monkeypatch, words, place, name, fault):
     if isinstance(place, dict):

@@ -104,6 +104,7 @@ def silent_log(lasts, turns=100, backward=False):
     return {"edge": (times[kept], "s")}, angles
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("lasts", [0.6, 0.25])
 @pytest.mark.parametrize("fit", [None, True])
 def test_a_lost_sensor_is_no_standstill(estimated, lasts, fit):

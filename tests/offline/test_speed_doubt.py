@@ -106,6 +106,7 @@ def test_an_order_that_looks_like_another_is_named_and_covered(estimated, fit):
     assert wording.estimate.same_edges in said
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("fit", [False, True])
 @pytest.mark.parametrize("amplitude", [0.01, 0.05])
 def test_uneven_sectors_do_not_hide_a_ripple_without_doubt(estimated, amplitude, fit):

@@ -66,7 +66,7 @@ def run_of(folder, name, text, period):
     return simulate(system.model, system.case, system.stepping)
 
 
-@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("fmi", [pytest.param(2, marks=pytest.mark.thorough), 3])
 def test_it_is_within_a_hundredth_of_the_same_load_in_one_system(fmi, tmp_path):
     """The flow is held for a period, so that the pressure is off in proportion to it, and so is the energy."""
     (tmp_path / "load.toml").write_text((LOAD + RUN).replace("PERIOD", "1 ms"))

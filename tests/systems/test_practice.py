@@ -32,6 +32,7 @@ def test_each_has_numbers_by_hand():
     assert {*BY_HAND} == {*shipped_systems("practice")}
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", BY_HAND)
 def test_it_is_to_be_trusted_without_a_warning(name):
     system, found = load_system(name), done(name).found

@@ -175,6 +175,7 @@ def test_sample_periods_beyond_the_limit(period, published):
     assert wording.systems.limit_cycle.format(period=f"{period:g} ms", limit="2.36 ms") in told
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("period", "largest"), [(1.0, 2.6), (2.0, 8.5), (3.0, 19.0), (4.0, 36.0), (5.0, 60.0)])
 def test_a_law_that_takes_its_mean_over_the_hold(period, largest):
     """2.49, 8.17, 18.3, 34.4 and 58.2 um, no limit cycle up to 5 ms; at 7 ms there is one, and it is told before."""

@@ -124,6 +124,7 @@ def is_readable(browser):
         assert contrast(browser, selector) > READABLE, selector
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("width", WIDTHS)
 def test_a_slider_goes_to_both_ends(browser, pages, width, scheme):

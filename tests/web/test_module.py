@@ -15,6 +15,8 @@ from vvdp.web.link import TRIPLE, link
 from vvdp.web.module import EXACT, QUICK, WAYS, web_modules
 from vvdp.web.page import run_model
 
+pytestmark = pytest.mark.heavy
+
 SHORT = ("accumulator-charging", "prototype-constant-load")
 
 MEMORY_ONLY = [{"module": "env", "name": "memory", "kind": "memory"}]

@@ -12,6 +12,8 @@ from tests.workbench.steps import COMPLETE, DUTY, enter, middle, wait_for
 
 from vvdp.systems.system import source_text
 
+pytestmark = pytest.mark.heavy
+
 
 def test_a_drag_makes_drafts_and_its_release_a_whole_run(page):
     slider = f"{DUTY}.closest('.value').querySelector('[type=range]')"

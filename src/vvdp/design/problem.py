@@ -2,7 +2,8 @@
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -142,17 +143,16 @@ class Point:
     weight: float
     system: System
     setup: Setup
-    _functions: dict[tuple[str, ...], Any] = field(default_factory=dict, compare=False, repr=False)
 
-    def function(self, names: tuple[str, ...]) -> Any:
-        """The quantities as a CasADi function of the variables `names`, traced once for all questions."""
-        import casadi
 
-        if names not in self._functions:
-            x = casadi.SX.sym("x", len(names))
-            found = quantities(with_variables(self.setup, {name: x[i] for i, name in enumerate(names)}))
-            self._functions[names] = casadi.Function("quantities", [x], [casadi.vertcat(*found)])
-        return self._functions[names]
+@lru_cache(maxsize=100)
+def _traced(at: Setup, names: tuple[str, ...]) -> Any:
+    """The quantities as a CasADi function of the variables `names`, traced once for all questions."""
+    import casadi
+
+    x = casadi.SX.sym("x", len(names))
+    found = quantities(with_variables(at, {name: x[i] for i, name in enumerate(names)}))
+    return casadi.Function("quantities", [x], [casadi.vertcat(*found)])
 
 
 @dataclass(frozen=True)
@@ -193,7 +193,7 @@ class Problem:
         import casadi
 
         x = casadi.vertcat(*values.values())
-        rows = [casadi.vertsplit(point.function(tuple(values))(x)) for point in self.points]
+        rows = [casadi.vertsplit(_traced(point.setup, tuple(values))(x)) for point in self.points]
         return [Quantities(**dict(zip(Quantities._fields, row, strict=True))) for row in rows]
 
     def excesses(self, found: Sequence[Quantities]) -> list[list[Any]]:

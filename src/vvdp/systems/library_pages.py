@@ -87,6 +87,7 @@ class LibraryPage:
     example: str
 
 
+@cache
 def library_page(kind: str) -> LibraryPage:
     """The page of a component or program of the library."""
     if kind in PROGRAMS:
@@ -250,6 +251,7 @@ def _equations(function: Callable[..., Any], depth: int = 2) -> Iterator[Equatio
     return walk(function, depth)
 
 
+@cache
 def _equation(function: Callable[..., Any]) -> Equation:
     doc = inspect.getdoc(function) or ""
     module = inspect.getdoc(inspect.getmodule(function)) or ""
@@ -273,14 +275,16 @@ def _code(function: Callable[..., Any]) -> str:
     return "\n".join([*lines[: first.lineno - 1], *lines[first.end_lineno :]])
 
 
-def _called_functions(function: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
+@cache
+def _called_functions(function: Callable[..., Any]) -> tuple[Callable[..., Any], ...]:
     """The formulas of the package that a function calls, and the laws of the components that it adds."""
-    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
+    tree, calls = ast.parse(textwrap.dedent(inspect.getsource(function))), []
     for name in dict.fromkeys(node.id for node in ast.walk(tree) if isinstance(node, ast.Name)):
         named = inspect.unwrap(function).__globals__.get(name)
         found = named.law if isinstance(named, Component) else named
         if inspect.isfunction(found) and found.__module__.startswith(FORMULAS):
-            yield found
+            calls.append(found)
+    return tuple(calls)
 
 
 def _rules(classes: Sequence[type[Params]]) -> Iterator[str]:
