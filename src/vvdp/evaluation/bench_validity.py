@@ -106,18 +106,18 @@ def transition_loss(beyond_open: float, put_in: float) -> float:
 def bench_bounds(bench: BenchValues, found: Mapping[str, float]) -> Iterator[Bound]:
     """The bounds of the laws of valve and spool at what a run has `found`."""
     where = f" (operation.{'axial_position' if bench.is_placed else 'duty_ratio'})"
-    yield duty_bound("duty ratio", bench.duty_ratio.extremes, bench.valve, where)
+    yield duty_bound("duty ratio", *bench.duty_ratio.extremes, bench.valve, where)
     yield from valve_bounds(_bench_reading(bench, found))
 
 
-def duty_bound(label: str, ends: tuple[float, float], valve: RotaryValve, where: str = "") -> Bound:
-    """The bound of the lowest and highest duty ratio [1] at which the spool of a valve stands; `where` it is given."""
+def duty_bound(label: str, low: float, high: float, valve: RotaryValve, where: str = "") -> Bound:
+    """The bound of the lowest and highest duty ratio [1] of a valve, and `where` the file gives it."""
     travel, length = duty_travel(valve), valve.helix_length
     return _bound(
         label,
-        ends[1],
+        high,
         f"the spool stands beyond the helix{where}",
-        low=ends[0],
+        low=low,
         least=travel.low / length - STOP_ROOM,
         most=travel.high / length + STOP_ROOM,
         kind=DUTY_RATIO,

@@ -114,7 +114,7 @@ def placed_valve_bounds(system: LoadedSystem, found: Mapping[str, float | bool])
     for valve in () if shows_all(system) else placed_valves(system.circuit.network):
         words, length = valve.name.replace("_", " "), valve.values.helix_length
         if travel := travel_of(valve.part.inputs["axial_position"]):
-            yield duty_bound(f"duty ratio of {words}", (travel.low / length, travel.high / length), valve.values)
+            yield duty_bound(f"duty ratio of {words}", travel.low / length, travel.high / length, valve.values)
         yield from valve_bounds(valve_reading(system, valve, found), words)
 
 

@@ -63,7 +63,7 @@ class Replay:
         shown = self.shown(reached, rows, settings)
         return Replayed(as_value(self._example, reached), shown)
 
-    def shown(self, memory: Array, rows: Array, settings: Any | None = None) -> Array:
+    def output(self, memory: Array, rows: Array, settings: Any | None = None) -> Array:
         """The output alone, shape (samples, numbers shown), from a flat `memory`, which is then that after the rows."""
         rows = np.ascontiguousarray(rows, float)
         if rows.ndim != 2 or rows.shape[1] != self.width:

@@ -72,33 +72,12 @@ class DrawnCircuit:
         elif name not in table:
             self.tell(place, f"no such name among the {group}{nearest(name, table) if table else ''}")
         else:
-            for key in self._other_keys(group, table[name], entry):
+            for key in other_keys(group, table[name], entry, self.folder):
                 del table[name][key]
-            self.drop_alternatives([f"{group}.{name}.{key}" for key in entry])
+            drop_alternatives(self.tables, [f"{group}.{name}.{key}" for key in entry])
             for keys, value in _leaves(entry, table[name]):
                 below = ".".join(keys)
                 self.set(f"{group}.{name}.{below}", value, place.below(below))
-
-    def _other_keys(self, group: str, part: Entries, entry: Entries) -> list[str]:
-        """The keys of a component or program that the other type which `entry` gives it does not take."""
-        word = str(entry.get("type"))
-        found = TYPES.get(group, {}).get(word)
-        if found is None and group == PROGRAMS and ":" in word:
-            with suppress(ParameterError):  # reported where the program is drawn
-                found = own_program(word, {group: {"own": entry}}, self.folder)
-        return [] if found is None else [key for key in part if key not in part_keys(found).known]
-
-    def drop_alternatives(self, given: Collection[str]) -> None:
-        """Take out what parts say of an input where its alternative is `given`: a duty ratio for an axial position."""
-        for path in given:
-            group, _, rest = path.partition(".")
-            name, _, key = rest.partition(".")
-            entry = self.tables[group].get(name, {})
-            found = TYPES.get(group, {}).get(str(entry.get("type")))
-            for word, other in getattr(found, "alternatives", {}).items():
-                left = {word: other.name, other.name: word}.get(key)
-                if left is not None and f"{group}.{name}.{left}" not in given:
-                    entry.pop(left, None)
 
     def has(self, path: str) -> bool:
         """Whether an entry stands at a path."""
@@ -201,3 +180,32 @@ def _entry_paths(path: str, parts: Mapping[str, Mapping[str, object]]) -> tuple[
     part, _, value = rest.rpartition(".")
     values = as_table(as_table(parts.get(inner_name(part, parts))).get("values")) if group == PARTS else {}
     return tuple(values.get(value, ())) or (group + dot + inner_name(rest, parts),)
+
+
+def other_keys(group: str, part: Entries, entry: Entries, folder: Path = Path()) -> list[str]:
+    """The keys of a component or program that the other type which `entry` gives it does not take: they go with it.
+
+    folder  in which a program of one's own is looked for
+    """
+    word = str(entry.get("type"))
+    found = TYPES.get(group, {}).get(word)
+    if found is None and group == PROGRAMS and ":" in word:
+        with suppress(ParameterError):  # reported where the program is drawn
+            found = own_program(word, {group: {"own": entry}}, folder)
+    return [] if found is None else [key for key in part if key not in part_keys(found).known]
+
+
+def drop_alternatives(tables: Mapping[str, dict[str, Any]], given: Collection[str]) -> None:
+    """Take out of `tables` what parts say of an input whose alternative is `given`: a duty ratio for a position.
+
+    given  paths of entries, TABLE.NAME.KEY
+    """
+    for path in given:
+        group, _, rest = path.partition(".")
+        name, _, key = rest.partition(".")
+        entry = tables[group].get(name, {})
+        found = TYPES.get(group, {}).get(str(entry.get("type")))
+        for word, other in getattr(found, "alternatives", {}).items():
+            left = {word: other.name, other.name: word}.get(key)
+            if left is not None and f"{group}.{name}.{left}" not in given:
+                entry.pop(left, None)

@@ -9,7 +9,7 @@ from vvdp.components.library import COMPONENTS
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Role
 from vvdp.systems.drawing import NODES as NODE_TYPES
-from vvdp.systems.drawn_parts import DrawnCircuit
+from vvdp.systems.drawn_parts import DrawnCircuit, drop_alternatives
 from vvdp.systems.part_files import NODES, PARTS, TABLES_OF_A_PART, VALUES, WORDS, PartFile
 from vvdp.systems.part_scopes import Entries, Place, Scope, as_table
 
@@ -123,7 +123,8 @@ def set_values(use: PartUse, inner: Scope) -> None:
         default = {key: entry for key, entry in own.items() if key != "sets"}
         for path in values[value] if default else ():
             use.circuit.set(path, inner.rename(default, use.circuit.parts), inner.place(f"{VALUES}.{value}"))
-    use.circuit.drop_alternatives({path for value, paths in values.items() if value in use.entry for path in paths})
+    given = {path for value, paths in values.items() if value in use.entry for path in paths}
+    drop_alternatives(use.circuit.tables, given)
     for value, paths in values.items():
         place = use.place.below(value)
         for path in paths:
