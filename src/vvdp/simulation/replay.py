@@ -60,7 +60,7 @@ class Replay:
     def __call__(self, memory: Any, rows: Array, settings: Any | None = None) -> Replayed:
         """The step taken over `rows`, shape (samples, numbers of a reading), starting from `memory`."""
         reached = flat(memory)
-        shown = self.shown(reached, rows, settings)
+        shown = self.output(reached, rows, settings)
         return Replayed(as_value(self._example, reached), shown)
 
     def output(self, memory: Array, rows: Array, settings: Any | None = None) -> Array:
