@@ -137,7 +137,7 @@ def test_a_title_over_several_lines_stays(vvdp, here):
     text = (
         shipped_systems()["prototype"]
         .replace('title = "', 'title = """\nlong ')
-        .replace('load"\ncircuit', 'load"""\ncircuit')
+        .replace('load"\n\n[nodes]', 'load"""\n\n[nodes]')
     )
     (here / "long.toml").write_text(text)
     assert vvdp("new", "mine", "--from", "long.toml").code == 0

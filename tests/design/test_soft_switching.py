@@ -9,6 +9,7 @@ from tests.words import wording
 
 from vvdp.base.errors import ConfigError, ParameterError
 from vvdp.base.select import minimum
+from vvdp.base.tables import parsed_table
 from vvdp.design.levers import levers
 from vvdp.design.problem import problem
 from vvdp.design.quantities import quantities, setup, switching_condition
@@ -22,11 +23,13 @@ from vvdp.design.soft_switching import (
     usual_bypass,
 )
 from vvdp.evaluation.bench import rotary_bench
+from vvdp.evaluation.bench_parts import is_bench
 from vvdp.hydraulics.check_valve import CheckValve
 from vvdp.hydraulics.soft_switching import Mouth, SwitchChamber, released_area
+from vvdp.simulation.values import flat
 from vvdp.steady.steady_states import steady_states
 from vvdp.steady.test_stand import stand
-from vvdp.systems.system import load_system
+from vvdp.systems.system import built_system, load_system, source_text
 from vvdp.valve.geometry import nozzle_width, pitch
 from vvdp.valve.losses import full_open_drop, transition_loss
 
@@ -143,6 +146,18 @@ def test_closed_forms_refuse_a_system_that_is_switched_softly(system):
     with pytest.raises(ParameterError, match=wording.design.soft_already):
         levers(soft, simulated=False)
     assert wording.design.in_no_closed_form in next(rotary_bench(soft, "design").unit.average_limits())
+
+
+def test_the_lines_of_the_page_draw_what_the_levers_calculate(system):
+    """The same states and rates at the start."""
+    lines = PAGE.partition("```toml\n")[2].partition("```")[0]
+    drawn = built_system(parsed_table(f"{source_text(system.name)}\n{lines}", "soft.toml"), "soft")
+    soft = with_soft(system, precharge_pressure=12e5 + REFERENCE)
+    rates = [flat(each.model.circuit(0.0, each.case.state, each.case.command, each.case.params)[0])
+             for each in (drawn, soft)]  # fmt: skip
+    assert is_bench(drawn) and drawn.case.state == soft.case.state
+    assert rates[0] == pytest.approx(rates[1], rel=1e-12)
+    assert "chamber" in drawn.circuit.network.nodes
 
 
 @pytest.mark.slow

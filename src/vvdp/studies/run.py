@@ -25,6 +25,7 @@ from vvdp.evaluation.bench_report import additions
 from vvdp.evaluation.overview import warnings
 from vvdp.evaluation.quantities import quantities
 from vvdp.evaluation.summary import simulated_summary
+from vvdp.network.nodes import DrivenShaft
 from vvdp.results.result import Column
 from vvdp.simulation.batch import case_shape, simulate_batch
 from vvdp.simulation.crew import Crew
@@ -191,6 +192,8 @@ def _key(system: System, digest: str, stepping: str) -> str:
     found = hashlib.sha256(repr((VERSION, digest, system.circuit.digest, stepping)).encode())
     case = system.case
     programs = (*case.memory.values(), *case.settings.values())
+    shafts = (node for node in system.circuit.network.nodes.values() if isinstance(node, DrivenShaft))
+    found.update(repr([shaft.rated_power for shaft in shafts]).encode())
     for part in (case.state, case.params, case.command, *programs, *system.tables.values()):
         found.update(_names(form(part, {})))
         found.update(flat(part).tobytes())
