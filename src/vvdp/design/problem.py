@@ -146,7 +146,7 @@ class Point:
 
 
 @lru_cache(maxsize=100)
-def _traced(at: Setup, names: tuple[str, ...]) -> Any:
+def _traced_quantities(at: Setup, names: tuple[str, ...]) -> Any:
     """The quantities as a CasADi function of the variables `names`, traced once for all questions."""
     import casadi
 
@@ -193,7 +193,7 @@ class Problem:
         import casadi
 
         x = casadi.vertcat(*values.values())
-        rows = [casadi.vertsplit(_traced(point.setup, tuple(values))(x)) for point in self.points]
+        rows = [casadi.vertsplit(_traced_quantities(point.setup, tuple(values))(x)) for point in self.points]
         return [Quantities(**dict(zip(Quantities._fields, row, strict=True))) for row in rows]
 
     def excesses(self, found: Sequence[Quantities]) -> list[list[Any]]:
