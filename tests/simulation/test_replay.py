@@ -12,6 +12,7 @@ from vvdp.base.params import Params
 from vvdp.numerics.kalman import observe
 from vvdp.numerics.random import Random, normal, random_start
 from vvdp.simulation.replay import Replay
+from vvdp.simulation.values import flat
 
 
 class Sample(NamedTuple):
@@ -90,6 +91,12 @@ def test_the_memory_that_was_given_is_left_alone(replay):
     replay(START, ROWS)
     assert START.sum == 0.0
     assert not START.last.any()
+
+
+def test_outputs_alone_are_those_of_a_pass_and_move_the_memory_in_place(replay):
+    whole, memory = replay(START, ROWS), flat(START)
+    np.testing.assert_array_equal(replay.outputs(memory, ROWS), whole.shown)
+    np.testing.assert_array_equal(memory, flat(whole.memory))
 
 
 def test_other_settings_need_no_new_compilation(replay):

@@ -59,7 +59,7 @@ class Limit:
 
     @property
     def measure(self) -> float:
-        """Scale of an excess over the limit [SI]."""
+        """What an excess is a part of [SI]."""
         return abs(self.value) or SMALLEST[self.quantity]
 
     def excess(self, found: Any) -> Any:
@@ -76,7 +76,7 @@ class Limit:
 
 
 SMALLEST = {name: kind.scale for name, kind in KINDS.items()}
-"""Scale of the excess over a limit of zero, by quantity."""
+"""What a limit of zero is measured with."""
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ class Point:
 
 
 @lru_cache(maxsize=100)
-def _expression(at: Setup, names: tuple[str, ...]) -> Any:
+def _traced_quantities(at: Setup, names: tuple[str, ...]) -> Any:
     """The quantities as a CasADi function of the variables `names`, traced once for all questions."""
     import casadi
 
@@ -157,8 +157,8 @@ def _expression(at: Setup, names: tuple[str, ...]) -> Any:
 
 @dataclass(frozen=True)
 class Problem:
-    """Problem of optimisation: the objective that is minimised (its weighted mean over the points, negative with sign
-    -1), limits, bounds, and points. `beside` are quantities that are shown beside the objective."""
+    """What is minimised (the weighted mean over the points; its negative with sign -1), subject to which limits,
+    within which bounds, at which points. `beside` are quantities that are looked at beside the objective."""
 
     system: System
     objective: str
@@ -193,7 +193,7 @@ class Problem:
         import casadi
 
         x = casadi.vertcat(*values.values())
-        rows = [casadi.vertsplit(_expression(point.setup, tuple(values))(x)) for point in self.points]
+        rows = [casadi.vertsplit(_traced_quantities(point.setup, tuple(values))(x)) for point in self.points]
         return [Quantities(**dict(zip(Quantities._fields, row, strict=True))) for row in rows]
 
     def excesses(self, found: Sequence[Quantities]) -> list[list[Any]]:
@@ -247,10 +247,9 @@ def problem(
 
 
 TRANSITIONAL = frozenset(("loss_transition", "loss_total", "efficiency", "load_flow", "relief_margin", "input_power"))
-"""Quantities that contain the closed form of the transition loss, which needs the relief valve closed while a port is
-open."""
+"""What the closed form of the transition loss enters, which needs the relief valve closed while a port is open."""
 RIPPLE = frozenset(("pwm_frequency", "load_pulsation"))
-"""Quantities that limit the ripple behind the load port."""
+"""What reports the ripple behind the load port."""
 
 
 MOST_TRANSITION = 0.5
@@ -278,7 +277,7 @@ def with_usual_limits(asked: Problem, *, front: bool = False) -> Problem:
     if front and "relief_margin" not in named:
         more.append(Limit("relief_margin", at_least=True, value=0.0, usual=True))
     if front and "input_power" not in named:
-        rated = rotary_bench(asked.system, "design").rated_power
+        rated = rotary_bench(asked.system, "design").motor.rated_power
         now = max(float(q.input_power) for q in before)
         more.append(Limit("input_power", at_least=False, value=max(rated, now), usual=True))
     return replace(asked, limits=(*asked.limits, *more))

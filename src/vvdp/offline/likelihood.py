@@ -91,7 +91,7 @@ class Likelihood:
     def surprises(self, noise: Noise, angles: Array | None = None) -> tuple[Array, Array]:
         """Innovations [rad] and their variances, of the edges that have them."""
         rows = self._rows if angles is None else self._rows_of(angles)
-        shown = self._replay.output(flat(passage_start()), rows, noise)
+        shown = self._replay.outputs(flat(passage_start()), rows, noise)
         known = shown[shown[:, 1] > 0.0]
         return known[:, 0], known[:, 1]
 

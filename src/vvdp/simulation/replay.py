@@ -60,11 +60,11 @@ class Replay:
     def __call__(self, memory: Any, rows: Array, settings: Any | None = None) -> Replayed:
         """The step taken over `rows`, shape (samples, numbers of a reading), starting from `memory`."""
         reached = flat(memory)
-        shown = self.output(reached, rows, settings)
+        shown = self.outputs(reached, rows, settings)
         return Replayed(as_value(self._example, reached), shown)
 
-    def output(self, memory: Array, rows: Array, settings: Any | None = None) -> Array:
-        """The output alone, shape (samples, numbers shown), from a flat `memory`, which is then that after the rows."""
+    def outputs(self, memory: Array, rows: Array, settings: Any | None = None) -> Array:
+        """The outputs alone, shape (samples, numbers shown); the flat `memory` becomes that after the last row."""
         rows = np.ascontiguousarray(rows, float)
         if rows.ndim != 2 or rows.shape[1] != self.width:
             raise RunError(f"rows of shape {rows.shape}; expected (samples, {self.width})")
