@@ -59,7 +59,7 @@ class Limit:
 
     @property
     def measure(self) -> float:
-        """What an excess is a part of [SI]."""
+        """Scale of an excess over the limit [SI]."""
         return abs(self.value) or SMALLEST[self.quantity]
 
     def excess(self, found: Any) -> Any:
@@ -76,7 +76,7 @@ class Limit:
 
 
 SMALLEST = {name: kind.scale for name, kind in KINDS.items()}
-"""What a limit of zero is measured with."""
+"""Scale of the excess over a limit of zero, by quantity."""
 
 
 @dataclass(frozen=True)
@@ -157,8 +157,8 @@ def _traced_quantities(at: Setup, names: tuple[str, ...]) -> Any:
 
 @dataclass(frozen=True)
 class Problem:
-    """What is minimised (the weighted mean over the points; its negative with sign -1), subject to which limits,
-    within which bounds, at which points. `beside` are quantities that are looked at beside the objective."""
+    """Problem of optimisation: the objective that is minimised (its weighted mean over the points, negative with sign
+    -1), limits, bounds, and points. `beside` are quantities that are shown beside the objective."""
 
     system: System
     objective: str
@@ -247,9 +247,10 @@ def problem(
 
 
 TRANSITIONAL = frozenset(("loss_transition", "loss_total", "efficiency", "load_flow", "relief_margin", "input_power"))
-"""What the closed form of the transition loss enters, which needs the relief valve closed while a port is open."""
+"""Quantities that contain the closed form of the transition loss, which needs the relief valve closed while a port is
+open."""
 RIPPLE = frozenset(("pwm_frequency", "load_pulsation"))
-"""What reports the ripple behind the load port."""
+"""Quantities that limit the ripple behind the load port."""
 
 
 MOST_TRANSITION = 0.5
@@ -277,7 +278,7 @@ def with_usual_limits(asked: Problem, *, front: bool = False) -> Problem:
     if front and "relief_margin" not in named:
         more.append(Limit("relief_margin", at_least=True, value=0.0, usual=True))
     if front and "input_power" not in named:
-        rated = rotary_bench(asked.system, "design").motor.rated_power
+        rated = rotary_bench(asked.system, "design").rated_power
         now = max(float(q.input_power) for q in before)
         more.append(Limit("input_power", at_least=False, value=max(rated, now), usual=True))
     return replace(asked, limits=(*asked.limits, *more))

@@ -64,7 +64,7 @@ class Replay:
         return Replayed(as_value(self._example, reached), shown)
 
     def outputs(self, memory: Array, rows: Array, settings: Any | None = None) -> Array:
-        """The outputs alone, shape (samples, numbers shown); the flat `memory` becomes that after the last row."""
+        """The output alone, shape (samples, numbers shown), from a flat `memory`, which is then that after the rows."""
         rows = np.ascontiguousarray(rows, float)
         if rows.ndim != 2 or rows.shape[1] != self.width:
             raise RunError(f"rows of shape {rows.shape}; expected (samples, {self.width})")
