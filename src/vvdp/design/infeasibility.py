@@ -18,7 +18,7 @@ from vvdp.design.quantities import KINDS
 from vvdp.design.solver import FEASIBLE, OPTIONS, Traced, plain_quantities, quiet_casadi, row_of, valve_of
 
 WIDER = 100.0
-"""By what factor a bound is limit_curves to see whether it is in the way."""
+"""Factor by which a bound is widened to see whether it is in the way."""
 WITHOUT_USUAL = "--no-usual-limits"
 """The option that takes the usual limits away."""
 

@@ -1,4 +1,4 @@
-"""How the optimum changes with what it is asked for: one limit or bound limit_curves at a time, and exact gradients."""
+"""Sensitivity of the optimum to its problem: one limit or bound changed at a time, and exact gradients."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
