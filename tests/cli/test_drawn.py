@@ -242,6 +242,12 @@ def test_list_and_new_know_drawn_circuits(vvdp, drawn):
     assert (drawn / "other.toml").read_text() == DRAWN.replace("Pump and throttle", "other")
 
 
+def test_a_component_and_a_part_of_one_name_are_both_shown(vvdp):
+    said = vvdp("list", "gerotor-drive").out
+    assert said.startswith("gerotor-drive: ")
+    assert "believed_largest_flow" in said
+
+
 def test_the_library_is_listed(vvdp):
     said = vvdp("list", "--components").out
     for name in (*NODES, *COMPONENTS, *PROGRAMS):

@@ -66,6 +66,9 @@ def systems(
     if pages:
         for page in pages:
             print_page(page)
+        parts = chosen["parts"]
+        if named := [row for row in parts.rows if row[0] in (words or ())]:
+            _print(parts._replace(rows=named))
         _name_others(chosen, {page.type for page in pages})
         return
     for each in chosen.values():

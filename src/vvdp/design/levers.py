@@ -241,13 +241,13 @@ def _stand_with(system: System, *, has_bypass: bool, has_chamber: bool) -> Stand
 
 def _changed_stand(held: Stand, each: Pulled, at: Setup, oil: Mapping[str, float]) -> Stand:
     valve, changed = held.bench.valve, with_variables(at, each.values).valve
-    tables = {
+    changes = {
         "valve": {
             name: getattr(changed, name) for name in names(valve) if getattr(changed, name) != getattr(valve, name)
         },
         "relief_valve": {"cracking_pressure": float(at.relief_pressure)},
     }
     if each.soft and each.soft.chamber:
-        tables["chamber"] = {"precharge_pressure": each.soft.chamber.precharge_pressure}
-    made = held.with_tables(**{name: table for name, table in {**tables, "oil": oil}.items() if table})
+        changes["chamber"] = {"precharge_pressure": each.soft.chamber.precharge_pressure}
+    made = held.with_tables(**{name: table for name, table in {**changes, "oil": oil}.items() if table})
     return made.with_motor(float(pwm_frequency(at.spool_motor_speed, valve))) if each.lever.is_driven else made
