@@ -46,6 +46,13 @@ def test_what_is_changed_twice_has_the_last_value(bench):
     assert (twice.oil.density, twice.valve.lap_ratio) == (870.0, 0.9)
 
 
+def test_a_value_that_stands_in_no_equation_is_changed_beside_others(bench):
+    """The rated power of the motor; what was changed before stays."""
+    changed = bench.with_values({"oil.density": 860.0}).with_values({"motor.rated_power": 5e3, "valve.lap_ratio": 0.9})
+    assert changed.rated_power == pytest.approx(5e3)
+    assert (changed.oil.density, changed.valve.lap_ratio) == (860.0, 0.9)
+
+
 @pytest.mark.parametrize("path", ["components.valve.size", "nodes.nothing.start", "programs.encoder.sectors"])
 def test_a_path_that_leads_to_no_value_is_refused(bench, path):
     with pytest.raises(ParameterError, match=f"{path}: the circuit has no such value"):

@@ -35,6 +35,8 @@ from vvdp.valve.rotary import RotaryValve
 
 UNDRIVEN = SpoolDrive(coupling=0.0)
 """The drive of a spool that has none."""
+RATED_POWER = "motor.rated_power"
+"""Path of the rated power of the motor that turns the pump."""
 
 
 @dataclass(frozen=True)
@@ -268,8 +270,10 @@ class RotaryBench:
 
     def with_values(self, values: Mapping[str, Any]) -> "RotaryBench":
         """The same bench with other values by their paths. Raises ParameterError where they contradict."""
-        own = {self._place(path): value for path, value in values.items()}
-        return RotaryBench(self.system, {**self.changes, **own}, changed_values(self.params, own))
+        drawn = {path: value for path, value in values.items() if path == RATED_POWER}  # in no equation
+        own = {self._place(path): value for path, value in values.items() if path not in drawn}
+        system = with_numbers(self.system, drawn) if drawn else self.system
+        return RotaryBench(system, {**self.changes, **own}, changed_values(self.params, own))
 
     def with_tables(self, **tables: Mapping[str, Any]) -> "RotaryBench":
         """The same bench with some values of its tables replaced. Raises ParameterError where they contradict."""

@@ -312,7 +312,7 @@ class Drawer(ProgramDrawer):
         word = part.get("type")
         if not isinstance(word, str) or word not in types:
             meant = nearest(str(word), list(types))
-            if word in shipped_parts():
+            if isinstance(word, str) and word in shipped_parts():
                 meant = f"; it is a part, which stands in a table [parts.{path.partition('.')[2]}]"
             unknown = f"type {word!r} is unknown{meant}"
             self._fault(path, self._type_hint(path, types) if word is None else unknown)

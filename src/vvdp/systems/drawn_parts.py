@@ -185,7 +185,7 @@ def _entry_paths(path: str, parts: Mapping[str, Mapping[str, object]]) -> tuple[
 def other_keys(group: str, part: Entries, entry: Entries, folder: Path = Path()) -> list[str]:
     """The keys of a component or program that the other type which `entry` gives it does not take: they go with it.
 
-    folder  in which a program of one's own is looked for
+    folder  in which a user-defined program is looked for
     """
     word = str(entry.get("type"))
     found = TYPES.get(group, {}).get(word)

@@ -26,7 +26,8 @@ GENERIC = frozenset(replacements((), PLAIN))
 
 @dataclass(frozen=True)
 class OfferedValue:
-    """A value that a part offers: its physical quantity, and its default as text; empty where it has to be given."""
+    """A value that a part offers: its physical quantity, and its default, or the value that it stands in place of, as
+    text; empty where it has to be given."""
 
     kind: Kind | None
     default: str
@@ -69,6 +70,8 @@ def _value_at(file: PartFile, path: str) -> OfferedValue:
     if group == "components" and keys[0] == "start" and len(keys) == 2:
         start = _state_kinds(str(entry.get("type"))).get(keys[1])
         return OfferedValue(start, _text(as_table(entry.get("start")).get(keys[1]), start))
+    if other := _alternative(entry, keys[-1]):
+        return other
     kind, usual = _kind(group, str(entry.get("type")), keys)
     for key in keys[:-1]:
         entry = as_table(entry.get(key))
@@ -77,6 +80,14 @@ def _value_at(file: PartFile, path: str) -> OfferedValue:
         kind = written_quantity(given)
     text = _text(given, kind)
     return OfferedValue(kind, text or (value_text(usual, kind) if kind and isinstance(usual, float) else ""))
+
+
+def _alternative(entry: Mapping[str, Any], key: str) -> OfferedValue | None:
+    """The quantity that a component takes in place of one of its inputs; None of a key that is no alternative."""
+    component = COMPONENTS.get(str(entry.get("type")))
+    others = component.alternatives if isinstance(component, Component) and key not in entry else {}
+    found = ((name, other) for name, other in others.items() if other.name == key)
+    return next((OfferedValue(other.kind, f"in place of {name}") for name, other in found), None)
 
 
 def _state_kinds(word: str) -> Mapping[str, Kind | None]:
