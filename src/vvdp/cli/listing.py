@@ -48,7 +48,7 @@ def systems(
     json: AsJson = False,
 ) -> None:
     """List systems and circuits, shipped and in this folder."""
-    from vvdp.cli.library import pages_of, print_page
+    from vvdp.cli.library import pages_of
     from vvdp.cli.screen import print_json
 
     if language:
@@ -64,18 +64,25 @@ def systems(
         )
         return
     if pages:
-        for page in pages:
-            print_page(page)
-        parts = chosen["parts"]
-        if named := [row for row in parts.rows if row[0] in (words or ())]:
-            _print(parts._replace(rows=named))
-        _name_others(chosen, {page.type for page in pages})
+        _print_pages(pages, chosen, words or ())
         return
     for each in chosen.values():
         if each.rows:
             _print(each)
     if any(chosen[key].rows for key in LIBRARY if key in chosen):
         _print_hints()
+
+
+def _print_pages(pages: "Sequence[LibraryPage]", chosen: Mapping[str, Listed], words: Sequence[str]) -> None:
+    """Prints pages, then parts that are called the same, and other names with these letters."""
+    from vvdp.cli.library import print_page
+
+    for page in pages:
+        print_page(page)
+    parts = chosen["parts"]
+    if named := [row for row in parts.rows if row[0] in words]:
+        _print(parts._replace(rows=named))
+    _name_others(chosen, {page.type for page in pages})
 
 
 def _name_others(chosen: Mapping[str, Listed], shown: Collection[str]) -> None:
