@@ -68,8 +68,7 @@ class Course:
 
     def add(self, times: Array) -> None:
         """Goes on with edges at these times [s]."""
-        before = self.times[-1] if self.has_begun else times[0]
-        steps = np.diff(times, prepend=before)[0 if self.steps.size else 1 :]
+        steps = np.diff(np.concatenate([self.times[-1:], times]))
         self.steps = np.concatenate([self.steps, steps])[-RECENT:]
         self.times = np.concatenate([self.times, times])[-SEEN_BEFORE - 1 :]
 
