@@ -318,6 +318,7 @@ highest = "1"
         ({"lowest": "0 lpm"}, 7, "lowest", "is not a plain number"),
         ({"gain": "0.1 1/bra"}, 5, "gain", "unknown unit '1/bra'"),
         ({"gain": "0.1 lpm/bar"}, 7, "lowest", "'0' has no unit; a volume flow is written"),
+        ({"gain": "0.1"}, 7, "lowest", "for example '100 bar'; the command is gain times what is read"),
         (
             {"reference": "pump.flow"},
             4,

@@ -1,7 +1,7 @@
 """PI and PID controllers as programs: of any quantity, with limits, anti-windup and a bumpless start."""
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -107,5 +107,10 @@ def _by_gain(read: Sequence[Kind], values: Written) -> Kind:
     return of_gain(values.get("gain"), read[0])
 
 
-PI = GenericProgram(ProgramType(pi_program_step, Controlled, Value(0.0), Pi, controller_start), _by_gain)
-PID = GenericProgram(ProgramType(pid_program_step, Controlled, Value(0.0), Pid, controller_start), _by_gain)
+def _controller(step: Callable[..., Any], settings: type[Pi]) -> GenericProgram:
+    kind = ProgramType(step, Controlled, Value(0.0), settings, controller_start)
+    return GenericProgram(kind, _by_gain, follows="gain times what is read")
+
+
+PI = _controller(pi_program_step, Pi)
+PID = _controller(pid_program_step, Pid)

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from vvdp.base.kinds import Kind
-from vvdp.base.params import Params
+from vvdp.base.params import Params, field_kinds
 from vvdp.network.program import ProgramType
-from vvdp.programs.quantities import replacements, with_kinds
+from vvdp.programs.quantities import OUTPUT, replacements, with_kinds
 
 Written = Mapping[str, object]
 """The values of a program as a file gives them."""
@@ -26,6 +26,7 @@ class GenericProgram:
     output  output(what each input reads, values as a file gives them) -> quantity of the command
     first   first(settings, first reading) -> command before it is called
     made    made(values of the file) -> settings of the step, where these are of another class
+    follows what the quantity of the command follows from, for messages
     suited  suited(settings) -> the program that works with them, where it depends on them
     """
 
@@ -34,6 +35,12 @@ class GenericProgram:
     first: Callable[[Any, Any], Any] | None = None
     made: Callable[[Any], Params] | None = None
     suited: Callable[[Any], ProgramType] | None = None
+    follows: str = ""
+
+    def commanded_keys(self) -> frozenset[str]:
+        """The values that have the quantity of the command."""
+        kinds = field_kinds(self.type.settings) if self.type.settings else {}
+        return frozenset(key for key, kind in kinds.items() if kind is OUTPUT)
 
     def for_quantities(self, read: Sequence[Kind], output: Kind | None = None) -> ProgramType:
         """The program for one circuit, where its first inputs read these quantities and its command is `output`."""
