@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from vvdp.base.errors import Fault
 from vvdp.base.kinds import Kind
 from vvdp.base.params import Params, field_kinds
 from vvdp.network.program import ProgramType
@@ -37,10 +38,12 @@ class GenericProgram:
     suited: Callable[[Any], ProgramType] | None = None
     follows: str = ""
 
-    def commanded_keys(self) -> frozenset[str]:
-        """The values that have the quantity of the command."""
+    def explain(self, fault: Fault) -> Fault:
+        """A fault of a value; of one that has the quantity of the command, with what that follows from."""
         kinds = field_kinds(self.type.settings) if self.type.settings else {}
-        return frozenset(key for key, kind in kinds.items() if kind is OUTPUT)
+        if not self.follows or kinds.get(fault.key.rpartition(".")[2]) is not OUTPUT:
+            return fault
+        return replace(fault, message=f"{fault.message}; the command is {self.follows}")
 
     def for_quantities(self, read: Sequence[Kind], output: Kind | None = None) -> ProgramType:
         """The program for one circuit, where its first inputs read these quantities and its command is `output`."""

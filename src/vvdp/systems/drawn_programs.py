@@ -109,7 +109,8 @@ class ProgramDrawer(ABC):
         given = {key: value for key, value in part.values.items() if key in own}
         earlier = len(self.faults)
         settings = self._table(kind.settings, part.path, given) if kind.settings else None
-        self.faults[earlier:] = [_with_quantity(each, part) for each in self.faults[earlier:]]
+        if isinstance(part.kind, GenericProgram):
+            self.faults[earlier:] = map(part.kind.explain, self.faults[earlier:])
         times = {key: part.values[key] for key in field_kinds(ProgramTimes) if key in part.values}
         called = self._table(ProgramTimes, part.path, times)
         previous = part.values.get("previous", False)
@@ -255,14 +256,6 @@ def _with_inputs(part: Mapping[str, object], kind: ProgramType) -> Mapping[str, 
         case str() if "reads" not in inputs and "." not in reads:
             return {name: f"{reads}.{name}" for name in open_inputs if name not in kind.defaults} | rest
     return part
-
-
-def _with_quantity(fault: Fault, part: "WrittenPart") -> Fault:
-    """A fault of a value that has the quantity of the command, with what that follows from."""
-    kind, key = part.kind, fault.key.rpartition(".")[2]
-    if not isinstance(kind, GenericProgram) or not kind.follows or key not in kind.commanded_keys():
-        return fault
-    return dataclasses.replace(fault, message=f"{fault.message}; the command is {kind.follows}")
 
 
 def _path(entry: Any) -> str | None:
