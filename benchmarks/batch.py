@@ -17,6 +17,7 @@ from vvdp.base.signal import constant
 from vvdp.evaluation.bench import rotary_bench
 from vvdp.evaluation.unit_rig import unit_on_rig
 from vvdp.simulation.batch import BatchRun, simulate_batch
+from vvdp.simulation.crew import Crew
 from vvdp.simulation.lane_code import host_width
 from vvdp.simulation.model import Case
 from vvdp.systems.system import System, load_system
@@ -39,7 +40,7 @@ def cases(system: System, count: int) -> Iterator[Case]:
 def around(system: System, chosen: list[Case], rounds: int) -> None:
     """Tells what Python takes around the loop for each case: the processor time of cases that end at once."""
     at_once = replace(system.stepping, until=1e-9, window=1e-9, record_interval=1e-9, window_interval=1e-9)
-    batch = partial(simulate_batch, system.model, chosen, at_once, cores=1)
+    batch = partial(simulate_batch, system.model, chosen, at_once, Crew(1))
     batch()
     per_case = [1e3 * x / len(chosen) for x in interleaved({"around": batch}, rounds)["around"]]
     report("Python around a case", spread(per_case, "ms"), f"{AROUND_TARGET:g} ms", min(per_case) < AROUND_TARGET)
@@ -47,8 +48,8 @@ def around(system: System, chosen: list[Case], rounds: int) -> None:
 
 def in_lanes(batch: Callable[..., BatchRun], count: int, rounds: int) -> None:
     """Tells how many cases a core gets through in a second, in lanes and one by one; by processor time."""
-    assert all(batch(cores=1).lanes)
-    variants = {"in lanes": partial(batch, cores=1), "one by one": partial(batch, cores=1, lanes=False)}
+    assert all(batch(Crew(1)).lanes)
+    variants = {"in lanes": partial(batch, Crew(1)), "one by one": partial(batch, Crew(1), lanes=False)}
     times = interleaved(variants, rounds)
     for name, found in times.items():
         report(f"cases per second and core, {name}", spread([count / x for x in found], "cases"))
@@ -63,14 +64,14 @@ def main(short: bool) -> None:
     chosen = list(cases(system, count))
     batch = partial(simulate_batch, system.model, chosen, system.stepping)
     in_lanes(batch, count, 2 if short else ROUNDS)
-    one, two = batch(cores=1), batch(cores=2)
+    one, two = batch(Crew(1)), batch(Crew(2))
     assert not any(one.reasons) and np.array_equal(one.final, two.final)
-    variants = {"one thread": partial(batch, cores=1), "two threads": partial(batch, cores=2)}
+    variants = {"one thread": partial(batch, Crew(1)), "two threads": partial(batch, Crew(2))}
     times = interleaved(variants, 2 if short else ROUNDS, time.perf_counter)
     for name, found in times.items():
         report(f"{count} cases of {system.stepping.until:g} s, {name}", spread(found, "s"))
     began, began_cpu = time.perf_counter(), time.process_time()
-    batch(cores=2)
+    batch(Crew(2))
     got = (time.process_time() - began_cpu) / (time.perf_counter() - began)
     report("cores that two threads got", f"{got:.2f}, once; a busy machine gives fewer than 2")
     simulated = count * system.stepping.until

@@ -11,6 +11,7 @@ from statistics import median
 from benchmarks.measure import ROUNDS, interleaved, report, run_as_command, spread
 from vvdp.evaluation.summary import closed_forms, run_summary
 from vvdp.simulation.batch import simulate_batch
+from vvdp.simulation.crew import Crew, never
 from vvdp.simulation.run import simulate
 from vvdp.systems.system import System, load_system
 
@@ -82,7 +83,11 @@ def main(short: bool) -> None:
     brief = load_system("prototype", until="10 ms")
     simulate(brief.model, brief.case, brief.stepping)  # compiled before the clock starts
     simulate_batch(brief.model, [brief.case], brief.stepping)
-    run, batch = partial(simulate, model, case, stepping), partial(simulate_batch, model, [case] * 20, stepping)
+    run = partial(simulate, model, case, stepping)
+
+    def batch(stop: Callable[[], bool] = never, *, lanes: bool = True) -> None:
+        simulate_batch(model, [case] * 20, stepping, Crew(stop=stop), lanes=lanes)
+
     found = [silence(run) for _ in range(rounds)]
     report("another thread, silent for at most", spread(found, "ms", 1e3), "40 ms", median(found) < SILENCE)
     for name, work in (("run", run), ("batch in lanes", batch), ("batch one by one", partial(batch, lanes=False))):

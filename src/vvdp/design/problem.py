@@ -17,7 +17,9 @@ from vvdp.base.units import parse
 from vvdp.design.quantities import KINDS, LABELS, Quantities, Setup, quantities, setup
 from vvdp.design.variables import VARIABLES, Variable, value_in, with_variables
 from vvdp.evaluation.bench import rotary_bench
+from vvdp.fluid.oil import Oil
 from vvdp.systems.system import System
+from vvdp.valve.rotary import RotaryValve
 
 _STATEMENT = re.compile(r"\s*(\w+)\s*(>=|<=|=|≥|≤)\s*(.+?)\s*\Z")
 _SIGNS = {"≥": ">=", "≤": "<="}
@@ -155,6 +157,16 @@ def _traced_quantities(at: Setup, names: tuple[str, ...]) -> Any:
     return casadi.Function("quantities", [x], [casadi.vertcat(*found)])
 
 
+def _symbolic_quantities(at: Setup, values: Mapping[str, Any]) -> Quantities:
+    """The quantities with the variables at `values`, CasADi symbols and numbers together."""
+    if not isinstance(at.valve, RotaryValve) or not isinstance(at.oil, Oil):  # a loose copy, which may have symbols
+        return quantities(with_variables(at, values))
+    import casadi
+
+    row = casadi.vertsplit(_traced_quantities(at, tuple(values))(casadi.vertcat(*values.values())))
+    return Quantities(**dict(zip(Quantities._fields, row, strict=True)))
+
+
 @dataclass(frozen=True)
 class Problem:
     """Problem of optimisation: the objective that is minimised (its weighted mean over the points, negative with sign
@@ -190,11 +202,7 @@ class Problem:
 
     def evaluate_symbols(self, values: Mapping[str, Any]) -> list[Quantities]:
         """The same for CasADi symbols and numbers together."""
-        import casadi
-
-        x = casadi.vertcat(*values.values())
-        rows = [casadi.vertsplit(_traced_quantities(point.setup, tuple(values))(x)) for point in self.points]
-        return [Quantities(**dict(zip(Quantities._fields, row, strict=True))) for row in rows]
+        return [_symbolic_quantities(point.setup, values) for point in self.points]
 
     def excesses(self, found: Sequence[Quantities]) -> list[list[Any]]:
         """How far each limit is exceeded, at every point or in the mean over them."""
