@@ -92,5 +92,5 @@ def test_the_page_has_the_numbers_of_the_valve():
     result = run_result(recorded_run(system, simulate(system.model, system.case, system.stepping), []))
     labels = {row.label for row in result.listings["valves"].rows}
     assert {"unit PWM frequency", "unit efficiency, pump shaft to load"} <= labels
-    shown = next(section.shows for section in result.sections if section.title == "Key numbers")
+    shown = next(section.shows for section in result.sections if section.title == "Losses")
     assert "valves" in shown

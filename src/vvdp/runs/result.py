@@ -114,18 +114,17 @@ def number_listings(run: RecordedRun) -> dict[str, Listing]:
 
 
 def loss_listings(run: RecordedRun) -> dict[str, Listing]:
-    """The losses of a summary by component, by part or by cause."""
+    """The losses of a summary by component, by part or by cause, and the numbers of rotary valves."""
     if is_bench(run.system):
         return bench_loss_listings(run)
-    return {"losses": loss_listing(run)} | circuit_loss_listings(run)
+    valves = dict(zip(("valves",), valve_listing(run), strict=False))
+    return {"losses": loss_listing(run)} | circuit_loss_listings(run) | valves
 
 
 def key_listings(run: RecordedRun) -> dict[str, Listing]:
-    """The overview that the system brings along, and, if that is not all of it, the numbers of its rotary valves."""
+    """The overview that the system brings along; none where it brings none."""
     extras = additions(run.system)
-    own = {} if extras is None or not extras.OVERVIEW else {"overview": overview(run, extras)}
-    valves = () if own and extras is not None and extras.IS_ALL else valve_listing(run)
-    return own | dict(zip(("valves",), valves, strict=False))
+    return {} if extras is None or not extras.OVERVIEW else {"overview": overview(run, extras)}
 
 
 def _findings(run: RecordedRun, report: BenchReport | None) -> tuple[Finding, ...]:
