@@ -93,7 +93,7 @@ def with_drag(powers: Mapping[tuple[Use, str], float]) -> dict[tuple[Use, str], 
 
 @cache
 def drag_of(use: Use, name: str) -> float:
-    """What the pumps of a circuit drag on a use [W]."""
+    """Drag power of the pumps of a circuit in a use [W]."""
     (circuit,) = (each for each in CIRCUITS if each.name == name)
     return drag(circuit, duty_of(use), pump_ends()["friction_torque"])
 

@@ -11,7 +11,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.select import maximum
 from vvdp.comparison.controllers import controllers
 from vvdp.comparison.loop_result import controller_result
-from vvdp.comparison.loop_scenarios import loop_scenarios
+from vvdp.comparison.loop_scenarios import KNOWN_AIR, loop_scenarios
 from vvdp.comparison.loop_scores import LoopScore, loop_score, loop_summary
 from vvdp.comparison.loop_trials import compare_controllers
 from vvdp.control.backstepping import velocity_share
@@ -190,6 +190,13 @@ def test_a_run_is_drawn(found):
     rms = {name: np.sqrt(np.mean(error[late] ** 2)) for name, error in found.traced.errors.items()}
     assert rms["raw"] > 10.0 * rms["passivity"]
     assert {"tracking-error", "errors"} == set(controller_result(found).charts)  # noise takes the scenario without
+
+
+def test_the_known_air_is_that_of_the_shipped_drive():
+    """10 % of the oil is R/(1 + R) of the mixture, in the drive as it is and as its law knows it; titles say so."""
+    network = drawn_loop({}).circuit.network
+    known = (network.oil.air_fraction, network.programs[LAW].settings.drive.oil.air_fraction)
+    assert known == pytest.approx((KNOWN_AIR / (1.0 + KNOWN_AIR),) * 2, rel=1e-8)
 
 
 def test_the_best_weight_takes_the_velocity_out():

@@ -50,6 +50,7 @@ def test_a_value_that_stands_in_no_equation_is_changed_beside_others(bench):
     """The rated power of the motor; what was changed before stays."""
     changed = bench.with_values({"oil.density": 860.0}).with_values({"motor.rated_power": 5e3, "valve.lap_ratio": 0.9})
     assert changed.rated_power == pytest.approx(5e3)
+    assert bench.with_values({"nodes.pump_shaft.rated_power": 6e3}).rated_power == pytest.approx(6e3)
     assert (changed.oil.density, changed.valve.lap_ratio) == (860.0, 0.9)
 
 

@@ -33,7 +33,7 @@ class Signal:
         return min(corners) - self._swing, max(corners) + self._swing
 
     def may_be(self, value: float) -> bool:
-        """Whether the signal may take a value at some time; a jump skips the values between its ends."""
+        """Whether the signal takes a value at some time; a jump skips the values between its ends."""
         return any(min(ends) - self._swing <= value <= max(ends) + self._swing for ends in self._stretches())
 
     @property

@@ -136,7 +136,7 @@ def _to_si(number: float, unit: str, text: object, kind: Kind, level: bool = Tru
 
 
 def _fault_of_unit(number: float, unit: str, kind: Kind) -> str:
-    """Why a number in `unit` is no value of `kind`, as the end of a message; empty if it may be one."""
+    """End of a message that refuses a number in `unit` as a value of `kind`; empty if it is accepted."""
     example = f"for example {kind.example!r}"
     if kind.unit == "SI":
         return "" if unit == "SI" else f": write the number with the word SI, {example}"

@@ -185,7 +185,7 @@ def modulated_stop(t: float, duty_ratio: Fraction, values: PulseClock) -> float:
 
 
 class _Spool(NamedTuple):
-    """Where a spool stands, how it moves, and which end of the stroke holds it."""
+    """Position of a switching spool, its rates, and the end of the stroke that holds it."""
 
     position: Position
     rates: SpoolState

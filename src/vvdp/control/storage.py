@@ -108,8 +108,7 @@ def least_estimation_weight(tracking: Array, estimation: Array, tolerance: float
     estimation  x' P^-1 x at the same samples [1]
     tolerance   by which W may rise between two samples all the same [J]
 
-    Raises `ParameterError` if W rises at a sample at which the other does not fall: there is no such weight then. The
-    message states the sample.
+    Raises `ParameterError`, with the sample, if W rises where the other does not fall: no weight is large enough then.
     """
     rises, falls = np.diff(tracking) - tolerance, -np.diff(estimation)
     rising = rises > 0.0

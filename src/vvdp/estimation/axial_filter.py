@@ -267,7 +267,7 @@ def take_optical(draft: Draft, seen: AxialSeen, pollution: PollutionModel, perio
 
 
 def needs_duty(seen: AxialSeen) -> bool:
-    """Whether a new duty ratio is there and needed: the optical sensor is lost, or nearly blind."""
+    """Whether a new duty ratio is available and needed: the optical sensor is lost, or nearly blind."""
     wanted = seen.margin < WARN_BELOW or seen.optical != seen.optical
     return wanted and seen.held == 0.0 and seen.duty.duty_ratio == seen.duty.duty_ratio
 

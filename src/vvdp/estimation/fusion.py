@@ -220,7 +220,7 @@ def fusion_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) 
 
 
 def _turns(memory: FusionMemory, time: float, settings: Fusion) -> bool:
-    """Whether the pressure shows that the spool turns: then a silence of the encoder carries no information."""
+    """Whether the pressure shows that the spool turns; a silence of the encoder then carries no information."""
     pitch = 2.0 * np.pi / settings.sections
     since = (time - memory.doubts.pressure_time) * maximum(memory.filter.belief.speed, settings.filter.lowest_speed)
     turns: bool = memory.doubts.pressure_time > memory.filter.last.time and since < PATIENT_PITCHES * pitch

@@ -63,8 +63,8 @@ class BenchSeries:
 
 
 class Operation(NamedTuple):
-    """What is prescribed from outside over time, apart from the spool: speeds [rad/s], temperature [K], and the
-    pressure of the tank [Pa, absolute]."""
+    """Prescribed signals, apart from that of the spool's position: speeds [rad/s], oil temperature [K], and the
+    pressure of the tank, absolute [Pa]."""
 
     pump_speed: Signal
     oil_temperature: Signal
@@ -104,7 +104,7 @@ class RotaryBench:
 
     @cached_property
     def operation(self) -> Operation:
-        """What is prescribed; the motor of a spool that has none stands."""
+        """The prescribed signals; without a motor at the spool its speed is 0."""
         driven = "spool_motor" in self.system.circuit.network.nodes
         return Operation(
             pump_speed=self.value("operation.pump_speed"),
@@ -270,9 +270,11 @@ class RotaryBench:
 
     def with_values(self, values: Mapping[str, Any]) -> "RotaryBench":
         """The same bench with other values by their paths. Raises ParameterError where they contradict."""
-        drawn = {path: value for path, value in values.items() if path == RATED_POWER}  # in no equation
-        own = {self._place(path): value for path, value in values.items() if path not in drawn}
-        system = with_numbers(self.system, drawn) if drawn else self.system
+        network = self.system.circuit.network
+        placed = {full_path(path, network): value for path, value in values.items()}
+        rated = placed.pop(full_path(RATED_POWER, network), None)  # stands in no equation
+        own = {value_place(self.system.circuit, path): value for path, value in placed.items()}
+        system = self.system if rated is None else with_numbers(self.system, {RATED_POWER: rated})
         return RotaryBench(system, {**self.changes, **own}, changed_values(self.params, own))
 
     def with_tables(self, **tables: Mapping[str, Any]) -> "RotaryBench":

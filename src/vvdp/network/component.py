@@ -14,7 +14,7 @@ from typing import Annotated, Any, get_args, get_origin, get_type_hints
 from vvdp.base.conservation import Stored
 from vvdp.base.errors import NetworkError
 from vvdp.base.kinds import KINK, MODE, Kind
-from vvdp.base.params import Params, field_kinds
+from vvdp.base.params import Params, argument_kinds, field_kinds
 from vvdp.fluid.mixture import FluidState
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.flow import Passage
@@ -208,11 +208,10 @@ class Component:
 
 
 def _arguments(function: Callable[..., Any], component: Component) -> tuple[Argument, ...]:
-    hints = get_type_hints(function, include_extras=True)
+    hints, kinds = get_type_hints(function, include_extras=True), argument_kinds(function)
     found = []
     for name, parameter in inspect.signature(function).parameters.items():
-        hint, default = hints.get(name), parameter.default
-        kind = next((k for k in getattr(hint, "__metadata__", ()) if isinstance(k, Kind)), None)
+        hint, kind, default = hints.get(name), kinds.get(name), parameter.default
         plain = get_args(hint)[0] if get_origin(hint) is Annotated else hint
         role = Role.TIME if name == "t" else _role(plain, kind, component)
         if role is None:

@@ -37,7 +37,7 @@ from vvdp.runs.tables import (
     node_listing,
     overview,
     series_table,
-    valve_listing,
+    valve_listings,
 )
 from vvdp.systems.assumed import assumed_words
 
@@ -117,8 +117,7 @@ def loss_listings(run: RecordedRun) -> dict[str, Listing]:
     """The losses of a summary by component, by part or by cause, and the numbers of rotary valves."""
     if is_bench(run.system):
         return bench_loss_listings(run)
-    valves = dict(zip(("valves",), valve_listing(run), strict=False))
-    return {"losses": loss_listing(run)} | circuit_loss_listings(run) | valves
+    return {"losses": loss_listing(run)} | circuit_loss_listings(run) | valve_listings(run)
 
 
 def key_listings(run: RecordedRun) -> dict[str, Listing]:

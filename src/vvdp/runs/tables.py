@@ -74,15 +74,15 @@ def screen_listings(run: RecordedRun) -> tuple[Listing, ...]:
     if own and extras is not None and extras.IS_ALL:
         return own
     listings = node_listing(run), component_listing(run), loss_listing(run), *circuit_loss_listings(run).values()
-    return (*listings, *valve_listing(run), *own)
+    return (*listings, *valve_listings(run).values(), *own)
 
 
-def valve_listing(run: RecordedRun) -> tuple[Listing, ...]:
-    """Table of the rotary valves of a drawn circuit; empty where it has none."""
+def valve_listings(run: RecordedRun) -> dict[str, Listing]:
+    """The table of the rotary valves of a drawn circuit; empty if it has none."""
     numbers, forms = dict(valve_quantities(run.system)), dict(placed_form_quantities(run.system))
     shown = numbers | {key: forms[key] for key in forms if key in run.summary}
     rows = tuple(Row(label, kind, (run.number(key),)) for key, (kind, label) in shown.items())
-    return (Listing(title="Rotary valves", heads=("mean",), rows=rows),) if rows else ()
+    return {"valves": Listing(title="Rotary valves", heads=("mean",), rows=rows)} if rows else {}
 
 
 def node_listing(run: RecordedRun) -> Listing:
